@@ -1,0 +1,54 @@
+# make run | test | check | bench | install
+PYTHON ?= $(firstword $(shell command -v python3.11 python3 python 2>/dev/null))
+HOST ?= 127.0.0.1
+PORT ?= 8080
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help run install test check format bench browser
+
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## /{printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+
+run: install ## set up, then serve the dashboard (PORT=9000 make run for another port)
+	@exec $(BIN)/brickpose run --host $(HOST) --port $(PORT)
+
+install: .venv/installed ## set up the virtual environment
+
+test: .venv/installed-dev browser ## run every test
+	$(BIN)/python -m pytest
+
+check: .venv/installed-dev ## lint and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: .venv/installed-dev ## tidy the source
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: .venv/installed-dev ## measure
+	$(BIN)/brickpose bench
+
+browser:
+	@command -v chromium chromium-browser google-chrome >/dev/null || \
+	{ [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >/dev/null; } || \
+	{ echo "The browser tests need Chromium: sudo apt-get install chromium" >&2; exit 1; }
+
+.venv/bin/python:
+	@[ -n "$(PYTHON)" ] || { echo "Python 3.11 or newer is missing: https://www.python.org/downloads/" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	{ echo "BrickPose needs Python 3.11 or newer; $(PYTHON) is $$($(PYTHON) --version 2>&1)." >&2; exit 1; }
+	@$(PYTHON) -m venv .venv || { echo "Python's venv module is missing: sudo apt-get install python3-venv" >&2; exit 1; }
+
+.venv/installed: pyproject.toml constraints.txt | .venv/bin/python
+	@echo "Setting up .venv (once) ..."
+	@$(PIP) --editable .
+	@touch $@
+
+.venv/installed-dev: .venv/installed
+	@echo "Setting up the tools for tests and checks (once) ..."
+	@$(PIP) --editable '.[dev]'
+	@touch $@

@@ -1,0 +1,1 @@
+"""The program: engine, server, views and command line."""

@@ -1,0 +1,161 @@
+"""Planar poses and velocities; all heading trigonometry of the project.
+
+Frames (REP-103: x forward, y left, z up; angles from +x, anticlockwise; metres and radians):
+
+========  =============================================================================
+map       the field; its origin is the drawing's origin
+odom      where odometry started; drifts against the map
+robot     on the floor below the middle of the axle (REP-120's ``base_footprint``)
+camera    optical frame: x right, y down, z along the view
+========  =============================================================================
+
+``a_from_b`` takes coordinates in b to coordinates in a, so in a chain
+``map_from_odom @ odom_from_robot`` neighbours must have the same name.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@overload
+def wrap_angle(angle: float) -> float: ...
+@overload
+def wrap_angle(angle: Array) -> Array: ...
+def wrap_angle(angle: float | Array) -> float | Array:
+    """Bring an angle [rad] into [-pi, pi)."""
+    if isinstance(angle, np.ndarray):
+        wrapped = np.mod(angle + math.pi, 2 * math.pi) - math.pi
+        # A tiny negative angle is rounded up to the full turn by mod.
+        return np.where(wrapped >= math.pi, -math.pi, wrapped)
+    wrapped_angle = (angle + math.pi) % (2 * math.pi) - math.pi
+    return -math.pi if wrapped_angle >= math.pi else wrapped_angle
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """A planar pose: position x, y [m] and heading theta [rad] in [-pi, pi)."""
+
+    x: float = 0.0
+    y: float = 0.0
+    theta: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "theta", wrap_angle(self.theta))
+
+    def __matmul__(self, other: Pose2) -> Pose2:
+        """Chain two poses: ``a_from_b @ b_from_c`` is ``a_from_c``."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(
+            self.x + c * other.x - s * other.y,
+            self.y + s * other.x + c * other.y,
+            self.theta + other.theta,
+        )
+
+    def inverse(self) -> Pose2:
+        """Swap the two frames: of ``a_from_b`` make ``b_from_a``."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.theta)
+
+    def apply(self, points: Array) -> Array:
+        """Take points (n, 2) [m] from the inner frame to the outer one."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return points @ np.array([[c, s], [-s, c]]) + (self.x, self.y)
+
+    def distance_to(self, other: Pose2) -> float:
+        """Distance between the two positions [m]."""
+        return math.hypot(self.x - other.x, self.y - other.y)
+
+    def turn_to(self, other: Pose2) -> float:
+        """Angle from this heading to the other [rad], in [-pi, pi)."""
+        return wrap_angle(other.theta - self.theta)
+
+    def is_finite(self) -> bool:
+        """Whether all three numbers are finite."""
+        return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.theta)
+
+    def to_array(self) -> Array:
+        """As an array (3,): x, y, theta."""
+        return np.array([self.x, self.y, self.theta])
+
+    @classmethod
+    def from_array(cls, values: Array) -> Pose2:
+        """From an array (3,): x, y, theta."""
+        return cls(float(values[0]), float(values[1]), float(values[2]))
+
+
+@dataclass(frozen=True, slots=True)
+class Twist2:
+    """A planar velocity in the robot frame: v [m/s] forward and omega [rad/s] anticlockwise."""
+
+    v: float = 0.0
+    omega: float = 0.0
+
+    def integrate(self, duration: float) -> Pose2:
+        """Where a robot ends, seen from its start, that keeps this twist for a time [s].
+
+        The path is an arc of a circle (Probabilistic Robotics, Table 5.3, without the noise).
+        """
+        turn = self.omega * duration
+        distance = self.v * duration
+        # sin(t)/t and (1 - cos(t))/t; near zero by their Taylor series.
+        if abs(turn) < 1e-4:
+            along, aside = 1 - turn * turn / 6, turn / 2
+        else:
+            along, aside = math.sin(turn) / turn, (1 - math.cos(turn)) / turn
+        return Pose2(distance * along, distance * aside, turn)
+
+
+def interpolate(start: Pose2, end: Pose2, fraction: float) -> Pose2:
+    """The pose a fraction of the way between two, turning the short way round."""
+    return Pose2(
+        start.x + fraction * (end.x - start.x),
+        start.y + fraction * (end.y - start.y),
+        start.theta + fraction * start.turn_to(end),
+    )
+
+
+def heading_vectors(angles: Array) -> Array:
+    """Unit vectors (n, 2) that point along angles (n,) [rad]."""
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def heading_angles(vectors: Array) -> Array:
+    """Angles (n,) [rad] along which vectors (n, 2) point."""
+    return np.arctan2(vectors[..., 1], vectors[..., 0])
+
+
+def compose(poses: Array, moved: Array) -> Array:
+    """``poses @ moved`` for arrays of poses (n, 3) and motions (n, 3) or (3,), as (n, 3)."""
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    dx, dy, turn = moved[..., 0], moved[..., 1], moved[..., 2]
+    return np.stack(
+        [
+            poses[:, 0] + c * dx - s * dy,
+            poses[:, 1] + s * dx + c * dy,
+            wrap_angle(poses[:, 2] + turn),
+        ],
+        axis=1,
+    )
+
+
+def mean_pose(poses: Array, weights: Array) -> Pose2:
+    """The weighted mean of poses (n, 3); headings are averaged as unit vectors."""
+    total = weights.sum()
+    x, y = weights @ poses[:, :2] / total
+    toward_x, toward_y = weights @ heading_vectors(poses[:, 2])
+    return Pose2(float(x), float(y), math.atan2(toward_y, toward_x))
+
+
+def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
+    """The weighted covariance (3, 3) [m, m, rad] of poses (n, 3) about their mean."""
+    offsets = poses - mean.to_array()
+    offsets[:, 2] = wrap_angle(offsets[:, 2])
+    return (offsets * (weights / weights.sum())[:, None]).T @ offsets

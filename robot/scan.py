@@ -1,0 +1,34 @@
+"""A scan: distances by bearing, as a laser would report them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.geometry import Array, Pose2, heading_vectors
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """Ranges by bearing around a centre; no return is +inf."""
+
+    stamp: float
+    """When the measurement was made, on the robot's clock [s]."""
+    bearings: Array
+    """(k,) [rad], from +x of the scan's centre, anticlockwise."""
+    ranges: Array
+    """(k,) [m] from the scan's centre; +inf where nothing was found."""
+    robot_from_scan: Pose2 = field(default=Pose2())
+    """Where the rays start; the line scanner's start at the robot's own origin."""
+
+    @property
+    def hit(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Which rays returned something, (k,)."""
+        return np.isfinite(self.ranges)
+
+    def points(self) -> Array:
+        """The end points of the rays that hit, (n, 2) [m] in the robot frame."""
+        hit = self.hit
+        local = heading_vectors(self.bearings[hit]) * self.ranges[hit, None]
+        return self.robot_from_scan.apply(local)

@@ -1,0 +1,86 @@
+"""Settings that carry their meaning, unit and range, checked when they are made.
+
+A group of settings is a frozen dataclass whose fields are made by ``setting``; the command line,
+the configuration file, the dashboard and the documentation all read the same field.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+
+class SettingError(ValueError):
+    """A setting is unknown, of the wrong type or out of its range."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What is known of one setting."""
+
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    choices: tuple[str, ...]
+
+
+def setting(
+    default: Any,
+    meaning: str,
+    *,
+    unit: str = "",
+    low: float = -math.inf,
+    high: float = math.inf,
+    choices: Iterable[str] = (),
+) -> Any:
+    """A dataclass field that knows what it means; ``low`` and ``high`` are allowed values."""
+    known = Setting(meaning, unit, low, high, tuple(choices))
+    return dataclasses.field(default=default, metadata={"setting": known})
+
+
+def describe(group: Any) -> dict[str, Setting]:
+    """The settings of a dataclass (or of an instance) by name."""
+    return {
+        f.name: f.metadata["setting"]
+        for f in dataclasses.fields(group)
+        if "setting" in f.metadata
+    }
+
+
+def check_settings(group: Any) -> None:
+    """Refuse values outside their range; call it from ``__post_init__``.
+
+    Raises:
+        SettingError: names the setting and what is valid.
+    """
+    for name, known in describe(group).items():
+        value = getattr(group, name)
+        if known.choices and value not in known.choices:
+            raise SettingError(f"{name} is {value!r}; valid are {', '.join(known.choices)}")
+        if isinstance(value, (int, float)) and not known.low <= value <= known.high:
+            unit = f" {known.unit}" if known.unit else ""
+            raise SettingError(f"{name} is {value:g}{unit}; valid is {_range(known)}{unit}")
+
+
+def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
+    """Refuse names that are no field of a dataclass.
+
+    Raises:
+        SettingError: names the misspelt one with its path, and the valid ones.
+    """
+    valid = [f.name for f in dataclasses.fields(group)]
+    for name in names:
+        if name not in valid:
+            raise SettingError(f"{path}{name} is unknown; valid are {', '.join(sorted(valid))}")
+
+
+def _range(known: Setting) -> str:
+    if math.isinf(known.high):
+        return f"{known.low:g} or more"
+    if math.isinf(known.low):
+        return f"{known.high:g} or less"
+    return f"{known.low:g} to {known.high:g}"

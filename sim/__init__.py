@@ -1,0 +1,1 @@
+"""Simulated robots behind the same interface as the real one."""
