@@ -1,0 +1,99 @@
+"""Where each ray of the line scanner runs through the picture: worked out once for a camera."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.camera import FloorView
+from robot.geometry import Array, heading_vectors
+
+MARGIN_PX = 3.0
+"""Rays keep this far from the picture's border, so that interpolation and blur stay inside."""
+
+
+@dataclass(frozen=True)
+class RayTable:
+    """k rays around a centre on the floor, each a row of at most m samples in the picture."""
+
+    centre: Array
+    """(2,) [m] in the robot frame."""
+    bearings: Array
+    """(k,) [rad]"""
+    counts: NDArray[np.int32]
+    """(k,) samples of the row that are used; the rest repeats the last."""
+    distances: Array = field(repr=False)
+    """(k, m) from the centre [m], rising along a row."""
+    pixels: NDArray[np.float32] = field(repr=False)
+    """(k, m, 2) where each sample lies in the picture."""
+
+    @classmethod
+    def build(
+        cls,
+        view: FloorView,
+        bearings: Array,
+        *,
+        centre_x: float,
+        range_max: float,
+        step_px: float,
+    ) -> RayTable:
+        """Follow each ray over the floor and sample it at even steps in the picture.
+
+        Args:
+            view: the camera over the floor.
+            bearings: (k,) [rad] in the robot frame.
+            centre_x: where the rays start, ahead of the robot's origin [m].
+            range_max: how far they are followed [m].
+            step_px: distance of the samples in the picture [px].
+        """
+        rows = [_follow(view, centre_x, b, range_max, step_px) for b in heading_vectors(bearings)]
+        counts = np.array([len(distances) for distances, _ in rows], dtype=np.int32)
+        longest = max(int(counts.max()), 1)
+        return cls(
+            centre=np.array([centre_x, 0.0]),
+            bearings=bearings,
+            counts=counts,
+            distances=np.stack([_pad(distances, longest) for distances, _ in rows]),
+            pixels=np.stack([_pad(pixels, longest) for _, pixels in rows]).astype(np.float32),
+        )
+
+    @property
+    def limits(self) -> Array:
+        """(k, 2) nearest and farthest distance [m] that each ray sees; nan if it sees none."""
+        last = np.maximum(self.counts - 1, 0)
+        ends = np.column_stack([self.distances[:, 0], self.distances[np.arange(len(last)), last]])
+        ends[self.counts == 0] = np.nan
+        return ends
+
+    def lines(self, points: int) -> Array:
+        """Each ray as a line of pixels (k, points, 2), to be drawn; bent as the lens bends it."""
+        parts = np.linspace(0, 1, points)
+        index = np.rint(parts * np.maximum(self.counts - 1, 0)[:, None]).astype(int)
+        return np.take_along_axis(self.pixels, index[:, :, None], axis=1).astype(np.float64)
+
+
+def _follow(
+    view: FloorView, centre_x: float, direction: Array, range_max: float, step_px: float
+) -> tuple[Array, Array]:
+    """Distances (m,) and pixels (m, 2) of one ray, even in the picture."""
+    dense = np.linspace(0.0, range_max, 1 + math.ceil(range_max / 0.0005))
+    pixels = view.pixels(dense[:, None] * direction + (centre_x, 0.0))
+    inside = np.flatnonzero(view.inside(pixels, MARGIN_PX))
+    if len(inside) < 2:
+        return np.empty(0), np.empty((0, 2))
+    gaps = np.flatnonzero(np.diff(inside) > 1)
+    run = inside[: gaps[0] + 1] if len(gaps) else inside
+    along = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(pixels[run], axis=0), axis=1))])
+    even = np.arange(0, along[-1], step_px)
+    distances = np.interp(even, along, dense[run])
+    return distances, view.pixels(distances[:, None] * direction + (centre_x, 0.0))
+
+
+def _pad(rows: Array, length: int) -> Array:
+    if len(rows) == 0:
+        return np.zeros((length, *rows.shape[1:]))
+    repeat: Array = np.concatenate([rows, np.repeat(rows[-1:], length - len(rows), axis=0)])
+    return repeat
