@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 
+Layer = Literal["particles", "headings", "rays", "covariance", "paths", "truth"]
 Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
 Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
 
@@ -18,7 +19,9 @@ Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
 class Message(BaseModel):
     """What all messages share: frozen, finite, and no key that is not listed."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
 
 # --- telemetry -------------------------------------------------------------------------------
@@ -138,6 +141,8 @@ class TelemetryMessage(Message):
     """What is wrong now, in plain words; empty when all is well."""
     error_count: int
     """Problems since the start; ``/api/problems`` lists them."""
+    hidden_layers: list[Layer] | None = None
+    """Layers of the 3D view that are switched off, for all viewers; null where there is none."""
 
 
 # --- commands --------------------------------------------------------------------------------
@@ -227,6 +232,20 @@ class SetParametersCommand(CommandMessage):
     values: Annotated[dict[str, float | str | bool], Field(min_length=1, max_length=64)]
 
 
+class ShowCommand(CommandMessage):
+    """Switch a layer of the 3D view on or off; all viewers share that view."""
+
+    type: Literal["show"]
+    layer: Layer
+    visible: bool
+
+
+class PingCommand(CommandMessage):
+    """Do nothing; the answer's stamp lines up the clocks."""
+
+    type: Literal["ping"]
+
+
 Command = Annotated[
     DriveCommand
     | StopCommand
@@ -238,7 +257,9 @@ Command = Annotated[
     | ResumeCommand
     | UpdateCommand
     | ResetCommand
-    | SetParametersCommand,
+    | SetParametersCommand
+    | ShowCommand
+    | PingCommand,
     Field(discriminator="type"),
 ]
 COMMAND: TypeAdapter[Command] = TypeAdapter(Command)
@@ -304,6 +325,8 @@ class ParameterMessage(Message):
     low: float | None
     high: float | None
     choices: list[str]
+    integer: bool = False
+    """Whether only whole numbers are valid."""
 
 
 class ProfileMessage(Message):
