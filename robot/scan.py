@@ -22,6 +22,9 @@ class Scan:
     robot_from_scan: Pose2 = field(default=Pose2())
     """Where the rays start; the line scanner's start at the robot's own origin."""
 
+    extra_sd: float = 0.0
+    """Standard deviation [m] that a sensor model adds to its own for this scan."""
+
     @property
     def hit(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Which rays returned something, (k,)."""

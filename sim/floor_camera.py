@@ -10,14 +10,15 @@ rows are exposed one after the other, as a rolling shutter does.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from robot.field import FloorPicture
 
 from robot.camera import FloorView
-from robot.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 
@@ -119,7 +120,7 @@ def _bands(view: FloorView) -> list[_Band]:
     wanted = np.nan_to_num(footprint / FOOTPRINT_M, nan=np.inf)
     level = np.searchsorted(SAMPLES[:-1], wanted)
     cuts = [0, *(np.flatnonzero(np.diff(level)) + 1), height]
-    return [_Band(a, b, SAMPLES[level[a]]) for a, b in zip(cuts, cuts[1:], strict=False)]
+    return [_Band(a, b, SAMPLES[level[a]]) for a, b in pairwise(cuts)]
 
 
 def _samples(

@@ -1,0 +1,110 @@
+"""Turns what is asked for into what the robot may do: limits, ramps and a time-out.
+
+Behaves as ros2_control's diff_drive_controller: speed and acceleration of both axes are limited,
+and a command that is not renewed ends.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robot.differential_drive import DifferentialDrive
+from robot.geometry import Twist2
+from robot.settings import check_settings, setting
+
+
+@dataclass(frozen=True)
+class DriveSettings:
+    """Limits of the drive."""
+
+    max_velocity: float = setting(0.30, "Highest speed", unit="m/s", low=0, high=2)
+    max_acceleration: float = setting(
+        0.6, "Speed gained in a second", unit="m/s^2", low=0.01, high=20
+    )
+    max_deceleration: float = setting(
+        1.5, "Speed lost in a second", unit="m/s^2", low=0.01, high=20
+    )
+    max_angular_velocity: float = setting(
+        2.5, "Highest turning speed", unit="rad/s", low=0, high=20
+    )
+    max_angular_acceleration: float = setting(
+        8.0, "Turning speed gained in a second", unit="rad/s^2", low=0.05, high=200
+    )
+    max_angular_deceleration: float = setting(
+        16.0, "Turning speed lost in a second", unit="rad/s^2", low=0.05, high=200
+    )
+    cmd_vel_timeout: float = setting(
+        0.5, "A command that is not renewed ends after this time", unit="s", low=0.05, high=5
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+class DriveController:
+    """Holds the newest command and gives the twist to apply now."""
+
+    def __init__(self, drive: DifferentialDrive, settings: DriveSettings) -> None:
+        self._drive = drive
+        self._settings = settings
+        self._wanted = Twist2()
+        self._until = float("-inf")
+        self._applied = Twist2()
+        self._stamp: float | None = None
+
+    @property
+    def active(self) -> bool:
+        """Whether a command holds or the robot still slows down."""
+        return self._wanted != Twist2() or self._applied != Twist2()
+
+    def command(self, twist: Twist2, stamp: float) -> None:
+        """Ask for a twist, from now until the time-out."""
+        self._wanted = twist
+        self._until = stamp + self._settings.cmd_vel_timeout
+
+    def stop(self) -> None:
+        """Stand still at once, without a ramp."""
+        self._wanted = self._applied = Twist2()
+
+    def update(self, stamp: float) -> Twist2:
+        """The twist to apply at a stamp [s]."""
+        duration = 0.0 if self._stamp is None else max(stamp - self._stamp, 0.0)
+        self._stamp = stamp
+        # Half a microsecond of grace: stamps are sums of floating-point periods.
+        if stamp > self._until - 5e-7:
+            # Nobody drives any more. The time is used up, so there is none left for a ramp.
+            self.stop()
+            return self._applied
+        limits = self._settings
+        v = _clamp(self._wanted.v, limits.max_velocity)
+        omega = _clamp(self._wanted.omega, limits.max_angular_velocity)
+        wanted = self._drive.limit(Twist2(v, omega))
+        self._applied = Twist2(
+            _ramp(
+                self._applied.v,
+                wanted.v,
+                limits.max_acceleration * duration,
+                limits.max_deceleration * duration,
+            ),
+            _ramp(
+                self._applied.omega,
+                wanted.omega,
+                limits.max_angular_acceleration * duration,
+                limits.max_angular_deceleration * duration,
+            ),
+        )
+        return self._applied
+
+
+def _clamp(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)
+
+
+def _ramp(now: float, wanted: float, gain: float, loss: float) -> float:
+    """One step from one speed towards another; slowing down may be quicker than speeding up."""
+    if now * wanted < 0:
+        wanted_here = 0.0  # through standstill first
+    else:
+        wanted_here = wanted
+    step = gain if abs(wanted_here) > abs(now) else loss
+    return now + _clamp(wanted_here - now, step)

@@ -1,0 +1,82 @@
+"""How far is it to the nearest edge that a ray could meet: a look-up table over the field.
+
+A ray ends where it enters tape, so it only meets edges that face it. For each of eight directions
+the table holds the distance to the nearest edge that a ray in this direction meets from the light
+side. Close to an edge the distance has a sign (negative on the tape's side): then it is linear
+across the edge and bilinear interpolation is exact there, at a cell size much coarser than the
+accuracy that is wanted.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from robot.edges import sample
+from robot.field import Field
+from robot.geometry import Array, heading_vectors
+
+DIRECTIONS = 8
+SAMPLE_M = 0.002
+"""Distance of the points that stand for an edge [m]."""
+SIGNED_CELLS = 2.0
+"""The distance has a sign up to so many cells from an edge; farther it would jump."""
+MOST_CELLS = 4_000_000
+"""Largest table for one direction; fields that would need more get coarser cells."""
+
+
+@dataclass(frozen=True)
+class EntryField:
+    """Distances [m] by direction, row (y) and column (x)."""
+
+    distances: NDArray[np.float32] = field(repr=False)
+    """(DIRECTIONS, h, w)"""
+    origin: tuple[float, float]
+    """x, y [m] of the table's first cell."""
+    resolution: float
+    """[m]"""
+    max_distance: float
+    """What is farther from an edge than this counts as this far [m]."""
+
+    @classmethod
+    def build(cls, of: Field, *, resolution: float, max_distance: float) -> EntryField:
+        """Work out the table of a field."""
+        points, normals = sample(of.edges, SAMPLE_M)
+        low = points.min(axis=0) - max_distance
+        high = points.max(axis=0) + max_distance
+        cell = max(resolution, math.sqrt(float(np.prod(high - low)) / MOST_CELLS))
+        width, height = np.ceil((high - low) / cell).astype(int) + 1
+        x = low[0] + cell * np.arange(width)
+        y = low[1] + cell * np.arange(height)
+        cells = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+        table = np.full((DIRECTIONS, height, width), max_distance, dtype=np.float32)
+        turns = heading_vectors(2 * np.pi / DIRECTIONS * np.arange(DIRECTIONS))
+        for direction, toward in enumerate(turns):
+            facing = normals @ toward < 0
+            if facing.any():
+                signed = _distances(cells, points[facing], normals[facing], max_distance, cell)
+                table[direction] = signed.reshape(height, width)
+        return cls(table, (float(low[0]), float(low[1])), cell, max_distance)
+
+
+def _distances(
+    cells: Array, points: Array, normals: Array, max_distance: float, cell: float
+) -> Array:
+    """Distance [m] of each cell from edges given as points (p, 2) with normals."""
+    _, nearest = cKDTree(points).query(cells, distance_upper_bound=max_distance)
+    found = nearest < len(points)
+    away = cells[found] - points[nearest[found]]
+    normal = normals[nearest[found]]
+    across = (away * normal).sum(axis=1)
+    along = np.abs(away[:, 0] * normal[:, 1] - away[:, 1] * normal[:, 0])
+    # A point stands for the piece of edge half a step to either side.
+    past_end = np.maximum(along - SAMPLE_M / 2, 0.0)
+    exact = np.hypot(across, past_end)
+    near = exact < SIGNED_CELLS * cell
+    result = np.full(len(cells), max_distance)
+    result[found] = np.where(near, np.copysign(exact, across), exact)
+    return result

@@ -1,0 +1,41 @@
+"""What the filter believes: hypotheses with weights, the heaviest of which is the estimate."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from robot.geometry import Array, Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One cluster of particles."""
+
+    weight: float
+    """Share of the particles' weight, 0 to 1."""
+    pose: Pose2
+    """Weighted mean in the map."""
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """The filter's answer to one scan."""
+
+    stamp: float
+    """Of the scan [s]."""
+    hypotheses: tuple[Hypothesis, ...]
+    """Heaviest first; at least one."""
+    effective: float
+    """Effective sample size, before resampling."""
+
+    @property
+    def pose(self) -> Pose2:
+        """Pose of the heaviest hypothesis."""
+        return self.hypotheses[0].pose
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (3, 3) [m, m, rad] of the heaviest hypothesis."""
+        return self.hypotheses[0].covariance

@@ -1,0 +1,133 @@
+"""The filter's parameters, under nav2_amcl's names and with their meanings.
+
+Defaults are for this robot on a field of a few metres, not for a building.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robot.localization.motion_models import DifferentialMotion, MotionModel, StationaryMotion
+from robot.settings import check_settings, setting
+
+MOTION_MODELS = ("differential", "stationary")
+SENSOR_MODELS = ("likelihood_field", "beam")
+
+
+@dataclass(frozen=True)
+class MotionParameters:
+    """How odometry errs."""
+
+    robot_model_type: str = setting(
+        "differential", "How a step by odometry spreads the cloud", choices=MOTION_MODELS
+    )
+    alpha1: float = setting(
+        0.04, "Variance of a turn, by turn squared", unit="rad²/rad²", low=0, high=10
+    )
+    alpha2: float = setting(
+        0.5, "Variance of a turn, by distance squared", unit="rad²/m²", low=0, high=1000
+    )
+    alpha3: float = setting(
+        0.04, "Variance of a distance, by distance squared", unit="m²/m²", low=0, high=10
+    )
+    alpha4: float = setting(
+        0.0004, "Variance of a distance, by turn squared", unit="m²/rad²", low=0, high=1
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+    def model(self) -> MotionModel:
+        """The chosen model with these parameters."""
+        if self.robot_model_type == "stationary":
+            return StationaryMotion(sd_xy=0.01, sd_theta=0.1)
+        return DifferentialMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4)
+
+
+@dataclass(frozen=True)
+class SensorParameters:
+    """How the scan errs."""
+
+    laser_model_type: str = setting(
+        "likelihood_field", "How well a scan fits a pose", choices=SENSOR_MODELS
+    )
+    sigma_hit: float = setting(
+        0.003, "Spread of a range that hit an edge of the map", unit="m", low=0.0005, high=0.5
+    )
+    z_hit: float = setting(0.95, "Share of ranges that hit an edge of the map", low=0, high=1)
+    z_rand: float = setting(0.05, "Share of ranges that are false", low=0.001, high=1)
+    max_beams: int = setting(60, "Rays used of each scan", low=3, high=720)
+    likelihood_weight: float = setting(
+        0.2,
+        "Share of each ray's log-likelihood that counts, as neighbouring rays err together",
+        low=0.001,
+        high=1,
+    )
+    laser_max_range: float = setting(1.0, "Longest range", unit="m", low=0.05, high=100)
+    laser_likelihood_max_dist: float = setting(
+        0.15, "Ends farther from an edge than this count alike", unit="m", low=0.01, high=5
+    )
+    field_resolution: float = setting(
+        0.005, "Cell of the table of distances", unit="m", low=0.001, high=0.5
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+@dataclass(frozen=True)
+class FilterParameters:
+    """How the cloud is kept."""
+
+    min_particles: int = setting(500, "Fewest particles", low=10, high=100_000)
+    max_particles: int = setting(2000, "Most particles", low=10, high=100_000)
+    pf_err: float = setting(
+        0.05, "Greatest distance between the true and the sampled distribution", low=0.001, high=1
+    )
+    pf_z: float = setting(0.99, "Standard normal quantile for staying below pf_err", low=0, high=5)
+    update_min_d: float = setting(
+        0.002, "Travel before the next measurement counts", unit="m", low=0, high=10
+    )
+    update_min_a: float = setting(
+        0.005, "Turn before the next measurement counts", unit="rad", low=0, high=6.3
+    )
+    resample_interval: int = setting(1, "Measurements between resamplings", low=1, high=100)
+    selective_resampling: bool = setting(
+        False, "Resample only when fewer than half of the particles are effective"
+    )
+    min_effective: float = setting(
+        0.05,
+        "Share of the particles that stays effective after one measurement; it counts less if not",
+        low=0,
+        high=0.9,
+    )
+    regularization: float = setting(
+        0.35, "How far copies of a particle are spread, by the cluster's own spread", low=0, high=2
+    )
+    cell_xy: float = setting(
+        0.05, "Cell in which particles are alike, for counting and clusters", unit="m",
+        low=0.001, high=10,
+    )  # fmt: skip
+    cell_theta: float = setting(
+        0.175, "Cell in which headings are alike", unit="rad", low=0.01, high=3.2
+    )
+    initial_sd_xy: float = setting(
+        0.1, "Spread of a pose told without one", unit="m", low=0.0001, high=100
+    )
+    initial_sd_theta: float = setting(
+        0.3, "Spread of a heading told without one", unit="rad", low=0.0001, high=10
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+        if self.min_particles > self.max_particles:
+            object.__setattr__(self, "max_particles", self.min_particles)
+
+
+@dataclass(frozen=True)
+class LocalizationParameters:
+    """All of them, in the groups that the dashboard shows."""
+
+    motion: MotionParameters = MotionParameters()
+    sensor: SensorParameters = SensorParameters()
+    filter: FilterParameters = FilterParameters()

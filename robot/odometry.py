@@ -1,0 +1,120 @@
+"""Odometry: the wheels' turning added up to a pose, with its covariance, remembered by stamp."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.differential_drive import DifferentialDrive
+from robot.geometry import Array, Pose2, Twist2, heading_vectors, interpolate
+from robot.interface import Reading
+from robot.settings import check_settings, setting
+
+
+@dataclass(frozen=True)
+class OdometrySettings:
+    """How far the wheels are trusted."""
+
+    wheel_error: float = setting(
+        0.0002,
+        "Variance of a wheel's travel, by travel (Siegwart and Nourbakhsh 2004, eq. 5.8: k)",
+        unit="m",
+        low=0,
+        high=1,
+    )
+    history: float = setting(1.0, "How long poses are remembered", unit="s", low=0.05, high=60)
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryState:
+    """Dead reckoning at one stamp."""
+
+    stamp: float
+    odom_from_robot: Pose2
+    twist: Twist2
+    """Measured by the wheels."""
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad] in the odom frame; grows with every turn of a wheel."""
+
+
+class Odometry:
+    """Adds up wheel readings and answers where the robot was at a stamp."""
+
+    def __init__(self, drive: DifferentialDrive, settings: OdometrySettings) -> None:
+        self._drive = drive
+        self._settings = settings
+        self._positions: Array | None = None
+        self._history: deque[OdometryState] = deque()
+
+    def update(self, reading: Reading) -> OdometryState:
+        """Take one reading of the joints.
+
+        Raises:
+            ValueError: the stamp is not later than the one before.
+        """
+        if self._positions is None:
+            state = OdometryState(reading.stamp, Pose2(), Twist2(), np.zeros((3, 3)))
+        else:
+            state = self._advance(self._history[-1], reading, reading.positions - self._positions)
+        self._positions = reading.positions
+        self._history.append(state)
+        while len(self._history) > 2 and self._history[1].stamp < (
+            reading.stamp - self._settings.history
+        ):
+            self._history.popleft()
+        return state
+
+    def at(self, stamp: float) -> OdometryState:
+        """The state at a stamp, interpolated between two readings; the nearest end outside them.
+
+        Raises:
+            LookupError: nothing was read yet, or the stamp is older than what is remembered.
+        """
+        if not self._history:
+            raise LookupError("no wheel reading has come yet")
+        if stamp < self._history[0].stamp - self._settings.history:
+            raise LookupError(
+                f"odometry at {stamp:.3f} s was asked; it is kept from "
+                f"{self._history[0].stamp:.3f} to {self._history[-1].stamp:.3f} s"
+            )
+        after = bisect_right(self._history, stamp, key=lambda state: state.stamp)
+        if after in (0, len(self._history)):
+            return self._history[min(after, len(self._history) - 1)]
+        low, high = self._history[after - 1], self._history[after]
+        part = (stamp - low.stamp) / (high.stamp - low.stamp)
+        pose = interpolate(low.odom_from_robot, high.odom_from_robot, part)
+        # The twist of a reading is the mean since the one before: that of the later one holds.
+        return OdometryState(stamp, pose, high.twist, low.covariance)
+
+    def _advance(self, last: OdometryState, reading: Reading, turned: Array) -> OdometryState:
+        duration = reading.stamp - last.stamp
+        if duration <= 0:
+            raise ValueError(
+                f"a reading at {reading.stamp:.6f} s follows one at {last.stamp:.6f} s; "
+                "stamps must rise"
+            )
+        moved = self._drive.moved(turned)
+        covariance = self._spread(last, turned, moved)
+        twist = self._drive.twist(reading.velocities)
+        return OdometryState(reading.stamp, last.odom_from_robot @ moved, twist, covariance)
+
+    def _spread(self, last: OdometryState, turned: Array, moved: Pose2) -> Array:
+        """Carry the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""
+        spec = self._drive.spec
+        travel = np.abs(turned) * np.array([joint.radius for joint in spec.joints])
+        by_wheel = self._settings.wheel_error * travel
+        cx, cy = heading_vectors(np.array([last.odom_from_robot.theta + moved.theta / 2]))[0]
+        left, right = self._drive.left, self._drive.right
+        by_pose = np.array([[1, 0, -moved.x * cy], [0, 1, moved.x * cx], [0, 0, 1]])
+        by_turn = np.empty((3, 2))
+        by_turn[:, 0] = cx / 2, cy / 2, -1 / spec.track
+        by_turn[:, 1] = cx / 2, cy / 2, 1 / spec.track
+        noise = np.diag([by_wheel[left], by_wheel[right]])
+        grown: Array = by_pose @ last.covariance @ by_pose.T + by_turn @ noise @ by_turn.T
+        return grown
