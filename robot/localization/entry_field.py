@@ -41,6 +41,8 @@ class EntryField:
     """[m]"""
     max_distance: float
     """What is farther from an edge than this counts as this far [m]."""
+    wanted_resolution: float
+    """The resolution asked for; a large field gets a coarser one [m]."""
 
     @classmethod
     def build(cls, of: Field, *, resolution: float, max_distance: float) -> EntryField:
@@ -60,7 +62,7 @@ class EntryField:
             if facing.any():
                 signed = _distances(cells, points[facing], normals[facing], max_distance, cell)
                 table[direction] = signed.reshape(height, width)
-        return cls(table, (float(low[0]), float(low[1])), cell, max_distance)
+        return cls(table, (float(low[0]), float(low[1])), cell, max_distance, resolution)
 
 
 def _distances(

@@ -56,6 +56,16 @@ class SensorParameters:
     )
     z_hit: float = setting(0.95, "Share of ranges that hit an edge of the map", low=0, high=1)
     z_rand: float = setting(0.05, "Share of ranges that are false", low=0.001, high=1)
+    z_short: float = setting(
+        0.05, "Share of ranges cut short by something not in the map (beam)", low=0, high=1
+    )
+    z_max: float = setting(
+        0.05, "Share of rays that miss an edge they should have met (beam)", low=0.001, high=1
+    )
+    lambda_short: float = setting(
+        5.0, "How quickly short ranges become rare with distance (beam)", unit="1/m",
+        low=0.01, high=100,
+    )
     max_beams: int = setting(60, "Rays used of each scan", low=3, high=720)
     likelihood_weight: float = setting(
         0.2,

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from dataclasses import field as dataclass_field
 from typing import Protocol
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from robot.geometry import Array
+from robot.geometry import Array, Pose2, compose
 from robot.localization.entry_field import DIRECTIONS, EntryField
+from robot.localization.parameters import SensorParameters
+from robot.localization.ray_casting import cast_rays
 from robot.scan import Scan
 
 
@@ -49,9 +52,8 @@ class LikelihoodField:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
         points = scan.points()
         directions = scan.robot_from_scan.theta + scan.bearings[scan.hit]
-        if len(points) > self.max_beams:
-            evenly = np.linspace(0, len(points) - 1, self.max_beams).astype(int)
-            points, directions = points[evenly], directions[evenly]
+        evenly = _evenly(len(points), self.max_beams)
+        points, directions = points[evenly], directions[evenly]
         turns = directions * (DIRECTIONS / (2 * math.pi))
         result = np.zeros(len(poses))
         _add_log_likelihoods(
@@ -73,6 +75,82 @@ class LikelihoodField:
         variance = self.sigma_hit**2 + extra_sd**2
         p = self.z_hit * np.exp(-0.5 * np.square(d) / variance) + self.z_rand / self.range_max
         return np.log(p).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Beam:
+    """Beam range finder model (Probabilistic Robotics, Table 6.1), rays cast at the exact edges.
+
+    p = z_hit N(z; z*, sigma_hit) + z_short lambda_short exp(-lambda_short z) [z <= z*] +
+    z_max [no return] + z_rand / range_max. Unlike the field it knows that an edge hides what lies
+    behind it, and that a ray that should have returned did not.
+    """
+
+    edges: Array = dataclass_field(repr=False)
+    """(n, 4) edges of the field [m]."""
+    sigma_hit: float
+    """[m]"""
+    z_hit: float
+    z_short: float
+    z_max: float
+    z_rand: float
+    lambda_short: float
+    """[1/m]"""
+    range_max: float
+    """[m]"""
+    max_beams: int
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        evenly = _evenly(len(scan.ranges), self.max_beams)
+        ranges = scan.ranges[evenly]
+        bearings = scan.bearings[evenly] + scan.robot_from_scan.theta
+        starts = compose(poses, Pose2(scan.robot_from_scan.x, scan.robot_from_scan.y).to_array())
+        expected = np.empty((len(poses), len(ranges)))
+        cast_rays(starts, bearings, self.edges, self.range_max, expected)
+        likelihood: Array = np.log(self._likelihood(ranges, expected, scan.extra_sd)).sum(axis=1)
+        return likelihood
+
+    def _likelihood(self, ranges: Array, expected: Array, extra_sd: float) -> Array:
+        sd = math.hypot(self.sigma_hit, extra_sd)
+        returned = np.isfinite(ranges)
+        z = np.where(returned, ranges, 0.0)
+        met = np.isfinite(expected)
+        off = z - np.where(met, expected, 0.0)
+        hit = np.where(met, np.exp(-0.5 * np.square(off / sd)) / (sd * math.sqrt(2 * math.pi)), 0.0)
+        short = np.where(z <= expected, self.lambda_short * np.exp(-self.lambda_short * z), 0.0)
+        seen = self.z_hit * hit + self.z_short * short + self.z_rand / self.range_max
+        # Where the map has nothing in reach, no return is what is expected.
+        unseen = np.where(met, self.z_max, 1.0)
+        return np.where(returned, seen, unseen)
+
+
+def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:
+    """The model that the parameters ask for."""
+    if parameters.laser_model_type == "beam":
+        return Beam(
+            edges,
+            parameters.sigma_hit,
+            parameters.z_hit,
+            parameters.z_short,
+            parameters.z_max,
+            parameters.z_rand,
+            parameters.lambda_short,
+            parameters.laser_max_range,
+            parameters.max_beams,
+        )
+    return LikelihoodField(
+        entries,
+        parameters.sigma_hit,
+        parameters.z_hit,
+        parameters.z_rand,
+        parameters.laser_max_range,
+        parameters.max_beams,
+    )
+
+
+def _evenly(count: int, most: int) -> NDArray[np.intp]:
+    return np.linspace(0, count - 1, min(count, most)).astype(np.intp)
 
 
 @njit(cache=True, nogil=True, fastmath=True)

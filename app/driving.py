@@ -1,0 +1,52 @@
+"""Who drives: a person, the figure-eight, or nobody; and until when."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from app.figure_eight import FigureEight
+from robot.drive_controller import DriveController
+from robot.geometry import Twist2
+
+Mode = Literal["idle", "drive", "figure_eight"]
+
+
+class Driving:
+    """One rule for all: what is not renewed within the time-out ends, and the robot stands."""
+
+    def __init__(self, controller: DriveController, timeout: float) -> None:
+        self.mode: Mode = "idle"
+        self._controller = controller
+        self._timeout = timeout
+        self._eight = FigureEight()
+        self._began = 0.0
+        self._renewed = 0.0
+
+    def drive(self, twist: Twist2, stamp: float) -> None:
+        """Drive as a person says."""
+        self.mode = "drive"
+        self._controller.command(twist, stamp)
+
+    def figure_eight(self, stamp: float) -> None:
+        """Start the figure-eight, or let it go on."""
+        if self.mode != "figure_eight":
+            self.mode = "figure_eight"
+            self._began = stamp
+        self._renewed = stamp
+
+    def stop(self) -> None:
+        """Stand still at once."""
+        self.mode = "idle"
+        self._controller.stop()
+
+    def update(self, stamp: float) -> Twist2:
+        """The twist to apply at a stamp [s]."""
+        if self.mode == "figure_eight":
+            if stamp - self._renewed >= self._timeout - 5e-7:
+                self.stop()
+            else:
+                self._controller.command(self._eight.twist(stamp - self._began), stamp)
+        twist = self._controller.update(stamp)
+        if not self._controller.active:
+            self.mode = "idle" if self.mode == "drive" else self.mode
+        return twist

@@ -1,0 +1,29 @@
+"""The paper's open-loop path: a circle to the left, a circle to the right."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from robot.geometry import Twist2
+
+
+@dataclass(frozen=True, slots=True)
+class FigureEight:
+    """Two circles that touch where the robot starts."""
+
+    radius: float = 0.19
+    """[m]"""
+    speed: float = 0.15
+    """[m/s]"""
+
+    @property
+    def lap(self) -> float:
+        """Time for both circles [s]; 15.9 s with the defaults."""
+        return 4 * math.pi * self.radius / self.speed
+
+    def twist(self, elapsed: float) -> Twist2:
+        """What to command a time [s] after the start; goes on lap after lap."""
+        left = elapsed % self.lap < self.lap / 2
+        turning = self.speed / self.radius
+        return Twist2(self.speed, turning if left else -turning)

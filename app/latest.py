@@ -1,0 +1,83 @@
+"""A mailbox with one slot: the newest value wins, and nobody waits for a slow reader."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Iterator
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Latest(Generic[T]):
+    """Written by one thread; read from any thread, waited for in an event loop."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._value: T | None = None
+        self._count = 0
+        self._waiting: set[_Waiting] = set()
+
+    def put(self, value: T) -> None:
+        """Replace the value and wake all that wait for one."""
+        with self._lock:
+            self._value = value
+            self._count += 1
+            waiting = list(self._waiting)
+        for one in waiting:
+            one.wake()
+
+    def get(self) -> T | None:
+        """The newest value; None before the first."""
+        return self._value
+
+    @contextlib.contextmanager
+    def subscribe(self) -> Iterator[Subscription[T]]:
+        """Follow the mailbox from a coroutine, for as long as the block lasts."""
+        waiting = _Waiting()
+        with self._lock:
+            self._waiting.add(waiting)
+        try:
+            yield Subscription(self, waiting)
+        finally:
+            with self._lock:
+                self._waiting.discard(waiting)
+
+    def newer_than(self, count: int) -> tuple[int, T] | None:
+        """The newest value and its number, if it is newer than a number."""
+        with self._lock:
+            if self._count == count or self._value is None:
+                return None
+            return self._count, self._value
+
+
+class Subscription(Generic[T]):
+    """One reader's place in the stream of values."""
+
+    def __init__(self, source: Latest[T], waiting: _Waiting) -> None:
+        self._source = source
+        self._waiting = waiting
+        self._count = 0
+
+    async def next(self) -> T:
+        """The newest value that this reader has not had; older ones are skipped."""
+        while True:
+            self._waiting.event.clear()
+            found = self._source.newer_than(self._count)
+            if found is not None:
+                self._count, value = found
+                return value
+            await self._waiting.event.wait()
+
+
+class _Waiting:
+    def __init__(self) -> None:
+        self.event = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+
+    def wake(self) -> None:
+        # The loop may have ended between the look-up and here; then nobody waits any more.
+        with contextlib.suppress(RuntimeError):
+            self._loop.call_soon_threadsafe(self.event.set)

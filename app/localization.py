@@ -1,0 +1,169 @@
+"""Camera picture to estimate: scanner and filter together, with parameters that may change live."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from robot.field import Field
+from robot.geometry import Pose2
+from robot.interface import Frame
+from robot.line_scanner import LineScan, LineScanner
+from robot.localization.entry_field import EntryField
+from robot.localization.estimate import Estimate
+from robot.localization.parameters import LocalizationParameters
+from robot.localization.particle_filter import Cloud, ParticleFilter
+from robot.localization.sensor_models import SensorModel, sensor_model
+from robot.odometry import OdometryState
+from robot.settings import SettingError, describe
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """The filter's answer, tied to the odometry that it was made at."""
+
+    estimate: Estimate
+    odom_from_robot: Pose2
+    """Odometry at the estimate's stamp."""
+
+    def pose(self, odom_from_robot: Pose2) -> Pose2:
+        """The estimate carried forward to a later odometry."""
+        return self.estimate.pose @ (self.odom_from_robot.inverse() @ odom_from_robot)
+
+
+class Localization:
+    """Owns scanner and filter; one thread calls it."""
+
+    def __init__(
+        self,
+        scanner: LineScanner,
+        field: Field,
+        parameters: LocalizationParameters,
+        rng: np.random.Generator,
+    ) -> None:
+        self.scanner = scanner
+        self.parameters = parameters
+        self.paused = False
+        self.belief: Belief | None = None
+        self.line_scan: LineScan | None = None
+        self._configured = parameters
+        self._field = field
+        self._rng = rng
+        self._entries: EntryField | None = None
+        self._once = False
+        self._filter = ParticleFilter(
+            parameters.motion.model(),
+            self._sensor(),
+            parameters.filter,
+            rng,
+            likelihood_weight=parameters.sensor.likelihood_weight,
+        )
+        self._filter.set_pose(field.start)
+
+    @property
+    def cloud(self) -> Cloud:
+        """The particles as last weighed."""
+        return self._filter.weighed
+
+    @property
+    def updates(self) -> int:
+        """Measurements since the cloud was last made anew."""
+        return self._filter.updates
+
+    def measure(self, frame: Frame, odometry: OdometryState) -> None:
+        """Scan a picture and update the filter, with the odometry at the picture's stamp."""
+        self.line_scan = self.scanner.scan(frame, odometry.twist)
+        pose = odometry.odom_from_robot
+        if self.paused and not self._once:
+            self._filter.predict(pose)
+            self._believe(self._filter.estimate(frame.stamp), pose)
+            return
+        self._once = False
+        found = self._filter.update(pose, self.line_scan.scan)
+        if found is not None:
+            self._believe(found, pose)
+
+    def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
+        """Tell the filter where the robot is."""
+        self._filter.set_pose(pose, sd_xy, sd_theta)
+        self.belief = None
+
+    def scatter(self) -> None:
+        """The robot may be anywhere on the field."""
+        count = self.parameters.filter.max_particles
+        self._filter.set_particles(self._field.free_poses(self._rng, count))
+        self.belief = None
+
+    def update_once(self) -> None:
+        """Let the next picture count, even paused or standing."""
+        self._once = True
+        self._filter.force_update()
+
+    def reset(self) -> None:
+        """Parameters as configured, and the cloud at the field's start."""
+        self.use(self._configured)
+        self.paused = False
+        self.set_pose(self._field.start, None, None)
+
+    def use(self, parameters: LocalizationParameters) -> None:
+        """Go on with other parameters; the cloud stays."""
+        self.parameters = parameters
+        self._filter.motion = parameters.motion.model()
+        self._filter.sensor = self._sensor()
+        self._filter.parameters = parameters.filter
+        self._filter.likelihood_weight = parameters.sensor.likelihood_weight
+
+    def _believe(self, estimate: Estimate, pose: Pose2) -> None:
+        self.belief = Belief(estimate, pose)
+
+    def _sensor(self) -> SensorModel:
+        wanted = self.parameters.sensor
+        entries = self._entries
+        if entries is None or (entries.wanted_resolution, entries.max_distance) != (
+            wanted.field_resolution,
+            wanted.laser_likelihood_max_dist,
+        ):
+            self._entries = entries = EntryField.build(
+                self._field,
+                resolution=wanted.field_resolution,
+                max_distance=wanted.laser_likelihood_max_dist,
+            )
+        return sensor_model(wanted, entries, self._field.edges)
+
+
+def changed(parameters: LocalizationParameters, values: dict[str, Any]) -> LocalizationParameters:
+    """Parameters with some values replaced, by name; all or none.
+
+    Raises:
+        SettingError: a name is unknown, or a value out of range or of the wrong type.
+    """
+    left = dict(values)
+    groups: dict[str, Any] = {}
+    for group in dataclasses.fields(parameters):
+        old = getattr(parameters, group.name)
+        mine = {name: left.pop(name) for name in describe(old) if name in left}
+        typed = {name: _of_type(name, value, getattr(old, name)) for name, value in mine.items()}
+        groups[group.name] = replace(old, **typed)
+    if left:
+        names = sorted(n for g in groups.values() for n in describe(g))
+        raise SettingError(f"{min(left)} is unknown; valid are {', '.join(names)}")
+    return LocalizationParameters(**groups)
+
+
+def _of_type(name: str, value: Any, old: Any) -> Any:
+    """The value as the type that the parameter has."""
+    if isinstance(old, bool) or isinstance(value, bool):
+        fits = isinstance(old, bool) and isinstance(value, bool)
+    elif isinstance(old, int):
+        fits = isinstance(value, (int, float)) and value == int(value)
+        value = int(value) if fits else value
+    elif isinstance(old, float):
+        fits = isinstance(value, (int, float))
+    else:
+        fits = isinstance(value, str)
+    if not fits:
+        raise SettingError(f"{name} is {value!r}; valid is a {type(old).__name__}")
+    return value

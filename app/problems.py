@@ -1,0 +1,45 @@
+"""What is wrong now, in plain words, and a record of what was."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+KEPT = 100
+LOG = logging.getLogger("brickpose")
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One entry of the record."""
+
+    stamp: float
+    """The robot's clock [s]."""
+    message: str
+
+
+class Problems:
+    """Problems by topic; a topic has at most one at a time."""
+
+    def __init__(self) -> None:
+        self._now: dict[str, str] = {}
+        self.record: tuple[Problem, ...] = ()
+        """The last hundred, newest last."""
+        self.count = 0
+        """Problems since the start."""
+
+    def report(self, topic: str, stamp: float, message: str | None) -> None:
+        """Say what is wrong with a topic, or None that nothing is; logged when it changes."""
+        if message is None:
+            self._now.pop(topic, None)
+        elif self._now.get(topic) != message:
+            if topic not in self._now:
+                self.count += 1
+                self.record = (*self.record, Problem(stamp, message))[-KEPT:]
+                LOG.warning("%.2f s: %s", stamp, message)
+            self._now[topic] = message
+
+    @property
+    def now(self) -> tuple[str, ...]:
+        """What is wrong now."""
+        return tuple(self._now.values())

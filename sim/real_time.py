@@ -1,0 +1,24 @@
+"""Lets simulated time pass as fast as the clock on the wall."""
+
+from __future__ import annotations
+
+import time
+
+
+class RealTime:
+    """Waits until a simulated stamp is due; hand it to a simulated robot as ``wait``.
+
+    The schedule is fixed, so waiting does not drift; after a stall it starts anew from there
+    instead of hurrying.
+    """
+
+    def __init__(self, longest_lag: float = 0.1) -> None:
+        self._longest_lag = longest_lag
+        self._zero: float | None = None
+
+    def __call__(self, stamp: float) -> None:
+        """Sleep until a stamp [s]."""
+        now = time.monotonic()
+        if self._zero is None or now - self._zero - stamp > self._longest_lag:
+            self._zero = now - stamp
+        time.sleep(max(0.0, self._zero + stamp - now))
