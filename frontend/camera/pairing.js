@@ -1,0 +1,72 @@
+// @ts-check
+/** @typedef {import("../messages").ScanMessage} ScanMessage */
+/** @typedef {import("./stream.js").Picture} Picture */
+/** @typedef {{picture: Picture, scan: ScanMessage | null}} Pair */
+
+const KEPT = 15;
+/** How long a picture waits for its scan [ms], while scans do come. */
+const PATIENCE_MS = 35;
+const SCANS_COME_MS = 500;
+
+/**
+ * Brings each picture together with the scan of the same exposure.
+ *
+ * Both come on sockets of their own, in either order. A picture whose scan is missing is shown bare
+ * rather than with the edges of another one.
+ */
+export class Pairing {
+  /** @type {Map<number, ScanMessage>} */
+  #scans = new Map();
+  /** @type {Picture[]} */
+  #pictures = [];
+  #paired = -Infinity;
+  /** @type {Pair | null} */
+  shown = null;
+
+  /** @param {ScanMessage} scan @returns {boolean} whether it is a new one */
+  addScan(scan) {
+    if (this.#scans.has(scan.stamp)) return false;
+    this.#scans.set(scan.stamp, scan);
+    if (this.#scans.size > KEPT) this.#scans.delete(this.#scans.keys().next().value ?? NaN);
+    return true;
+  }
+
+  /** @param {Picture} picture */
+  addPicture(picture) {
+    const newest = this.#pictures.at(-1);
+    if (newest && picture.stamp < newest.stamp) this.#drop(this.#pictures.length);
+    this.#pictures.push(picture);
+    if (this.#pictures.length > KEPT) this.#drop(1);
+  }
+
+  /**
+   * The pair to show now, and whether to ask again soon because a picture still waits.
+   * @param {number} now by performance.now() [ms]
+   * @returns {{pair: Pair | null, waiting: boolean}}
+   */
+  pick(now) {
+    const newest = this.#pictures.at(-1);
+    if (!newest) return { pair: this.shown, waiting: false };
+    const hopeful = now - this.#paired < SCANS_COME_MS && now - newest.arrived < PATIENCE_MS;
+    if (this.#scans.has(newest.stamp) || !hopeful) return { pair: this.#show(newest, now), waiting: false };
+    const older = this.#pictures.findLast((picture) => this.#scans.has(picture.stamp));
+    return { pair: older ? this.#show(older, now) : this.shown, waiting: true };
+  }
+
+  /** @param {Picture} picture @param {number} now @returns {Pair} */
+  #show(picture, now) {
+    const scan = this.#scans.get(picture.stamp) ?? null;
+    if (scan) this.#paired = now;
+    this.#drop(this.#pictures.indexOf(picture));
+    if (this.shown?.picture !== picture || this.shown.scan !== scan) this.shown = { picture, scan };
+    return this.shown;
+  }
+
+  /** Let go of the oldest pictures. @param {number} count */
+  #drop(count) {
+    for (const picture of this.#pictures.splice(0, count)) {
+      picture.bitmap.close();
+      if (picture === this.shown?.picture) this.shown = null;
+    }
+  }
+}

@@ -1,0 +1,88 @@
+// @ts-check
+/** @typedef {import("./lease.js").Drive} Drive */
+
+/** Physical keys, so that W A S D lie under the fingers on every layout. @type {Record<string, [number, number]>} */
+const KEYS = {
+  KeyW: [1, 0],
+  ArrowUp: [1, 0],
+  KeyS: [-1, 0],
+  ArrowDown: [-1, 0],
+  KeyA: [0, 1],
+  ArrowLeft: [0, 1],
+  KeyD: [0, -1],
+  ArrowRight: [0, -1],
+};
+const TEXT_TYPES = ["text", "number", "search", "email", "url", "tel", "password"];
+
+/** Driving by keyboard: several keys combine, space stops, and text that is typed is left alone. */
+export class Keys {
+  /** @type {Set<string>} */
+  #held = new Set();
+
+  /** @param {Drive} drive */
+  constructor(drive) {
+    this.drive = drive;
+    drive.onStop(() => this.#held.clear());
+    this.listen(window);
+  }
+
+  /** Also hear the keys of another window, such as the 3D view's frame. @param {Window} target */
+  listen(target) {
+    target.addEventListener("keydown", (event) => this.#down(event), { capture: true });
+    target.addEventListener("keyup", (event) => this.#up(event), { capture: true });
+    if (target !== window) target.addEventListener("blur", () => this.drive.release());
+  }
+
+  /** @param {KeyboardEvent} event */
+  #down(event) {
+    if (typesText(event.target)) return;
+    if (event.code === "Space") {
+      if (!event.repeat) this.drive.stop();
+      return take(event);
+    }
+    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+    if (ownsKey(event.target, event.code)) return;
+    take(event);
+    // A key that still repeats after a stop must be pressed anew.
+    if (event.repeat) return;
+    this.#held.add(event.code);
+    this.#apply();
+  }
+
+  /** @param {KeyboardEvent} event */
+  #up(event) {
+    if (event.code === "Space" && !typesText(event.target)) return take(event);
+    if (this.#held.delete(event.code)) this.#apply();
+  }
+
+  #apply() {
+    if (this.#held.size === 0) return this.drive.hold("keys", null);
+    let [forward, turn] = [0, 0];
+    for (const code of this.#held) {
+      forward += KEYS[code][0];
+      turn += KEYS[code][1];
+    }
+    this.drive.hold("keys", { forward: Math.sign(forward), turn: Math.sign(turn) });
+  }
+}
+
+/** Neither the page nor the 3D view's own camera keys shall act on it too. @param {Event} event */
+function take(event) {
+  event.preventDefault();
+  event.stopPropagation();
+}
+
+/** @param {EventTarget | null} target of any window, so no instanceof */
+function typesText(target) {
+  const element = /** @type {HTMLInputElement | null} */ (target);
+  if (element?.isContentEditable || element?.tagName === "TEXTAREA") return true;
+  return element?.tagName === "INPUT" && TEXT_TYPES.includes(element.type);
+}
+
+/** Whether the focused element has a use of its own for the key. @param {EventTarget | null} target @param {string} code */
+function ownsKey(target, code) {
+  const element = /** @type {Element | null} */ (target);
+  if (element?.tagName === "SELECT") return true;
+  const owner = element?.closest?.("input[type=range], [role=tab], [data-own-arrows]");
+  return code.startsWith("Arrow") && Boolean(owner);
+}

@@ -1,0 +1,132 @@
+// @ts-check
+import { find, findButton, make, setText } from "../page/elements.js";
+import { plain } from "../page/format.js";
+import { sentence } from "../page/toasts.js";
+import { getJson } from "../wire/http.js";
+import { ParameterRow } from "./row.js";
+
+/** @typedef {import("../messages").Command} Command */
+/** @typedef {import("../messages").ParameterMessage} ParameterMessage */
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../wire/connection.js").Connection} Connection */
+/** @typedef {import("./row.js").Value} Value */
+
+/** What students turn first, in plain words; the rest follows by groups under its own name. @type {Record<string, string>} */
+const FIRST = {
+  sigma_hit: "Hit spread",
+  z_rand: "False share",
+  alpha3: "Motion noise",
+  max_particles: "Particles",
+  laser_model_type: "Sensor model",
+};
+const GROUPS = { motion: "Motion", sensor: "Sensor", filter: "Filter" };
+/** Changes are sent not oftener than this while a slider moves [ms]. */
+const SETTLE_MS = 120;
+/** Somebody else may change parameters too [ms]. */
+const LOOK_AGAIN_MS = 5000;
+
+/** The filter's state and its parameters, live. */
+export class FilterPanel {
+  #list = find("parameters", HTMLElement);
+  #hint = find("filter-hint", HTMLElement);
+  #pause = findButton("pause");
+  #paused = false;
+  /** @type {Map<string, ParameterRow>} */
+  #rows = new Map();
+  /** @type {Map<string, Value>} */
+  #wanted = new Map();
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
+
+  /** @param {Connection} connection @param {(command: Command) => Promise<boolean>} order @param {() => void} scatter */
+  constructor(connection, order, scatter) {
+    this.connection = connection;
+    this.#pause.onclick = () => order({ type: this.#paused ? "resume" : "pause" });
+    findButton("step").onclick = () => order({ type: "update" });
+    findButton("filter-scatter").onclick = scatter;
+    findButton("reset").onclick = async () => {
+      if (await order({ type: "reset" })) this.load();
+    };
+    const explain = findButton("explain");
+    explain.onclick = () => {
+      const shown = this.#list.dataset.explain !== "true";
+      this.#list.dataset.explain = String(shown);
+      explain.setAttribute("aria-pressed", String(shown));
+    };
+    setInterval(() => this.#lookAgain(), LOOK_AGAIN_MS);
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  describe({ particles, filter }) {
+    const paused = filter.paused ? "paused, " : "";
+    setText(this.#hint, `${paused}${particles.count} particles, ${plain(particles.effective)} effective`);
+    this.#paused = filter.paused;
+    setText(this.#pause, filter.paused ? "resume" : "pause");
+  }
+
+  /** Read the parameters as they are on the robot. */
+  async load() {
+    /** @type {ParameterMessage[]} */
+    let parameters;
+    try {
+      parameters = await getJson("/api/parameters");
+    } catch (error) {
+      if (this.#rows.size === 0) setText(this.#list, `No parameters: ${sentence(error)}`);
+      return;
+    }
+    const same = parameters.length === this.#rows.size && parameters.every(({ name }) => this.#rows.has(name));
+    if (!same) this.#build(parameters);
+    for (const { name, value } of parameters) {
+      const row = this.#rows.get(name);
+      if (row && !row.busy && row.parameter.value !== value) row.accept(value);
+    }
+  }
+
+  #lookAgain() {
+    const seen = !document.hidden && this.#list.checkVisibility();
+    if (seen && this.connection.state === "open") this.load();
+  }
+
+  /** @param {ParameterMessage[]} parameters */
+  #build(parameters) {
+    this.#rows.clear();
+    const first = Object.keys(FIRST).flatMap((name) => parameters.filter((one) => one.name === name));
+    const rest = parameters.filter((one) => !first.includes(one));
+    const groups = Object.entries(GROUPS).map(([group, title]) =>
+      this.#group(title, rest.filter((one) => one.group === group)),
+    );
+    this.#list.replaceChildren(this.#group("Most used", first), ...groups);
+  }
+
+  /** @param {string} title @param {ParameterMessage[]} parameters */
+  #group(title, parameters) {
+    const rows = parameters.map((parameter) => {
+      const change = (/** @type {string} */ name, /** @type {Value} */ value) => this.#want(name, value);
+      const row = new ParameterRow(parameter, FIRST[parameter.name] ?? "", change);
+      this.#rows.set(parameter.name, row);
+      return row.element;
+    });
+    return rows.length ? make("section", {}, make("h3", {}, title), ...rows) : "";
+  }
+
+  /** Collect what is changed and send it together when the hand rests. @param {string} name @param {Value} value */
+  #want(name, value) {
+    this.#wanted.set(name, value);
+    this.#timer ??= setTimeout(() => this.#send(), SETTLE_MS);
+  }
+
+  async #send() {
+    this.#timer = undefined;
+    const values = Object.fromEntries(this.#wanted);
+    this.#wanted.clear();
+    try {
+      await this.connection.send({ type: "set_parameters", values });
+    } catch (error) {
+      for (const name of Object.keys(values)) this.#rows.get(name)?.refuse(sentence(error));
+      return;
+    }
+    for (const [name, value] of Object.entries(values)) {
+      if (!this.#wanted.has(name)) this.#rows.get(name)?.accept(value);
+    }
+  }
+}

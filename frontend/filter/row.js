@@ -1,0 +1,122 @@
+// @ts-check
+import { make, setText } from "../page/elements.js";
+import { STEPS, SliderScale } from "./slider.js";
+import { readAs } from "./units.js";
+
+/** @typedef {import("../messages").ParameterMessage} ParameterMessage */
+/** @typedef {number | string | boolean} Value */
+
+/** One parameter: its name and meaning, a way to change it, and the way back to the default. */
+export class ParameterRow {
+  element = make("div", { class: "parameter" });
+  #refusal = make("p", { class: "refusal", role: "alert" });
+  #back = /** @type {HTMLButtonElement} */ (make("button", { type: "button", class: "back" }, "↺"));
+  /** Whether it is being changed here, so that news from the server must wait. */
+  busy = false;
+
+  /** @param {ParameterMessage} parameter @param {string} words a plain name, or none @param {(name: string, value: Value) => void} changed */
+  constructor(parameter, words, changed) {
+    this.parameter = parameter;
+    this.changed = changed;
+    const { name, meaning } = parameter;
+    const code = make("span", { class: words && "quiet" }, name);
+    const title = make("span", { class: "name", id: `name-${name}`, title: `${name}: ${meaning}` }, words, " ", code);
+    const about = make("p", { class: "meaning", id: `meaning-${name}` }, meaning);
+    this.#back.setAttribute("aria-label", `Set ${name} back to its default, ${parameter.default}`);
+    this.#back.title = `default: ${this.#words(parameter.default)}`;
+    this.#back.onclick = () => this.#change(parameter.default);
+    this.show = this.#control();
+    this.element.prepend(title);
+    this.element.append(this.#back, about, this.#refusal);
+    this.accept(parameter.value);
+  }
+
+  /** The value that holds on the robot. @param {Value} value */
+  accept(value) {
+    this.parameter = { ...this.parameter, value };
+    this.busy = false;
+    this.refuse("");
+    this.show(value);
+    const standard = value === this.parameter.default;
+    this.element.dataset.changed = String(!standard);
+    this.#back.disabled = standard;
+  }
+
+  /** Say why a change was not taken. @param {string} reason */
+  refuse(reason) {
+    setText(this.#refusal, reason);
+    if (!reason) return;
+    this.busy = false;
+    this.show(this.parameter.value);
+  }
+
+  /** @param {Value} value */
+  #change(value) {
+    this.busy = true;
+    this.show(value);
+    this.changed(this.parameter.name, value);
+  }
+
+  /** Builds the control. @returns {(value: Value) => void} what writes a value into it */
+  #control() {
+    if (this.parameter.choices.length > 0) return this.#choice();
+    return typeof this.parameter.default === "boolean" ? this.#switch() : this.#number();
+  }
+
+  /** @returns {Record<string, string>} names and descriptions for screen readers */
+  get #labels() {
+    const { name } = this.parameter;
+    return { "aria-labelledby": `name-${name}`, "aria-describedby": `meaning-${name}` };
+  }
+
+  #choice() {
+    const options = this.parameter.choices.map((choice) => make("option", {}, choice));
+    const select = /** @type {HTMLSelectElement} */ (make("select", this.#labels, ...options));
+    select.onchange = () => this.#change(select.value);
+    this.element.append(select);
+    return (/** @type {Value} */ value) => void (select.value = String(value));
+  }
+
+  #switch() {
+    const button = /** @type {HTMLButtonElement} */ (
+      make("button", { type: "button", role: "switch", class: "switch", ...this.#labels })
+    );
+    button.onclick = () => this.#change(button.getAttribute("aria-checked") !== "true");
+    this.element.append(button);
+    return (/** @type {Value} */ value) => {
+      button.setAttribute("aria-checked", String(value));
+      setText(button, value ? "on" : "off");
+    };
+  }
+
+  #number() {
+    const scale = new SliderScale(this.parameter);
+    const { unit, factor } = readAs(this.parameter.unit);
+    const range = { type: "range", min: "0", max: String(STEPS), step: "any" };
+    const slider = /** @type {HTMLInputElement} */ (make("input", { ...range, ...this.#labels }));
+    const field = /** @type {HTMLInputElement} */ (
+      make("input", { type: "number", step: "any", ...this.#labels })
+    );
+    slider.oninput = () => this.#change(scale.fromSlider(slider.valueAsNumber));
+    field.onchange = () => this.#typed(field.valueAsNumber / factor);
+    this.element.append(slider, field, make("span", { class: "unit" }, unit));
+    return (/** @type {Value} */ value) => {
+      if (document.activeElement !== slider) slider.value = String(scale.toSlider(Number(value)));
+      field.value = String(Number((Number(value) * factor).toPrecision(6)));
+      slider.setAttribute("aria-valuetext", this.#words(value));
+    };
+  }
+
+  /** @param {number} value */
+  #typed(value) {
+    if (Number.isFinite(value)) this.#change(Number(value.toPrecision(9)));
+    else this.refuse("That is not a number.");
+  }
+
+  /** @param {Value} value */
+  #words(value) {
+    if (typeof value !== "number") return String(value);
+    const { unit, factor } = readAs(this.parameter.unit);
+    return `${Number((value * factor).toPrecision(4))} ${unit}`.trim();
+  }
+}

@@ -1,0 +1,137 @@
+// @ts-check
+import { CameraPanel } from "./camera/panel.js";
+import { DrivePanel } from "./drive/panel.js";
+import { FilterPanel } from "./filter/panel.js";
+import { MapPanel } from "./map/panel.js";
+import { DrawLoop } from "./page/draw_loop.js";
+import { find, findButton } from "./page/elements.js";
+import { refreshPalette } from "./page/palette.js";
+import { PhoneTabs } from "./page/phone.js";
+import { addDelay, exposeProbe } from "./page/probe.js";
+import { Problems } from "./page/problems.js";
+import { Appearance } from "./page/theme.js";
+import { Toasts } from "./page/toasts.js";
+import { TopBar } from "./page/top_bar.js";
+import { History } from "./plots/history.js";
+import { PlotsPanel } from "./plots/panel.js";
+import { View3d } from "./view3d/panel.js";
+import { Connection } from "./wire/connection.js";
+import { getJson } from "./wire/http.js";
+
+/** @typedef {import("./messages").Command} Command */
+/** @typedef {import("./messages").FieldMessage} FieldMessage */
+/** @typedef {import("./messages").TelemetryMessage} TelemetryMessage */
+
+/** Numbers and words change this often: faster nobody can read [1/s]. */
+const WORDS_HERTZ = 5;
+/** Descriptions for screen readers change this often [ms]. */
+const DESCRIPTIONS_MS = 2000;
+const FIELD_AGAIN_MS = 3000;
+/** The delay shown is that of about so many pictures. */
+const SMOOTHING = 15;
+
+refreshPalette();
+const appearance = new Appearance(findButton("theme"), findButton("large-text"));
+const loop = new DrawLoop();
+const connection = new Connection("/api/live");
+const toasts = new Toasts(find("toasts", HTMLElement));
+const problems = new Problems();
+const topBar = new TopBar();
+const history = new History();
+const drive = new DrivePanel(connection);
+const camera = new CameraPanel(loop, drawn);
+const map = new MapPanel(loop, order);
+const plots = new PlotsPanel(loop, history);
+const filter = new FilterPanel(connection, order, () => map.scatter());
+const view3d = new View3d(appearance, order, (target) => drive.keys.listen(target));
+const tabs = new PhoneTabs();
+const probe = exposeProbe((x, y) => map.toPage(x, y));
+
+/** @type {TelemetryMessage | null} */
+let telemetry = null;
+/** @type {number | null} */
+let delay = null;
+let fieldName = "";
+const writeWords = loop.add(() => telemetry && describe(telemetry), { hertz: WORDS_HERTZ });
+
+/** Send a command; when it is refused, say why. @param {Command} command @returns {Promise<boolean>} */
+async function order(command) {
+  try {
+    await connection.send(command);
+    return true;
+  } catch (error) {
+    toasts.fail(error);
+    return false;
+  }
+}
+
+/** @param {TelemetryMessage} news */
+function take(news) {
+  telemetry = news;
+  probe.telemetry = news;
+  if (news.map !== fieldName) loadField(news.map);
+  problems.show(news);
+  camera.addScan(news.scan);
+  map.show(news);
+  if (history.add(news, delay)) plots.refresh();
+  writeWords();
+}
+
+/** @param {TelemetryMessage} news */
+function describe(news) {
+  topBar.show(news, delay);
+  map.describe(news);
+  drive.describe(news);
+  filter.describe(news);
+  view3d.describe(news);
+}
+
+/** A new picture is on the screen. @param {number} stamp of its exposure */
+function drawn(stamp) {
+  const now = connection.clock.now();
+  if (now === null) return;
+  const took = (now - stamp) * 1000;
+  delay = delay === null ? took : delay + (took - delay) / SMOOTHING;
+  addDelay(probe, took);
+}
+
+/** @param {string} name of the field that telemetry speaks of */
+async function loadField(name) {
+  fieldName = name;
+  try {
+    /** @type {FieldMessage} */
+    const field = await getJson("/api/field");
+    drive.setField(field);
+    camera.setField(field);
+    view3d.setField(field);
+    map.setField(field, await loadPicture("/api/field.png"));
+  } catch (error) {
+    toasts.show(`The field could not be read: ${error instanceof Error ? error.message : error}.`);
+    // Tried again with telemetry, but not at its rate.
+    setTimeout(() => (fieldName = ""), FIELD_AGAIN_MS);
+  }
+}
+
+/** @param {string} address @returns {Promise<ImageBitmap>} */
+async function loadPicture(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(`the picture of the field: status ${answer.status}`);
+  return createImageBitmap(await answer.blob());
+}
+
+appearance.onChange(() => {
+  refreshPalette();
+  for (const panel of [camera, map, plots]) panel.refresh();
+});
+connection.onTelemetry(take);
+connection.onState((state) => {
+  probe.connected = state === "open";
+  topBar.showLink(state);
+  problems.showLink(state);
+  if (state === "open") filter.load();
+});
+setInterval(() => {
+  for (const panel of [camera, plots]) panel.describe();
+}, DESCRIPTIONS_MS);
+tabs.start();
+connection.start();

@@ -1,0 +1,67 @@
+// @ts-check
+import { palette } from "../page/palette.js";
+
+/** @typedef {import("../messages").ParticlesMessage} ParticlesMessage */
+/** @typedef {import("./view.js").MapView} MapView */
+/** @typedef {{xs: Float32Array, ys: Float32Array, thetas: Float32Array, weights: Uint8Array}} Cloud */
+
+const BYTES = 8;
+/** Particles are drawn in so many steps of weight. */
+const STEPS = 6;
+const MOST_HEADINGS = 120;
+
+/** Unpack the particles; the layout is told at ParticlesMessage. @param {ParticlesMessage} message @returns {Cloud} */
+export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {
+  const bytes = Uint8Array.from(atob(cloud), (letter) => letter.charCodeAt(0));
+  const view = new DataView(bytes.buffer);
+  const count = Math.floor(bytes.length / BYTES);
+  const xs = new Float32Array(count);
+  const ys = new Float32Array(count);
+  const thetas = new Float32Array(count);
+  const weights = new Uint8Array(count);
+  for (let i = 0; i < count; i++) {
+    const at = i * BYTES;
+    xs[i] = xmin + (view.getUint16(at, true) / 65535) * (xmax - xmin);
+    ys[i] = ymin + (view.getUint16(at + 2, true) / 65535) * (ymax - ymin);
+    thetas[i] = (view.getInt16(at + 4, true) / 32768) * Math.PI;
+    weights[i] = view.getUint8(at + 6);
+  }
+  return { xs, ys, thetas, weights };
+}
+
+/**
+ * The heavier a particle, the larger and the stronger its dot; light ones lie below.
+ * @param {CanvasRenderingContext2D} context @param {MapView} view @param {Cloud} cloud
+ */
+export function drawCloud(context, view, cloud) {
+  const paths = Array.from({ length: STEPS }, () => new Path2D());
+  cloud.xs.forEach((x, i) => {
+    const step = Math.min(STEPS - 1, Math.floor((cloud.weights[i] / 256) * STEPS));
+    const [u, v] = view.toScreen(x, cloud.ys[i]);
+    const side = 2 + step * 0.5;
+    paths[step].rect(u - side / 2, v - side / 2, side, side);
+  });
+  context.fillStyle = palette["floor-estimate"];
+  paths.forEach((path, step) => {
+    context.globalAlpha = 0.3 + (0.6 * step) / (STEPS - 1);
+    context.fill(path);
+  });
+  context.globalAlpha = 1;
+  drawHeadings(context, view, cloud);
+}
+
+/** Short strokes along the headings of some particles. @param {CanvasRenderingContext2D} context @param {MapView} view @param {Cloud} cloud */
+function drawHeadings(context, view, cloud) {
+  const stride = Math.ceil(cloud.xs.length / MOST_HEADINGS) || 1;
+  context.beginPath();
+  for (let i = 0; i < cloud.xs.length; i += stride) {
+    const [u, v] = view.toScreen(cloud.xs[i], cloud.ys[i]);
+    context.moveTo(u, v);
+    context.lineTo(u + 9 * Math.cos(cloud.thetas[i]), v - 9 * Math.sin(cloud.thetas[i]));
+  }
+  context.strokeStyle = palette["floor-estimate"];
+  context.globalAlpha = 0.35;
+  context.lineWidth = 1;
+  context.stroke();
+  context.globalAlpha = 1;
+}

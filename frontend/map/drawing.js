@@ -1,0 +1,151 @@
+// @ts-check
+import { palette } from "../page/palette.js";
+import { roundUp } from "../plots/scale.js";
+
+/** @typedef {import("../messages").EstimateMessage} EstimateMessage */
+/** @typedef {import("../messages").HypothesisMessage} HypothesisMessage */
+/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../messages").ScanMessage} ScanMessage */
+/** @typedef {import("./view.js").MapView} MapView */
+/** @typedef {CanvasRenderingContext2D} Context */
+
+/** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
+const RADII_95 = 2.4477;
+
+/** The picture of the field, with its rim. @param {Context} context @param {MapView} view @param {number[]} extent @param {ImageBitmap | null} picture */
+export function drawFloor(context, view, [xmin, ymin, xmax, ymax], picture) {
+  const [left, top] = view.toScreen(xmin, ymax);
+  const [right, bottom] = view.toScreen(xmax, ymin);
+  if (picture) context.drawImage(picture, left, top, right - left, bottom - top);
+  context.strokeStyle = palette.line;
+  context.lineWidth = 1;
+  context.strokeRect(left, top, right - left, bottom - top);
+}
+
+/** Rays to their hits, from where the filter believed the robot at that moment. @param {Context} context @param {ScanMessage} scan @param {number} pixel [m] */
+export function drawScan(context, { robot, robot_from_scan: offset, bearings, ranges }, pixel) {
+  if (!robot) return;
+  context.save();
+  enter(context, robot);
+  enter(context, offset);
+  const rays = new Path2D();
+  const hits = new Path2D();
+  bearings.forEach((bearing, i) => {
+    const range = ranges[i];
+    if (range === null || range === undefined) return;
+    const [x, y] = [range * Math.cos(bearing), range * Math.sin(bearing)];
+    rays.moveTo(0, 0);
+    rays.lineTo(x, y);
+    hits.moveTo(x + 1.8 * pixel, y);
+    hits.arc(x, y, 1.8 * pixel, 0, 2 * Math.PI);
+  });
+  stroke(context, rays, palette["floor-rays"], 0.7 * pixel, 0.35);
+  stroke(context, hits, palette["floor-halo"], 2 * pixel, 0.9);
+  context.fillStyle = palette["floor-rays"];
+  context.fill(hits);
+  context.restore();
+}
+
+/**
+ * A robot's outline with its heading.
+ * @param {Context} context @param {PoseMessage} pose @param {[number, number][]} outline [m] @param {number} pixel [m]
+ * @param {{colour: string, dash?: number[], fill?: number}} style
+ */
+export function drawRobot(context, pose, outline, pixel, { colour, dash = [], fill = 0 }) {
+  context.save();
+  enter(context, pose);
+  const body = new Path2D();
+  outline.forEach(([x, y], i) => (i ? body.lineTo(x, y) : body.moveTo(x, y)));
+  body.closePath();
+  const nose = Math.max(0.02, ...outline.map(([x]) => x));
+  const arrow = new Path2D();
+  arrow.moveTo(0, 0);
+  arrow.lineTo(nose * 1.5, 0);
+  context.fillStyle = colour;
+  context.globalAlpha = fill;
+  context.fill(body);
+  context.setLineDash(dash.map((length) => length * pixel));
+  stroke(context, body, colour, 2 * pixel, 1);
+  context.setLineDash([]);
+  stroke(context, arrow, colour, 2.5 * pixel, 1);
+  context.restore();
+}
+
+/** Where the robot is with 95 % certainty. @param {Context} context @param {EstimateMessage} estimate @param {number} pixel [m] */
+export function drawCertainty(context, { x, y, covariance: [xx, xy, , , yy] }, pixel) {
+  const mean = (xx + yy) / 2;
+  const spread = Math.hypot((xx - yy) / 2, xy);
+  const angle = Math.atan2(2 * xy, xx - yy) / 2;
+  const [long, short] = [mean + spread, mean - spread].map((s) => RADII_95 * Math.sqrt(Math.max(0, s)));
+  drawEllipse(context, x, y, [long, short], angle, palette["floor-estimate"], pixel);
+}
+
+/** @param {Context} context @param {number} x @param {number} y @param {number[]} radii [m] @param {number} angle @param {string} colour @param {number} pixel [m] */
+export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
+  const path = new Path2D();
+  path.ellipse(x, y, radii[0], radii[1], angle, 0, 2 * Math.PI);
+  context.fillStyle = colour;
+  context.globalAlpha = 0.1;
+  context.fill(path);
+  stroke(context, path, colour, 1.5 * pixel, 0.9);
+}
+
+/** Places that look alike, each with its share of the weight. @param {Context} context @param {MapView} view @param {HypothesisMessage[]} hypotheses */
+export function drawHypotheses(context, view, hypotheses) {
+  context.font = `bold ${palette.font}`;
+  context.textBaseline = "middle";
+  context.textAlign = "left";
+  for (const { x, y, theta, weight } of hypotheses) {
+    const [u, v] = view.toScreen(x, y);
+    const ring = new Path2D();
+    ring.arc(u, v, 14, 0, 2 * Math.PI);
+    ring.moveTo(u + 14 * Math.cos(theta), v - 14 * Math.sin(theta));
+    ring.lineTo(u + 22 * Math.cos(theta), v - 22 * Math.sin(theta));
+    stroke(context, ring, palette["floor-halo"], 4, 1);
+    stroke(context, ring, palette["floor-estimate"], 2, 1);
+    label(context, `${Math.round(weight * 100)} %`, u + 20, v + 18);
+  }
+}
+
+/** A bar of a round length, bottom right. @param {Context} context @param {MapView} view */
+export function drawScaleBar(context, view) {
+  const metres = roundUp(60 / view.scale);
+  const length = metres * view.scale;
+  const [right, bottom] = [view.width - 12, view.height - 12];
+  const bar = new Path2D();
+  bar.moveTo(right - length, bottom - 5);
+  bar.lineTo(right - length, bottom);
+  bar.lineTo(right, bottom);
+  bar.lineTo(right, bottom - 5);
+  stroke(context, bar, palette.panel, 5, 0.8);
+  stroke(context, bar, palette.text, 2, 1);
+  context.font = palette.font;
+  context.textAlign = "right";
+  context.textBaseline = "alphabetic";
+  label(context, metres >= 1 ? `${metres} m` : `${Math.round(metres * 1000)} mm`, right, bottom - 9);
+}
+
+/** Text with a rim, readable on floor, tape and page. @param {Context} context @param {string} text @param {number} u @param {number} v */
+function label(context, text, u, v) {
+  context.lineJoin = "round";
+  context.lineWidth = 4;
+  context.strokeStyle = palette.panel;
+  context.strokeText(text, u, v);
+  context.fillStyle = palette.text;
+  context.fillText(text, u, v);
+}
+
+/** @param {Context} context @param {PoseMessage} pose */
+function enter(context, { x, y, theta }) {
+  context.translate(x, y);
+  context.rotate(theta);
+}
+
+/** @param {Context} context @param {Path2D} path @param {string} colour @param {number} width @param {number} alpha */
+function stroke(context, path, colour, width, alpha) {
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.globalAlpha = alpha;
+  context.stroke(path);
+  context.globalAlpha = 1;
+}

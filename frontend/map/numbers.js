@@ -1,0 +1,70 @@
+// @ts-check
+import { find, findButton, findInput, setText } from "../page/elements.js";
+import { degrees, millimetres } from "../page/format.js";
+
+/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {"set_pose" | "place"} Act */
+
+/** A pose in exact numbers, and how sure the filter shall be of a pose it is told. */
+export class NumbersForm {
+  #x = findInput("pose-x");
+  #y = findInput("pose-y");
+  #heading = findInput("pose-heading");
+  #spread = findInput("spread-xy");
+  #turn = findInput("spread-theta");
+
+  /** @param {(act: Act, pose: PoseMessage) => void} act @param {() => void} changed when the spread changes */
+  constructor(act, changed) {
+    const form = find("numbers", HTMLFormElement);
+    form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      act(event.submitter?.id === "numbers-place" ? "place" : "set_pose", this.pose);
+    });
+    for (const slider of [this.#spread, this.#turn]) {
+      slider.addEventListener("input", () => {
+        this.#tell();
+        changed();
+      });
+    }
+    this.#tell();
+  }
+
+  /** Standard deviation of a pose that is told [m]; the slider goes by decades. */
+  get sdXy() {
+    return 10 ** this.#spread.valueAsNumber;
+  }
+
+  /** [rad] */
+  get sdTheta() {
+    return (this.#turn.valueAsNumber * Math.PI) / 180;
+  }
+
+  /** @returns {PoseMessage} */
+  get pose() {
+    return {
+      x: this.#x.valueAsNumber / 1000,
+      y: this.#y.valueAsNumber / 1000,
+      theta: (this.#heading.valueAsNumber * Math.PI) / 180,
+    };
+  }
+
+  /** Write a pose into the fields, for small corrections. @param {PoseMessage} pose */
+  set pose({ x, y, theta }) {
+    this.#x.value = (x * 1000).toFixed(0);
+    this.#y.value = (y * 1000).toFixed(0);
+    this.#heading.value = ((theta * 180) / Math.PI).toFixed(0);
+  }
+
+  /** @param {boolean} possible whether this robot can be put elsewhere by hand */
+  allowPlacing(possible) {
+    findButton("numbers-place").hidden = !possible;
+  }
+
+  #tell() {
+    const [xy, theta] = [`± ${millimetres(this.sdXy)}`, `± ${degrees(this.sdTheta)}`];
+    setText(find("spread-xy-value", HTMLElement), xy);
+    setText(find("spread-theta-value", HTMLElement), theta);
+    this.#spread.setAttribute("aria-valuetext", xy);
+    this.#turn.setAttribute("aria-valuetext", theta);
+  }
+}

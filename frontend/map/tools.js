@@ -1,0 +1,52 @@
+// @ts-check
+/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {"look" | "set_pose" | "place"} Tool */
+
+/** A drag shorter than this [CSS px] tells no heading. */
+const SHORTEST = 8;
+
+/** What a press on the map does: nothing, tell a pose, or put the robot; after RViz's pose tool. */
+export class PoseTool {
+  /** @type {Tool} */
+  tool = "look";
+  /** The pose that is being pointed out. @type {PoseMessage | null} */
+  draft = null;
+
+  /**
+   * @param {() => number} heading the one to keep when none is dragged [rad]
+   * @param {() => number} scale [CSS px/m]
+   * @param {(tool: Tool, pose: PoseMessage) => void} finished
+   */
+  constructor(heading, scale, finished) {
+    this.heading = heading;
+    this.scale = scale;
+    this.finished = finished;
+  }
+
+  wants() {
+    return this.tool !== "look";
+  }
+
+  /** @param {number} x @param {number} y */
+  press(x, y) {
+    this.draft = { x, y, theta: this.heading() };
+  }
+
+  /** @param {number} x @param {number} y */
+  drag(x, y) {
+    if (!this.draft) return;
+    const [dx, dy] = [x - this.draft.x, y - this.draft.y];
+    const far = Math.hypot(dx, dy) * this.scale() >= SHORTEST;
+    this.draft = { ...this.draft, theta: far ? Math.atan2(dy, dx) : this.draft.theta };
+  }
+
+  release() {
+    const draft = this.draft;
+    this.draft = null;
+    if (draft) this.finished(this.tool, draft);
+  }
+
+  cancel() {
+    this.draft = null;
+  }
+}

@@ -1,0 +1,325 @@
+// Made from app/messages.py by `python -m app.typescript`; change it there.
+
+export type Command =
+  | DriveCommand
+  | FigureEightCommand
+  | PauseCommand
+  | PingCommand
+  | PlaceCommand
+  | ResetCommand
+  | ResumeCommand
+  | ScatterCommand
+  | SetParametersCommand
+  | SetPoseCommand
+  | ShowCommand
+  | StopCommand
+  | UpdateCommand;
+
+/** The command was taken. */
+export interface AckMessage {
+  type: "ack";
+  id: number | string | null;
+  /** The robot's clock when the answer was written, to line up the clocks [s]. */
+  stamp: number | null;
+}
+
+/** Drive; holds for 0.5 s, so it is renewed. Beyond the limits it is limited. */
+export interface DriveCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "drive";
+  v: number;
+  omega: number;
+}
+
+/** The command was refused, and why. */
+export interface ErrorMessage {
+  type: "error";
+  id: number | string | null;
+  message: string;
+}
+
+/** Where the filter believes the robot is, carried forward to the telemetry's stamp. */
+export interface EstimateMessage {
+  x: number;
+  y: number;
+  theta: number;
+  /** 9 numbers by rows [m^2, m rad, rad^2]. */
+  covariance: number[];
+}
+
+/** The field and the robot on it: what a map view needs once. */
+export interface FieldMessage {
+  name: string;
+  /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
+  extent: number[];
+  start: PoseMessage;
+  /** The robot's outline on the floor [m], in the robot frame. */
+  robot_outline: [number, number][];
+  max_v: number;
+  max_omega: number;
+  image_width: number;
+  /** Size of the camera's picture [px]. */
+  image_height: number;
+  /** Each ray as a line of pixels, from its start to its end in the picture. */
+  rays_px: [number, number][][];
+}
+
+/** Drive the open-loop figure-eight; holds for 0.5 s like drive, and goes on when renewed. */
+export interface FigureEightCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "figure_eight";
+}
+
+/** What the filter does. */
+export interface FilterMessage {
+  paused: boolean;
+  /** Measurement updates since the last set_pose, scatter or reset. */
+  updates: number;
+  /** Whether a second hypothesis has at least a fifth of the weight. */
+  ambiguous: boolean;
+}
+
+/** Whether the program does its job. */
+export interface HealthMessage {
+  status: "ok" | "degraded" | "failed";
+  detail: string;
+  robot: string;
+  uptime_s: number;
+  step_hz: number;
+}
+
+/** One cluster of particles. */
+export interface HypothesisMessage {
+  x: number;
+  y: number;
+  theta: number;
+  weight: number;
+}
+
+/** How the engine keeps up. */
+export interface LoopMessage {
+  step_hz: number;
+  /** Work of one step, smoothed. */
+  step_ms: number;
+  frame_hz: number;
+  /** From the exposure of the newest frame to this telemetry, on the robot's clock. */
+  latency_ms: number;
+}
+
+/** One parameter of the filter, with its meaning. */
+export interface ParameterMessage {
+  name: string;
+  group: "motion" | "sensor" | "filter";
+  value: number | string | boolean;
+  default: number | string | boolean;
+  meaning: string;
+  unit: string;
+  low: number | null;
+  high: number | null;
+  choices: string[];
+  /** Whether only whole numbers are valid. */
+  integer?: boolean;
+}
+
+/** The cloud. */
+export interface ParticlesMessage {
+  count: number;
+  /** Effective sample size, 1 to count. */
+  effective: number;
+  /** Clusters, heaviest first; at most eight. */
+  hypotheses: HypothesisMessage[];
+  /** xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span. */
+  extent: number[];
+  /**
+   * base64 of 8 bytes a particle, little-endian: uint16 x, uint16 y over the extent (0 to 65535),
+   * int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most 2,000.
+   */
+  cloud: string;
+}
+
+/** Stop updating the filter by measurements; odometry goes on moving the cloud. */
+export interface PauseCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "pause";
+}
+
+/** Do nothing; the answer's stamp lines up the clocks. */
+export interface PingCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "ping";
+}
+
+/** Put the simulated robot itself elsewhere; the filter is not told. */
+export interface PlaceCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "place";
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** A pose in the map [m, m, rad]. */
+export interface PoseMessage {
+  x: number;
+  y: number;
+  theta: number;
+}
+
+/** One entry of the record of errors. */
+export interface ProblemMessage {
+  stamp: number;
+  message: string;
+}
+
+/** The record of errors, newest last; at most the last hundred. */
+export interface ProblemsMessage {
+  problems: ProblemMessage[];
+}
+
+/** What the scanner saw along one ray of the newest frame. */
+export interface ProfileMessage {
+  stamp: number;
+  ray: number;
+  bearing: number;
+  /** Floor distance of each sample from the rays' centre [m]. */
+  distances: number[];
+  /** Brightness, 0 to 255. */
+  grey: number[];
+  /** Answer of the edge kernel, in grey levels; negative where it gets darker. */
+  response: number[];
+  threshold: number;
+  /** Distance of the entry edge [m]. */
+  entry: number | null;
+  exit: number | null;
+  /** Measured across the line [m]. */
+  width: number | null;
+  counted: boolean;
+  /** Why it counted or not, in plain words. */
+  why: string;
+}
+
+/** The filter's parameters as configured at the start, and the cloud at the start pose. */
+export interface ResetCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "reset";
+}
+
+/** Update the filter again. */
+export interface ResumeCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "resume";
+}
+
+/** The robot itself. */
+export interface RobotMessage {
+  name: string;
+  connected: boolean;
+  battery_v: number | null;
+  can_be_placed: boolean;
+}
+
+/** The newest scan, and where it was found in the picture. */
+export interface ScanMessage {
+  /** Exposure of the frame it comes from [s]. */
+  stamp: number;
+  bearings: number[];
+  /** [m]; no return is null. */
+  ranges: (number | null)[];
+  /** Where the rays start, in the robot frame. */
+  robot_from_scan: PoseMessage;
+  /** The estimate at the scan's stamp, to draw the scan from. */
+  robot: PoseMessage | null;
+  /** Pixel (u, v) where the ray enters the tape, a ray each; null where none counted. */
+  entry_px: ([number, number] | null)[];
+  exit_px: ([number, number] | null)[];
+  /** Median width measured over the rays that counted [m]. */
+  tape_width: number | null;
+}
+
+/** Spread the cloud over the whole field: the robot may be anywhere. */
+export interface ScatterCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "scatter";
+}
+
+/** Change parameters of the filter; all or none, names as ``/api/parameters`` lists them. */
+export interface SetParametersCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_parameters";
+  values: Record<string, number | string | boolean>;
+}
+
+/** Tell the filter where the robot is, and how sure that is. */
+export interface SetPoseCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_pose";
+  x: number;
+  y: number;
+  theta: number;
+  sd_xy?: number | null;
+  sd_theta?: number | null;
+}
+
+/** Switch a layer of the 3D view on or off; all viewers share that view. */
+export interface ShowCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "show";
+  layer: "particles" | "headings" | "rays" | "covariance" | "paths" | "truth";
+  visible: boolean;
+}
+
+/** Stand still at once, whatever drives. */
+export interface StopCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "stop";
+}
+
+/** Everything that one tick shows. */
+export interface TelemetryMessage {
+  type: "telemetry";
+  /** The robot's clock [s]. */
+  stamp: number;
+  map: string;
+  truth: PoseMessage | null;
+  /** Dead reckoning since the start (or the last place), in the map. */
+  odometry: PoseMessage | null;
+  estimate: EstimateMessage | null;
+  twist: TwistMessage;
+  mode: "idle" | "drive" | "figure_eight";
+  particles: ParticlesMessage;
+  scan: ScanMessage;
+  robot: RobotMessage;
+  loop: LoopMessage;
+  filter: FilterMessage;
+  /** What is wrong now, in plain words; empty when all is well. */
+  problems: string[];
+  /** Problems since the start; ``/api/problems`` lists them. */
+  error_count: number;
+  /** Layers of the 3D view that are switched off, for all viewers; null where there is none. */
+  hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth")[] | null;
+}
+
+/** A velocity [m/s, rad/s], as applied after limits. */
+export interface TwistMessage {
+  v: number;
+  omega: number;
+}
+
+/** One measurement update with the next frame, even paused or standing still. */
+export interface UpdateCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "update";
+}

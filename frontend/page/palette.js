@@ -1,0 +1,25 @@
+// @ts-check
+/**
+ * Colours for canvases, from the same custom properties as the page's.
+ * Roles: truth, odometry, estimate, rays; "floor" ones lie on the picture of the floor, which is
+ * light in both themes.
+ */
+const NAMES = /** @type {const} */ ([
+  "text", "quiet", "line", "panel", "accent", "warning",
+  "truth", "odometry", "estimate", "rays",
+  "floor-truth", "floor-odometry", "floor-estimate", "floor-rays", "floor-draft", "floor-halo",
+]);
+
+/** @typedef {typeof NAMES[number]} ColourName */
+/** @typedef {Record<ColourName, string> & {font: string, fontSize: number}} Palette */
+
+/** @type {Palette} */
+export const palette = /** @type {Palette} */ ({});
+
+/** Read the colours and the text size anew, after the theme changed. */
+export function refreshPalette() {
+  const style = getComputedStyle(document.documentElement);
+  for (const name of NAMES) palette[name] = style.getPropertyValue(`--${name}`).trim();
+  palette.fontSize = 0.8 * parseFloat(style.fontSize);
+  palette.font = `${palette.fontSize}px system-ui, sans-serif`;
+}

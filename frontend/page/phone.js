@@ -1,0 +1,31 @@
+// @ts-check
+import { find, findButton } from "./elements.js";
+import { Tabs } from "./tabs.js";
+
+/** As in style/phone.css: one panel at a time where the screen is small either way. */
+const PHONE = matchMedia("(max-width: 640px), (max-height: 500px)");
+
+/** On a phone the panels are tabs and the bar's numbers open on demand; on a wide screen all are there. */
+export class PhoneTabs {
+  #list = find("tabs", HTMLElement);
+  #tabs = new Tabs(this.#list, (name) => (document.body.dataset.tab = name));
+
+  start() {
+    this.#tabs.select("map");
+    PHONE.addEventListener("change", () => this.#name());
+    this.#name();
+    const more = findButton("more");
+    more.onclick = () => {
+      more.setAttribute("aria-expanded", String(more.getAttribute("aria-expanded") !== "true"));
+    };
+  }
+
+  /** Panels are tab panels only where there are tabs. */
+  #name() {
+    for (const tab of this.#list.querySelectorAll("button")) {
+      const panel = document.getElementById(tab.getAttribute("aria-controls") ?? "");
+      if (PHONE.matches) panel?.setAttribute("role", "tabpanel");
+      else panel?.removeAttribute("role");
+    }
+  }
+}

@@ -1,0 +1,105 @@
+// @ts-check
+import { getJson } from "../wire/http.js";
+import { find, findButton, make, setText } from "./elements.js";
+import { minutes } from "./format.js";
+
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../messages").ProblemsMessage} ProblemsMessage */
+/** @typedef {import("../wire/connection.js").LinkState} LinkState */
+
+/** Telemetry older than this [ms] is no picture of the present. */
+const STALE_MS = 1500;
+
+/** What is wrong now, in a line under the bar, and the record of what was. */
+export class Problems {
+  #banner = find("banner", HTMLElement);
+  #button = findButton("record");
+  #count = find("record-count", HTMLElement);
+  #record = find("record-list", HTMLElement);
+  #list = find("record-items", HTMLElement);
+  #known = -1;
+  #heard = 0;
+  /** @type {LinkState} */
+  #link = "connecting";
+  /** @type {string[]} */
+  #present = [];
+
+  constructor() {
+    this.#button.onclick = () => this.#open(Boolean(this.#record.hidden));
+    this.#record.addEventListener("keydown", (event) => this.#key(event));
+    this.#button.addEventListener("keydown", (event) => this.#key(event));
+    findButton("record-close").onclick = () => this.#open(false);
+    setInterval(() => this.#say(), 500);
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  show(telemetry) {
+    this.#heard = performance.now();
+    this.#present = telemetry.robot.connected
+      ? telemetry.problems
+      : ["The robot is not connected.", ...telemetry.problems];
+    if (telemetry.error_count === this.#known) return;
+    this.#known = telemetry.error_count;
+    setText(this.#count, String(this.#known));
+    this.#button.setAttribute("aria-label", `Record of problems: ${this.#known}`);
+    this.#button.dataset.some = String(this.#known > 0);
+    if (!this.#record.hidden) this.#load();
+  }
+
+  /** @param {LinkState} link */
+  showLink(link) {
+    this.#link = link;
+    this.#say();
+  }
+
+  /** Whether the picture on the page is of now. */
+  get stale() {
+    return this.#link !== "open" || performance.now() - this.#heard > STALE_MS;
+  }
+
+  #say() {
+    const lines = this.#sentences();
+    setText(this.#banner, lines.join(" "));
+    document.body.dataset.stale = String(this.stale);
+  }
+
+  /** @returns {string[]} */
+  #sentences() {
+    if (this.#link === "lost") {
+      return ["The connection is lost; trying again. The robot stops by itself."];
+    }
+    if (this.#link === "connecting") return [];
+    if (this.stale) return ["No news from the robot: what is shown is old."];
+    return this.#present;
+  }
+
+  /** @param {boolean} open */
+  #open(open) {
+    this.#record.hidden = !open;
+    this.#button.setAttribute("aria-expanded", String(open));
+    if (open) this.#load();
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    if (event.key !== "Escape" || this.#record.hidden) return;
+    this.#open(false);
+    this.#button.focus();
+  }
+
+  async #load() {
+    /** @type {Node[]} */
+    let items;
+    try {
+      /** @type {ProblemsMessage} */
+      const { problems } = await getJson("/api/problems");
+      items = problems.reverse().map(({ stamp, message }) =>
+        make("li", {}, make("time", {}, minutes(stamp)), ` ${message}`),
+      );
+    } catch (error) {
+      items = [make("li", {}, `The record could not be read: ${error}`)];
+    }
+    if (items.length === 0) items = [make("li", { class: "quiet" }, "Nothing has gone wrong.")];
+    this.#list.replaceChildren(...items);
+  }
+}

@@ -1,0 +1,36 @@
+// @ts-check
+import { make } from "./elements.js";
+
+const SHOWN_MS = 7000;
+const MOST = 3;
+
+/** Short messages about what was just asked for, at the foot of the page and read aloud. */
+export class Toasts {
+  /** @param {HTMLElement} list a live region */
+  constructor(list) {
+    this.list = list;
+  }
+
+  /** @param {string} text in plain words @param {"problem" | "note"} [kind] */
+  show(text, kind = "problem") {
+    for (const old of [...this.list.children]) if (old.firstChild?.textContent === text) old.remove();
+    const close = make("button", { type: "button", "aria-label": "Close this message" }, "×");
+    const toast = make("li", { class: `toast ${kind}` }, make("span", {}, text), close);
+    close.onclick = () => toast.remove();
+    setTimeout(() => toast.remove(), SHOWN_MS);
+    this.list.append(toast);
+    while (this.list.children.length > MOST) this.list.firstElementChild?.remove();
+  }
+
+  /** Show why something failed. @param {unknown} error */
+  fail(error) {
+    this.show(sentence(error));
+  }
+}
+
+/** @param {unknown} error @returns {string} its message as a sentence */
+export function sentence(error) {
+  const text = error instanceof Error ? error.message : String(error);
+  const start = text.charAt(0).toUpperCase() + text.slice(1);
+  return /[.!?]$/.test(start) ? start : `${start}.`;
+}

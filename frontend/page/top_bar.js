@@ -1,0 +1,46 @@
+// @ts-check
+import { find, setText } from "./elements.js";
+import { distance, millimetres, minutes, plain } from "./format.js";
+
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../wire/connection.js").LinkState} LinkState */
+
+const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight" };
+const LINKS = { connecting: "connecting", lost: "disconnected" };
+
+/** The slim bar: which robot, how it is, and the few numbers that tell whether all is well. */
+export class TopBar {
+  #name = find("robot-name", HTMLElement);
+  #state = find("robot-state", HTMLElement);
+  #dot = find("robot-dot", HTMLElement);
+  #time = find("stat-time", HTMLElement);
+  #field = find("stat-field", HTMLElement);
+  #battery = find("stat-battery", HTMLElement);
+  #error = find("stat-error", HTMLElement);
+  #loop = find("stat-loop", HTMLElement);
+  #delay = find("stat-delay", HTMLElement);
+
+  /** @param {TelemetryMessage} telemetry @param {number | null} delay exposure to pixel [ms] */
+  show(telemetry, delay) {
+    const { robot, truth, estimate } = telemetry;
+    setText(this.#name, robot.name);
+    this.#enter(robot.connected ? MODES[telemetry.mode] : "not connected", robot.connected);
+    setText(this.#field, telemetry.map);
+    setText(this.#time, minutes(telemetry.stamp));
+    setText(this.#battery, robot.battery_v === null ? "–" : `${plain(robot.battery_v, 1)} V`);
+    setText(this.#error, millimetres(truth && estimate && distance(truth, estimate), 1));
+    setText(this.#loop, `${plain(telemetry.loop.step_hz)} Hz`);
+    setText(this.#delay, delay === null ? "–" : `${plain(delay)} ms`);
+  }
+
+  /** @param {LinkState} link what is shown while no telemetry comes */
+  showLink(link) {
+    if (link !== "open") this.#enter(LINKS[link], false);
+  }
+
+  /** @param {string} state @param {boolean} well */
+  #enter(state, well) {
+    setText(this.#state, state);
+    this.#dot.dataset.well = String(well);
+  }
+}

@@ -1,0 +1,65 @@
+// @ts-check
+import { distance } from "../page/format.js";
+
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+
+/** What is kept of each moment; NaN where it is not known. */
+export const QUANTITIES = /** @type {const} */ ([
+  "odometryError", // [mm]
+  "estimateError", // [mm]
+  "effective", // particles
+  "count", // particles
+  "loop", // steps a second
+  "delay", // exposure to pixel [ms]
+]);
+/** @typedef {typeof QUANTITIES[number]} Quantity */
+
+export const SPAN_S = 30;
+const SHORTEST_S = 0.05;
+
+/** The last half minute of the numbers that are plotted. */
+export class History {
+  /** Stamps on the robot's clock [s], oldest first. @type {number[]} */
+  stamps = [];
+  /** @type {Record<Quantity, number[]>} */
+  values = { odometryError: [], estimateError: [], effective: [], count: [], loop: [], delay: [] };
+
+  /** @param {TelemetryMessage} telemetry @param {number | null} delay [ms] @returns {boolean} whether it was due */
+  add(telemetry, delay) {
+    const newest = this.stamps.at(-1) ?? -Infinity;
+    if (telemetry.stamp < newest) this.#drop(this.stamps.length);
+    else if (telemetry.stamp < newest + SHORTEST_S) return false;
+    this.stamps.push(telemetry.stamp);
+    const { truth, odometry, estimate, particles, loop } = telemetry;
+    this.values.odometryError.push(truth && odometry ? distance(truth, odometry) * 1000 : NaN);
+    this.values.estimateError.push(truth && estimate ? distance(truth, estimate) * 1000 : NaN);
+    this.values.effective.push(particles.effective);
+    this.values.count.push(particles.count);
+    this.values.loop.push(loop.step_hz);
+    this.values.delay.push(delay ?? NaN);
+    const old = this.stamps.findIndex((stamp) => stamp >= telemetry.stamp - SPAN_S);
+    this.#drop(old);
+    return true;
+  }
+
+  /** Seconds before the newest, as negative numbers. @returns {number[]} */
+  ages() {
+    const newest = this.stamps.at(-1) ?? 0;
+    return this.stamps.map((stamp) => stamp - newest);
+  }
+
+  /** Index of the moment nearest to an age. @param {number} age [s], negative @returns {number} */
+  nearest(age) {
+    const ages = this.ages();
+    const after = ages.findIndex((one) => one >= age);
+    if (after <= 0) return after === 0 ? 0 : ages.length - 1;
+    return ages[after] - age < age - ages[after - 1] ? after : after - 1;
+  }
+
+  /** @param {number} count of the oldest */
+  #drop(count) {
+    if (count <= 0) return;
+    this.stamps.splice(0, count);
+    for (const quantity of QUANTITIES) this.values[quantity].splice(0, count);
+  }
+}

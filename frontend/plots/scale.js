@@ -1,0 +1,59 @@
+// @ts-check
+
+/**
+ * @typedef {object} Axis
+ * @property {number} low
+ * @property {number} high
+ * @property {string} label with its unit
+ * @property {boolean} [log] by decades; low and high are above zero then
+ */
+
+/**
+ * @typedef {object} Scale
+ * @property {(value: number) => number} at where a value lies [CSS px]
+ * @property {(pixel: number) => number} value the way back
+ * @property {number[]} ticks round values in between
+ */
+
+/**
+ * @param {Axis} axis @param {number} from pixel of the low end @param {number} to pixel of the high end
+ * @param {number} most about so many ticks
+ * @returns {Scale}
+ */
+export function axisScale(axis, from, to, most) {
+  const bend = axis.log ? Math.log : (/** @type {number} */ value) => value;
+  const unbend = axis.log ? Math.exp : (/** @type {number} */ value) => value;
+  const [low, high] = [bend(axis.low), bend(axis.high)];
+  const slope = (to - from) / (high - low || 1);
+  const ticks = axis.log ? decades(axis.low, axis.high) : roundTicks(axis.low, axis.high, most);
+  return {
+    at: (value) => from + (bend(axis.log ? Math.max(value, axis.low) : value) - low) * slope,
+    value: (pixel) => unbend(low + (pixel - from) / slope),
+    ticks,
+  };
+}
+
+/** The next 1, 2 or 5 times a power of ten. @param {number} value above zero */
+export function roundUp(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return (([1, 2, 5].find((one) => one * decade >= value * 0.999999) ?? 10)) * decade;
+}
+
+/** Steps that end on the high end where there are such. @param {number} low @param {number} high @param {number} most @returns {number[]} */
+function roundTicks(low, high, most) {
+  const wanted = roundUp((high - low || 1) / Math.max(2, most));
+  const steps = [wanted, 1.25 * wanted, 2.5 * wanted, 2 * wanted];
+  const step = steps.find((one) => Math.abs(high / one - Math.round(high / one)) < 1e-9) ?? wanted;
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => (first + i) * step);
+}
+
+/** @param {number} low @param {number} high @returns {number[]} */
+function decades(low, high) {
+  const ticks = [];
+  for (let power = Math.ceil(Math.log10(low) - 1e-9); 10 ** power <= high * 1.000001; power++) {
+    ticks.push(10 ** power);
+  }
+  return ticks;
+}

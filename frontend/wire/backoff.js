@@ -1,0 +1,22 @@
+// @ts-check
+/** Waiting times between attempts: doubling, with some chance so that viewers do not come at once. */
+export class Backoff {
+  #attempts = 0;
+
+  /** @param {number} first [ms]  @param {number} longest [ms] */
+  constructor(first = 250, longest = 4000) {
+    this.first = first;
+    this.longest = longest;
+  }
+
+  /** @returns {number} how long to wait before the next attempt [ms] */
+  next() {
+    const wait = Math.min(this.longest, this.first * 2 ** this.#attempts);
+    this.#attempts += 1;
+    return wait * (0.8 + 0.4 * Math.random());
+  }
+
+  reset() {
+    this.#attempts = 0;
+  }
+}

@@ -1,0 +1,178 @@
+// @ts-check
+import { Backoff } from "./backoff.js";
+import { RobotClock } from "./clock.js";
+
+/** @typedef {import("../messages").Command} Command */
+/** @typedef {import("../messages").AckMessage} AckMessage */
+/** @typedef {import("../messages").ErrorMessage} ErrorMessage */
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {"connecting" | "open" | "lost"} LinkState */
+/** @typedef {{sent: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}} Waiting */
+
+/** Without any message for so long [ms] the line is taken for dead. */
+const SILENCE_MS = 5000;
+const PING_EVERY_MS = 2000;
+const ANSWER_MS = 10000;
+/** Commands are held back while so many bytes wait: an old drive command is worse than none. */
+const FULL_BYTES = 4096;
+
+/** A command was refused, or never answered. */
+export class CommandError extends Error {}
+
+/** The line to the robot: telemetry in, commands out; comes back by itself when it breaks. */
+export class Connection {
+  clock = new RobotClock();
+  /** @type {LinkState} */
+  state = "connecting";
+
+  /** @type {WebSocket | null} */
+  #socket = null;
+  #backoff = new Backoff();
+  #heard = 0;
+  #nextId = 1;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #retry;
+  /** @type {Map<number, Waiting>} */
+  #waiting = new Map();
+  /** @type {Set<(telemetry: TelemetryMessage) => void>} */
+  #telemetryListeners = new Set();
+  /** @type {Set<(state: LinkState) => void>} */
+  #stateListeners = new Set();
+
+  /** @param {string} path of the socket on this server */
+  constructor(path) {
+    this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
+  }
+
+  /** Connect, and stay connected for as long as the page is there. */
+  start() {
+    setInterval(() => this.#watch(), PING_EVERY_MS);
+    addEventListener("online", () => this.#hurry());
+    document.addEventListener("visibilitychange", () => this.#hurry());
+    this.#open();
+  }
+
+  /** @param {(telemetry: TelemetryMessage) => void} listener */
+  onTelemetry(listener) {
+    this.#telemetryListeners.add(listener);
+  }
+
+  /** @param {(state: LinkState) => void} listener */
+  onState(listener) {
+    this.#stateListeners.add(listener);
+  }
+
+  /**
+   * Send a command and wait for its answer.
+   * @param {Command} command
+   * @returns {Promise<AckMessage>} fails with a CommandError that says why in plain words
+   */
+  send(command) {
+    return new Promise((resolve, reject) => {
+      if (!this.post(command, { sent: performance.now(), resolve, reject })) {
+        reject(new CommandError("There is no connection to the robot."));
+      }
+    });
+  }
+
+  /**
+   * Send a command whose answer nobody waits for, such as the renewal of a drive command.
+   * @param {Command} command
+   * @param {Waiting} [waiting]
+   * @returns {boolean} whether it was sent
+   */
+  post(command, waiting) {
+    const socket = this.#socket;
+    if (socket?.readyState !== WebSocket.OPEN) return false;
+    if (command.type === "drive" && socket.bufferedAmount > FULL_BYTES) return false;
+    const id = this.#nextId++;
+    this.#waiting.set(id, waiting ?? { sent: performance.now(), resolve() {}, reject() {} });
+    socket.send(JSON.stringify({ ...command, id }));
+    return true;
+  }
+
+  #open() {
+    const socket = new WebSocket(this.address);
+    this.#socket = socket;
+    this.#heard = performance.now();
+    socket.onopen = () => this.#opened();
+    socket.onmessage = (event) => this.#take(event.data);
+    socket.onclose = () => this.#closed(socket);
+  }
+
+  #opened() {
+    this.#heard = performance.now();
+    this.clock.reset();
+    for (let i = 0; i < 3; i++) this.post({ type: "ping" });
+  }
+
+  /** @param {string} text */
+  #take(text) {
+    this.#heard = performance.now();
+    /** @type {TelemetryMessage | AckMessage | ErrorMessage} */
+    const message = JSON.parse(text);
+    if (message.type === "telemetry") this.#telemetry(message);
+    else this.#answer(message);
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  #telemetry(telemetry) {
+    this.#backoff.reset();
+    this.#enter("open");
+    for (const listener of this.#telemetryListeners) listener(telemetry);
+  }
+
+  /** @param {AckMessage | ErrorMessage} message */
+  #answer(message) {
+    const waiting = this.#waiting.get(Number(message.id));
+    this.#waiting.delete(Number(message.id));
+    if (!waiting) return;
+    if (message.type === "error") return waiting.reject(new CommandError(message.message));
+    if (message.stamp !== null) this.clock.add(waiting.sent, this.#heard, message.stamp);
+    waiting.resolve(message);
+  }
+
+  /** @param {WebSocket} socket */
+  #closed(socket) {
+    if (socket !== this.#socket) return;
+    this.#socket = null;
+    for (const waiting of this.#waiting.values()) {
+      waiting.reject(new CommandError("The connection broke before the robot answered."));
+    }
+    this.#waiting.clear();
+    this.#enter("lost");
+    this.#retry = setTimeout(() => this.#open(), this.#backoff.next());
+  }
+
+  #watch() {
+    this.#giveUp();
+    if (!this.#socket) return;
+    if (performance.now() - this.#heard < SILENCE_MS) return void this.post({ type: "ping" });
+    const silent = this.#socket;
+    this.#closed(silent);
+    silent.close();
+  }
+
+  /** No answer is an answer too. */
+  #giveUp() {
+    for (const [id, waiting] of this.#waiting) {
+      if (performance.now() - waiting.sent < ANSWER_MS) continue;
+      this.#waiting.delete(id);
+      waiting.reject(new CommandError("The robot did not answer."));
+    }
+  }
+
+  /** Try at once: the network is back, or somebody looks. */
+  #hurry() {
+    if (this.#socket || document.hidden) return;
+    clearTimeout(this.#retry);
+    this.#open();
+  }
+
+  /** @param {LinkState} state */
+  #enter(state) {
+    if (state === this.state) return;
+    this.state = state;
+    for (const listener of this.#stateListeners) listener(state);
+  }
+}

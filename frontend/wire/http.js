@@ -1,0 +1,27 @@
+// @ts-check
+
+/** The server answered, but not with what was asked for. */
+export class HttpError extends Error {}
+
+/**
+ * @template T
+ * @param {string} address
+ * @returns {Promise<T>}
+ */
+export async function getJson(address) {
+  const answer = await fetch(address, { cache: "no-store" });
+  if (!answer.ok) throw new HttpError(await reason(answer));
+  return answer.json();
+}
+
+/** @param {Response} answer @returns {Promise<string>} FastAPI's own words where there are any */
+async function reason(answer) {
+  const text = await answer.text();
+  try {
+    const { detail } = JSON.parse(text);
+    if (typeof detail === "string") return detail;
+  } catch {
+    // Not JSON: the status says enough.
+  }
+  return `the server answered ${answer.status}`;
+}
