@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
 
-from robot.camera import FloorView, Lens
+import numpy as np
+from shapely import MultiPoint, Polygon
+from shapely.geometry.polygon import orient
+
+from robot.camera import CameraError, FloorView, Lens
 from robot.geometry import Array
+from robot.inertia import with_inertia
+from robot.urdf import SpecError, origin_of, parse_xml, read_model, shape_of, text_of
+from robot.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
+
+__all__ = ["SPIKE", "JointSpec", "RobotSpec", "SpecError"]
 
 SPIKE = Path(__file__).parent / "description" / "spike.urdf"
 
 
-class SpecError(ValueError):
-    """A robot description that cannot be used; the message says what is missing where."""
-
-
-@dataclass(frozen=True, slots=True)
-class JointSpec:
-    """One driven wheel."""
-
-    name: str
-    port: str
-    """Build HAT port, A to D."""
-    direction: int
-    """+1, or -1 where the motor is mounted the other way round."""
-    radius: float
-    """Wheel radius [m]."""
-    offset: float
-    """Wheel centre to the left of the robot frame's x axis [m]; negative is right."""
-    max_velocity: float
-    """[rad/s]"""
-    max_effort: float
-    """[N m]"""
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RobotSpec:
     """A differential-drive robot with one camera, read from a URDF and a lens file."""
 
@@ -44,5 +35,138 @@ class RobotSpec:
     lens: Lens
     robot_from_camera: Array = field(repr=False)
     """(4, 4), from the camera's optical frame to the robot frame on the floor."""
+    outline: Array = field(repr=False)
+    """Convex outline (k, 2) [m] of the robot seen from above, anticlockwise, not closed."""
     urdf: str = field(repr=False)
     """The description as text, with inertia filled in."""
+
+    @classmethod
+    def load(cls, path: Path = SPIKE) -> RobotSpec:
+        """Read a URDF and the lens file it names, which lies beside it.
+
+        Raises:
+            SpecError: a file cannot be read or used; names the file, what is wrong and what is
+                valid.
+        """
+        try:
+            return cls.from_urdf(path.read_text(encoding="utf-8"), path.parent)
+        except (OSError, UnicodeDecodeError) as error:
+            raise SpecError(f"{path}: no readable robot description: {error}") from error
+        except (SpecError, CameraError) as error:
+            raise SpecError(f"{path}: {error}") from error
+
+    @classmethod
+    def from_urdf(cls, text: str, folder: Path) -> RobotSpec:
+        """Read the text of a URDF; the lens file it names lies in the folder.
+
+        Raises:
+            SpecError, CameraError: as ``load``, without the file's name.
+        """
+        urdf = with_inertia(text)
+        root, model = parse_xml(urdf), read_model(urdf)
+        if model.base_link != ROBOT_FRAME:
+            raise SpecError(f"the root link is {model.base_link!r}; it must be {ROBOT_FRAME!r}")
+        joints, sensor = read_wheels(root, model), _camera_sensor(root)
+        return cls(
+            name=root.get("name", "robot"),
+            joints=joints,
+            lens=Lens.from_yaml(folder / text_of(sensor, "camera_info", "the camera")),
+            robot_from_camera=_camera_pose(model, text_of(sensor, "frame", "the camera")),
+            outline=_outline(root, model),
+            urdf=urdf,
+        )
+
+    def with_wheels(self, radii: Sequence[float], track: float) -> RobotSpec:
+        """The same robot on other wheels: radii (j,) [m] in the order of the joints, track [m].
+
+        The wheels' centres move up or down with the radii, so that the robot stands level: a robot
+        that leans would be an error of the camera's mounting, not of the wheels.
+
+        Raises:
+            SpecError: a dimension is not a number above zero, or the count is another.
+        """
+        if len(radii) != len(self.joints):
+            raise SpecError(f"{len(radii)} radii for {len(self.joints)} wheels")
+        for value in (*radii, track):
+            if not (math.isfinite(value) and value > 0):
+                raise SpecError(f"a wheel's dimension is {value:g} m; it must be above zero")
+        root, model = parse_xml(self.urdf), read_model(self.urdf)
+        joints = tuple(
+            replace(joint, radius=float(r), offset=math.copysign(track / 2, joint.offset))
+            for joint, r in zip(self.joints, radii, strict=True)
+        )
+        for joint in joints:
+            resize_wheel(root, model, joint)
+        urdf = with_inertia(ElementTree.tostring(root, encoding="unicode"))
+        outline = _outline(parse_xml(urdf), read_model(urdf))
+        return replace(self, joints=joints, outline=outline, urdf=urdf)
+
+    @property
+    def axle(self) -> tuple[int, int]:
+        """Places of the left and the right wheel among the joints."""
+        return (0, 1) if self.joints[0].offset > self.joints[1].offset else (1, 0)
+
+    @property
+    def wheel_radius(self) -> float:
+        """Mean radius of the wheels [m]."""
+        return sum(joint.radius for joint in self.joints) / len(self.joints)
+
+    @property
+    def track(self) -> float:
+        """Distance between the middles of the wheels [m]."""
+        left, right = self.axle
+        return self.joints[left].offset - self.joints[right].offset
+
+    @property
+    def max_v(self) -> float:
+        """Highest speed straight on [m/s]."""
+        return min(joint.radius * joint.max_velocity for joint in self.joints)
+
+    @property
+    def max_omega(self) -> float:
+        """Highest turning speed on the spot [rad/s]."""
+        return 2 * self.max_v / self.track
+
+    @cached_property
+    def floor_view(self) -> FloorView:
+        """The camera over the floor."""
+        return FloorView(self.lens, self.robot_from_camera)
+
+
+def _camera_sensor(root: ElementTree.Element) -> ElementTree.Element:
+    for sensor in root.findall("ros2_control/sensor"):
+        if sensor.find("param[@name='camera_info']") is not None:
+            return sensor
+    raise SpecError(
+        "no camera: <ros2_control> needs a <sensor> with <param>s frame (the link of the optical "
+        "frame) and camera_info (the lens file)"
+    )
+
+
+def _camera_pose(model: Any, frame: str) -> Array:
+    """(4, 4) from the optical frame to the robot frame."""
+    if frame not in model.link_map:
+        raise SpecError(f"the camera's frame {frame!r} is no link; there should be such a one")
+    robot_from_camera: Array = np.array(model.get_transform(frame, ROBOT_FRAME))
+    if robot_from_camera[2, 3] <= 0:
+        raise SpecError(f"the camera is {robot_from_camera[2, 3]:g} m high; it must be above 0")
+    if robot_from_camera[2, 2] >= 0:
+        raise SpecError(
+            f"the camera frame {frame!r} looks up or level; its z axis must point down to the floor"
+        )
+    return robot_from_camera
+
+
+def _outline(root: ElementTree.Element, model: Any) -> Array:
+    corners = []
+    for link in root.findall("link"):
+        name = str(link.get("name"))
+        robot_from_link = model.get_transform(name, ROBOT_FRAME)
+        for visual in link.findall("visual"):
+            where = f"link {name!r}"
+            points = shape_of(visual, where).corners()
+            robot_from_shape = robot_from_link @ origin_of(visual, where)
+            corners.append(points @ robot_from_shape[:2, :3].T + robot_from_shape[:2, 3])
+    hull = MultiPoint(np.vstack(corners)).convex_hull
+    assert isinstance(hull, Polygon)  # two wheels apart span an area
+    return np.array(orient(hull).exterior.coords)[:-1]

@@ -1,0 +1,119 @@
+"""A robot as a physics engine sees it: rigid bodies and the joints between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robot.geometry import Array
+from robot.urdf import Shape, SpecError, read_model
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBody:
+    """Links that fixed joints hold together; coordinates are in the frame of the topmost."""
+
+    name: str
+    """The topmost link."""
+    mass: float
+    """[kg]"""
+    centre: Array = field(repr=False)
+    """Centre of mass (3,) [m]."""
+    inertia: Array = field(repr=False)
+    """(3, 3) about the centre of mass [kg m^2]."""
+    collisions: tuple[tuple[Shape, Array], ...] = field(repr=False)
+    """Shapes that touch things, each with ``body_from_shape`` (4, 4)."""
+    joint: str | None
+    """The joint that moves it; None for the root."""
+    parent: int
+    """Place in the list of the body that the joint hangs on; -1 for the root."""
+    parent_from_body: Array = field(repr=False)
+    """(4, 4), with the joint at zero."""
+    axis: Array = field(repr=False)
+    """The joint's axis (3,), a unit vector in this body's frame."""
+
+
+def rigid_bodies(urdf: str) -> list[RigidBody]:
+    """The bodies of a description whose inertia is filled in; parents come before children.
+
+    Raises:
+        SpecError: a body that can move has no mass, or a collision shape is a mesh.
+    """
+    model = read_model(urdf)
+    held_by = {joint.child: joint for joint in model.robot.joints}
+    groups: dict[str, list[Any]] = {}
+    for link in model.robot.links:
+        groups.setdefault(_topmost(link.name, held_by), []).append(link)
+    order = sorted(groups, key=lambda top: _depth(top, held_by))
+    return [_body(model, top, groups[top], held_by, order) for top in order]
+
+
+def _topmost(link: str, held_by: dict[str, Any]) -> str:
+    while link in held_by and held_by[link].type == "fixed":
+        link = held_by[link].parent
+    return link
+
+
+def _depth(link: str, held_by: dict[str, Any]) -> int:
+    return 1 + _depth(held_by[link].parent, held_by) if link in held_by else 0
+
+
+def _body(
+    model: Any, top: str, links: list[Any], held_by: dict[str, Any], order: list[str]
+) -> RigidBody:
+    placed = [(link, np.asarray(model.get_transform(link.name, top))) for link in links]
+    mass, centre, inertia = _lump(top, placed)
+    collisions = tuple(
+        (_shape(collision.geometry, link.name), body_from_link @ _transform(collision.origin))
+        for link, body_from_link in placed
+        for collision in link.collisions
+    )
+    joint = held_by.get(top)
+    if joint is None:
+        return RigidBody(
+            top, mass, centre, inertia, collisions, None, -1, np.eye(4), np.array([0.0, 0.0, 1.0])
+        )
+    holder = _topmost(joint.parent, held_by)
+    return RigidBody(
+        top, mass, centre, inertia, collisions, joint.name, order.index(holder),
+        np.asarray(model.get_transform(top, holder)), joint.axis / np.linalg.norm(joint.axis),
+    )  # fmt: skip
+
+
+def _lump(top: str, placed: list[tuple[Any, Array]]) -> tuple[float, Array, Array]:
+    """Mass, centre (3,) and inertia (3, 3) of parts together, by the parallel axis theorem."""
+    parts = [
+        (
+            link.inertial.mass,
+            link.inertial.inertia,
+            body_from_link @ _transform(link.inertial.origin),
+        )
+        for link, body_from_link in placed
+        if link.inertial is not None
+    ]
+    mass = float(sum(part_mass for part_mass, _, _ in parts))
+    if mass <= 0:
+        raise SpecError(f"the body of link {top!r} can move, so it needs mass")
+    centre: Array = sum(m * at[:3, 3] for m, _, at in parts) / mass
+    inertia = np.zeros((3, 3))
+    for part_mass, tensor, at in parts:
+        away = at[:3, 3] - centre
+        shift = away @ away * np.eye(3) - np.outer(away, away)
+        inertia += at[:3, :3] @ tensor @ at[:3, :3].T + part_mass * shift
+    return mass, centre, inertia
+
+
+def _transform(origin: Array | None) -> Array:
+    return np.eye(4) if origin is None else origin
+
+
+def _shape(geometry: Any, link: str) -> Shape:
+    if geometry.box is not None:
+        return Shape("box", tuple(geometry.box.size.tolist()))
+    if geometry.cylinder is not None:
+        return Shape("cylinder", (geometry.cylinder.radius, geometry.cylinder.length))
+    if geometry.sphere is not None:
+        return Shape("sphere", (geometry.sphere.radius,))
+    raise SpecError(f"link {link!r}: a collision shape is a mesh; valid are box, cylinder, sphere")

@@ -1,0 +1,228 @@
+"""The grammar of a URDF file, as far as we read it ourselves: numbers, shapes, origins.
+
+XML comes from outside: document types are refused, since entities are what makes XML dangerous and
+a robot description needs none.
+"""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import yourdfpy
+from scipy.spatial.transform import Rotation
+
+from robot.geometry import Array
+
+SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
+"""The shapes a robot may be made of, with their dimensions [m]; a mesh has none to reckon with."""
+
+LARGEST = 1e6
+"""No number of a robot is larger, in any unit; far larger ones overflow when they are squared."""
+
+
+class SpecError(ValueError):
+    """A robot description that cannot be used; the message says what is missing where."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """A solid of even density with its middle at its origin; a cylinder lies along z."""
+
+    kind: str
+    """box, cylinder or sphere."""
+    size: tuple[float, ...]
+    """Edges x, y, z of a box; radius and length of a cylinder; radius of a sphere [m]."""
+
+    def corners(self) -> Array:
+        """Points (n, 3) [m] whose convex hull is the shape (round ones: 32 points around)."""
+        if self.kind == "box":
+            signs = np.stack(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), axis=-1).reshape(-1, 3)
+            edges: Array = signs * np.array(self.size) / 2
+            return edges
+        around = np.linspace(0, 2 * np.pi, 32, endpoint=False)
+        circle = self.size[0] * np.column_stack([np.cos(around), np.sin(around), 0 * around])
+        if self.kind == "sphere":
+            return np.vstack([np.roll(circle, turn, axis=1) for turn in range(3)])
+        half = np.array([0, 0, self.size[1] / 2])
+        return np.vstack([circle - half, circle + half])
+
+
+def parse_xml(text: str) -> ElementTree.Element:
+    """The root element of a robot description.
+
+    Raises:
+        SpecError: not XML, with a document type, or not a robot.
+    """
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise SpecError("a document type or entity stands in it; a plain URDF has neither")
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise SpecError(f"no readable XML: {error}") from error
+    if root.tag != "robot":
+        raise SpecError(f"the root element is <{root.tag}>; expected <robot>")
+    return root
+
+
+def child(element: ElementTree.Element, tag: str, where: str) -> ElementTree.Element:
+    """The first child of a tag.
+
+    Raises:
+        SpecError: there is none.
+    """
+    found = element.find(tag)
+    if found is None:
+        raise SpecError(f"{where}: <{tag}> is missing")
+    return found
+
+
+def numbers(element: ElementTree.Element, attribute: str, count: int, where: str) -> Array:
+    """The finite numbers (count,) of an attribute, of at most ``LARGEST`` in size.
+
+    Raises:
+        SpecError: the attribute is missing, or has another count of numbers.
+    """
+    text = element.get(attribute)
+    if text is None:
+        raise SpecError(f"{where}: <{element.tag}> lacks {attribute}")
+    try:
+        values = np.array([float(word) for word in text.split()])
+    except ValueError:
+        values = np.empty(0)
+    if values.shape != (count,) or not (np.abs(values) <= LARGEST).all():
+        wanted = "one finite number" if count == 1 else f"{count} finite numbers"
+        raise SpecError(f"{where}: {attribute} is {text!r}; expected {wanted} up to {LARGEST:g}")
+    return values
+
+
+def positive(element: ElementTree.Element, attribute: str, where: str) -> float:
+    """The number of an attribute that must be above zero.
+
+    Raises:
+        SpecError: it is missing, no number, or not positive.
+    """
+    value = float(numbers(element, attribute, 1, where)[0])
+    if value <= 0:
+        raise SpecError(f"{where}: {attribute} is {value:g}; it must be above zero")
+    return value
+
+
+def shape_of(element: ElementTree.Element, where: str) -> Shape:
+    """The shape of a visual or collision.
+
+    Raises:
+        SpecError: no geometry, one of another kind, or dimensions that cannot be.
+    """
+    geometry = child(element, "geometry", where)
+    solid = next((part for part in geometry if part.tag in SHAPES), None)
+    if solid is None:
+        found = ", ".join(f"<{part.tag}>" for part in geometry) or "nothing"
+        raise SpecError(f"{where}: geometry is {found}; valid are {', '.join(SHAPES)}")
+    if solid.tag != "box":
+        names = SHAPES[solid.tag]
+        return Shape(solid.tag, tuple(positive(solid, name, where) for name in names))
+    size = numbers(solid, "size", 3, where)
+    if (size <= 0).any():
+        raise SpecError(f"{where}: size is {solid.get('size')!r}; all three must be above zero")
+    return Shape("box", tuple(size.tolist()))
+
+
+def origin_of(element: ElementTree.Element, where: str) -> Array:
+    """The transform (4, 4) of an element's <origin>; the identity where there is none.
+
+    rpy turns about the fixed axes x, then y, then z.
+
+    Raises:
+        SpecError: the numbers cannot be read.
+    """
+    transform = np.eye(4)
+    origin = element.find("origin")
+    if origin is not None and "xyz" in origin.attrib:
+        transform[:3, 3] = numbers(origin, "xyz", 3, where)
+    if origin is not None and "rpy" in origin.attrib:
+        angles = numbers(origin, "rpy", 3, where)
+        transform[:3, :3] = Rotation.from_euler("xyz", angles).as_matrix()
+    return transform
+
+
+def text_of(element: ElementTree.Element, name: str, where: str) -> str:
+    """The text of the <param> of that name.
+
+    Raises:
+        SpecError: it is missing or empty.
+    """
+    for param in element.findall("param"):
+        if param.get("name") == name and param.text and param.text.strip():
+            return param.text.strip()
+    raise SpecError(f'{where}: <param name="{name}"> is missing')
+
+
+_MISREAD = (
+    yourdfpy.URDFError, ArithmeticError, AttributeError, LookupError, RecursionError, TypeError,
+    ValueError,
+)  # fmt: skip
+"""What yourdfpy raises, by accident, on a description that is none."""
+
+
+def read_model(urdf: str) -> Any:
+    """The description as yourdfpy's model: links, joints, masses, collisions and transforms.
+
+    Visuals are left out: yourdfpy would make a mesh of each.
+
+    Raises:
+        SpecError: the links are no tree, or yourdfpy cannot make sense of them.
+    """
+    root = parse_xml(urdf)
+    for link in root.findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    _check_tree(root)
+    for element in root.iter():
+        origin_of(element, f"<{element.tag}> {element.get('name', '')}".rstrip())
+    for joint in root.findall("joint"):
+        _check_axis(joint)
+    slim = io.BytesIO(ElementTree.tostring(root))
+    try:
+        return yourdfpy.URDF.load(slim, load_meshes=False)
+    except _MISREAD as error:
+        raise SpecError(f"no usable URDF: {type(error).__name__}: {error}") from error
+
+
+def _check_tree(root: ElementTree.Element) -> None:
+    """Every link hangs on one parent, up to one root."""
+    links = [link.get("name") for link in root.findall("link")]
+    holders: dict[str | None, str | None] = {}
+    for joint in root.findall("joint"):
+        where = f"joint {joint.get('name')!r}"
+        held, holder = (child(joint, tag, where).get("link") for tag in ("child", "parent"))
+        for link in (held, holder):
+            if link not in links:
+                raise SpecError(f"{where}: there is no link {link!r}")
+        if held in holders:
+            raise SpecError(f"{where}: link {held!r} hangs on another joint already")
+        holders[held] = holder
+    if None in links or len(set(links)) != len(links):
+        raise SpecError("each link needs a name of its own")
+    roots = [link for link in links if link not in holders]
+    if len(roots) != 1:
+        raise SpecError(f"{len(roots)} links hang on no other; expected one, the root")
+    if any(_steps_up(link, holders) > len(links) for link in links):
+        raise SpecError("some links hang on each other in a ring; expected a tree")
+
+
+def _check_axis(joint: ElementTree.Element) -> None:
+    axis, where = joint.find("axis"), f"joint {joint.get('name')!r}"
+    if axis is not None and not numbers(axis, "xyz", 3, where).any():
+        raise SpecError(f"{where}: the axis is 0 0 0; it must point somewhere")
+
+
+def _steps_up(link: str | None, holders: dict[str | None, str | None]) -> int:
+    """Joints from a link up to the root; more than there are links in a ring."""
+    steps = 0
+    while link in holders and steps <= len(holders) + 1:
+        link, steps = holders[link], steps + 1
+    return steps

@@ -1,0 +1,255 @@
+"""A world with forces: pybullet without a window, one physics client a world."""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from robot.geometry import Array, Pose2, Twist2, heading_angles
+from robot.rigid_bodies import RigidBody, rigid_bodies
+from robot.settings import check_settings, setting
+from robot.spec import RobotSpec
+from sim.bullet_body import add_floor, add_robot, principal
+from sim.world import WorldError, check_pose, limited
+
+GRAVITY = 9.81
+"""[m/s^2]"""
+
+
+class BulletMissingError(ImportError):
+    """pybullet is not installed; the message says how to get it."""
+
+
+@dataclass(frozen=True)
+class BulletSettings:
+    """How the simulated motors and the floor behave."""
+
+    step_time: float = setting(0.002, "Time of one physics step", unit="s", low=0.0002, high=0.005)
+    motor_lag: float = setting(
+        0.080,
+        "Time constant with which a wheel's speed follows its command; 0 is at once",
+        unit="s",
+        low=0,
+        high=1,
+    )
+    friction: float = setting(
+        1.0, "Friction coefficient mu of the tyres on the floor", low=0.001, high=2
+    )
+    caster_friction: float = setting(
+        0.05, "Friction coefficient mu of the sliding caster on the floor", low=0, high=2
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+class BulletWorld:
+    """The robot as rigid bodies with motors, gravity and friction; a ``World``.
+
+    Nothing in it is random: the same commands give the same run, bit for bit. The motors are
+    speed controllers with a torque limit, whose target follows the command with a first-order lag.
+    """
+
+    def __init__(
+        self,
+        spec: RobotSpec,
+        start: Pose2 | None = None,
+        *,
+        settings: BulletSettings | None = None,
+    ) -> None:
+        """Build the world.
+
+        Raises:
+            BulletMissingError: pybullet is not installed.
+        """
+        self._spec = spec
+        self._settings = settings or BulletSettings()
+        self._bullet = load_pybullet()
+        bodies = rigid_bodies(spec.urdf)
+        self._client: int | None = self._bullet.connect(self._bullet.DIRECT)
+        if self._client < 0:
+            raise WorldError("pybullet has no room for another world; close one")
+        self._robot = self._build(bodies)
+        places = {body.joint: place - 1 for place, body in enumerate(bodies)}
+        self._joints = [places[joint.name] for joint in spec.joints]
+        self._efforts = [joint.max_effort for joint in spec.joints]
+        self._centre = bodies[0].centre
+        self._root_from_principal = principal(bodies[0])[1]
+        self._principal_from_root = self._root_from_principal.inv().as_matrix()
+        self._seen: tuple[Pose2, Twist2, float] | None = None
+        lag = self._settings.motor_lag
+        self._gain = 1 - math.exp(-self.step_time / lag) if lag > 0 else 1.0
+        self.place(start or Pose2())
+
+    @property
+    def step_time(self) -> float:
+        """Simulated time of one step [s]."""
+        return self._settings.step_time
+
+    def place(self, pose: Pose2) -> None:
+        """Put the robot at a pose in the map, standing; joint positions are kept."""
+        check_pose(pose)
+        client = self._open()
+        bullet, robot = self._bullet, self._robot
+        positions = self.positions
+        map_from_root = Rotation.from_euler("z", pose.theta)
+        bullet.resetBasePositionAndOrientation(
+            robot,
+            np.array([pose.x, pose.y, 0]) + map_from_root.apply(self._centre),
+            (map_from_root * self._root_from_principal).as_quat(),
+            physicsClientId=client,
+        )
+        bullet.resetBaseVelocity(robot, [0, 0, 0], [0, 0, 0], physicsClientId=client)
+        for joint, position in zip(self._joints, positions, strict=True):
+            bullet.resetJointState(robot, joint, position, 0, physicsClientId=client)
+        self._targets = np.zeros(len(self._joints))
+        self._seen = None
+
+    def step(self, velocities: Array) -> None:
+        """One step on, towards commanded joint velocities (j,) [rad/s], limited to the motors'."""
+        client = self._open()
+        self._targets += self._gain * (limited(self._spec, velocities) - self._targets)
+        self._bullet.setJointMotorControlArray(
+            self._robot,
+            self._joints,
+            self._bullet.VELOCITY_CONTROL,
+            targetVelocities=self._targets,
+            forces=self._efforts,
+            physicsClientId=client,
+        )
+        self._bullet.stepSimulation(physicsClientId=client)
+        self._seen = None
+
+    @property
+    def pose(self) -> Pose2:
+        """True pose of the robot frame in the map, as seen from above."""
+        return self._look()[0]
+
+    @property
+    def twist(self) -> Twist2:
+        """True velocity, in the robot frame."""
+        return self._look()[1]
+
+    @property
+    def positions(self) -> Array:
+        """True joint positions (j,) [rad], never wrapped."""
+        return np.array([state[0] for state in self._joint_states()])
+
+    @property
+    def velocities(self) -> Array:
+        """True joint velocities (j,) [rad/s]."""
+        return np.array([state[1] for state in self._joint_states()])
+
+    @property
+    def tilt(self) -> float:
+        """Angle between the robot's z axis and the vertical [rad]."""
+        return self._look()[2]
+
+    def close(self) -> None:
+        """End the physics client; may be called twice."""
+        if self._client is not None:
+            self._bullet.disconnect(self._client)
+            self._client = None
+
+    def _build(self, bodies: list[RigidBody]) -> int:
+        """Floor and robot in the client; returns the robot's number."""
+        client, settings = self._open(), self._settings
+        self._bullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
+        self._bullet.setTimeStep(settings.step_time, physicsClientId=client)
+        # By default the solver stops early when little moves, and a standing robot turns by
+        # 2.6 mrad a minute; without, by 0.2 mrad. Friction stays a cone: the pyramid is quicker,
+        # but its axes are the map's, and a wheel on a diagonal would grip 1.4 times as well.
+        self._bullet.setPhysicsEngineParameter(solverResidualThreshold=0, physicsClientId=client)
+        add_floor(self._bullet, client)
+        friction = {body.joint: settings.caster_friction for body in bodies}
+        friction.update((joint.name, settings.friction) for joint in self._spec.joints)
+        return add_robot(self._bullet, client, bodies, friction)
+
+    def _open(self) -> int:
+        if self._client is None:
+            raise WorldError("the world is closed")
+        return self._client
+
+    def _joint_states(self) -> Any:
+        client = self._open()
+        return self._bullet.getJointStates(self._robot, self._joints, physicsClientId=client)
+
+    def _look(self) -> tuple[Pose2, Twist2, float]:
+        """Pose, twist and tilt after the last step, worked out once."""
+        if self._seen is None:
+            client = self._open()
+            at_centre, orientation = self._bullet.getBasePositionAndOrientation(
+                self._robot, physicsClientId=client
+            )
+            velocity, spin = self._bullet.getBaseVelocity(self._robot, physicsClientId=client)
+            map_from_principal = self._bullet.getMatrixFromQuaternion(orientation)
+            turned = np.reshape(map_from_principal, (3, 3)) @ self._principal_from_root
+            self._seen = _motion(turned, turned @ self._centre, at_centre, velocity, spin)
+        return self._seen
+
+
+def _motion(
+    turned: Array,
+    to_centre: Array,
+    at_centre: Sequence[float],
+    velocity: Sequence[float],
+    spin: Sequence[float],
+) -> tuple[Pose2, Twist2, float]:
+    """Pose, twist and tilt of the robot frame from how the centre of mass moves, in the map.
+
+    ``turned`` (3, 3) turns the robot's axes to the map's; ``to_centre`` leads from the robot
+    frame's origin to the centre of mass. Written out for speed: it is asked every step.
+    """
+    (rx, ry, rz), (wx, wy, wz) = to_centre.tolist(), spin
+    pose = Pose2(at_centre[0] - rx, at_centre[1] - ry, float(heading_angles(turned[:2, 0])))
+    at_origin = (
+        velocity[0] - (wy * rz - wz * ry),
+        velocity[1] - (wz * rx - wx * rz),
+        velocity[2] - (wx * ry - wy * rx),
+    )
+    tilt = math.atan2(math.hypot(turned[0, 2], turned[1, 2]), turned[2, 2])
+    return pose, Twist2(float(turned[:, 0] @ at_origin), wz), tilt
+
+
+@functools.cache
+def load_pybullet() -> Any:
+    """The module pybullet.
+
+    Raises:
+        BulletMissingError: it is not installed; says how to get it.
+    """
+    try:
+        with _stderr_without("pybullet build time"):
+            import pybullet  # noqa: PLC0415 - a robot runs without it
+    except ImportError as error:
+        raise BulletMissingError(
+            "pybullet, the physics engine, is not installed. Ready-made it exists only for Linux "
+            "on x86-64 with Python 3.11 or older; elsewhere `pip install pybullet` builds it, "
+            "which takes a C++ compiler and some minutes."
+        ) from error
+    return pybullet
+
+
+@contextmanager
+def _stderr_without(greeting: str) -> Iterator[None]:
+    """Drop the line that C code greets with on standard error; other lines come out at the end."""
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as caught:
+        os.dup2(caught.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            caught.seek(0)
+            others = [line for line in caught if not line.startswith(greeting.encode())]
+            os.write(2, b"".join(others))

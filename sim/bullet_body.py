@@ -1,0 +1,94 @@
+"""The robot and the floor as pybullet's bodies.
+
+The robot is made from our own rigid bodies instead of by Bullet's URDF reader, which gives each
+link without inertia a mass of 1 kg and, where it merges fixed links, forgets how their inertia is
+turned. Bullet wants the root in the axes of its inertia, at its centre of mass: ``principal``.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from robot.geometry import Array
+from robot.rigid_bodies import RigidBody
+
+
+def add_floor(bullet: Any, client: int) -> None:
+    """An endless level floor of friction 1; Bullet multiplies the coefficients of two bodies."""
+    plane = bullet.createCollisionShape(bullet.GEOM_PLANE, physicsClientId=client)
+    floor = bullet.createMultiBody(0, plane, physicsClientId=client)
+    bullet.changeDynamics(floor, -1, lateralFriction=1.0, physicsClientId=client)
+
+
+def add_robot(
+    bullet: Any, client: int, bodies: list[RigidBody], friction: dict[str | None, float]
+) -> int:
+    """The robot as one multi-body at the origin; returns its number.
+
+    Link ``i`` of it is body ``i + 1``, -1 the root. ``friction`` has the coefficient of each body
+    by its joint's name, the root's by None.
+    """
+    root, *moving = bodies
+    robot: int = bullet.createMultiBody(
+        root.mass,
+        _collision(bullet, client, root),
+        baseInertialFramePosition=root.centre,
+        baseInertialFrameOrientation=principal(root)[1].as_quat(),
+        linkMasses=[body.mass for body in moving],
+        linkCollisionShapeIndices=[_collision(bullet, client, body) for body in moving],
+        linkVisualShapeIndices=[-1 for _ in moving],
+        linkPositions=[body.parent_from_body[:3, 3] for body in moving],
+        linkOrientations=[_quaternion(body.parent_from_body) for body in moving],
+        linkInertialFramePositions=[body.centre for body in moving],
+        linkInertialFrameOrientations=[principal(body)[1].as_quat() for body in moving],
+        linkParentIndices=[body.parent for body in moving],
+        linkJointTypes=[bullet.JOINT_REVOLUTE for _ in moving],
+        linkJointAxis=[body.axis for body in moving],
+        physicsClientId=client,
+    )
+    for link, body in enumerate(bodies, -1):
+        # Friction alone: a damping argument, of any value, makes the joints drag so much that the
+        # motors no longer follow their commands (measured with pybullet 3.2.7).
+        mu = friction[body.joint]
+        bullet.changeDynamics(robot, link, lateralFriction=mu, physicsClientId=client)
+        moments = principal(body)[0].tolist()
+        bullet.changeDynamics(robot, link, localInertiaDiagonal=moments, physicsClientId=client)
+    return robot
+
+
+def principal(body: RigidBody) -> tuple[Array, Rotation]:
+    """Principal moments (3,) [kg m^2], and the rotation from their axes to the body's."""
+    moments, axes = np.linalg.eigh(body.inertia)
+    if np.linalg.det(axes) < 0:  # a rotation, not a mirror
+        axes[:, 0] = -axes[:, 0]
+    return moments, Rotation.from_matrix(axes)
+
+
+def _collision(bullet: Any, client: int, body: RigidBody) -> int:
+    """One collision shape for a body; -1 for a body that touches nothing."""
+    if not body.collisions:
+        return -1
+    kinds = {
+        "box": bullet.GEOM_BOX,
+        "cylinder": bullet.GEOM_CYLINDER,
+        "sphere": bullet.GEOM_SPHERE,
+    }
+    shapes = [shape for shape, _ in body.collisions]
+    number: int = bullet.createCollisionShapeArray(
+        shapeTypes=[kinds[shape.kind] for shape in shapes],
+        radii=[shape.size[0] for shape in shapes],
+        halfExtents=[[edge / 2 for edge in (*shape.size, 0, 0)[:3]] for shape in shapes],
+        lengths=[(*shape.size, 0)[1] for shape in shapes],
+        collisionFramePositions=[at[:3, 3].tolist() for _, at in body.collisions],
+        collisionFrameOrientations=[_quaternion(at) for _, at in body.collisions],
+        physicsClientId=client,
+    )
+    return number
+
+
+def _quaternion(transform: Array) -> list[float]:
+    quaternion: list[float] = Rotation.from_matrix(transform[:3, :3]).as_quat().tolist()
+    return quaternion
