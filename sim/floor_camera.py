@@ -83,9 +83,14 @@ class FloorCamera:
         affine = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, self._times)
         places = np.empty_like(self._looks_at)
         _apply_affines(self._looks_at, affine, places)
-        border = int(self._floor.image[0, 0])
         samples = cv2.remap(
-            self._floor.image, places, None, cv2.INTER_LINEAR, None, cv2.BORDER_CONSTANT, border
+            self._floor.image,
+            places,
+            None,
+            cv2.INTER_LINEAR,
+            None,
+            cv2.BORDER_CONSTANT,
+            self._floor.border,
         )
         return self._develop(_average(samples, self._bands, self._size))
 

@@ -63,8 +63,11 @@ class SensorParameters:
         0.05, "Share of rays that miss an edge they should have met (beam)", low=0.001, high=1
     )
     lambda_short: float = setting(
-        5.0, "How quickly short ranges become rare with distance (beam)", unit="1/m",
-        low=0.01, high=100,
+        5.0,
+        "How quickly short ranges become rare with distance (beam)",
+        unit="1/m",
+        low=0.01,
+        high=100,
     )
     max_beams: int = setting(60, "Rays used of each scan", low=3, high=720)
     likelihood_weight: float = setting(
@@ -90,7 +93,7 @@ class FilterParameters:
     """How the cloud is kept."""
 
     min_particles: int = setting(500, "Fewest particles", low=10, high=100_000)
-    max_particles: int = setting(2000, "Most particles", low=10, high=100_000)
+    max_particles: int = setting(4000, "Most particles", low=10, high=100_000)
     pf_err: float = setting(
         0.05, "Greatest distance between the true and the sampled distribution", low=0.001, high=1
     )

@@ -1,0 +1,6 @@
+"""``python -m app`` is ``brickpose``."""
+
+from app.command_line import main
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,71 @@
+"""Who may talk to the robot: pages of this server only, by an address that is really this one.
+
+A page of another site could otherwise send commands from the user's own browser (its Origin tells),
+or point a name of its own at this machine and be of the same origin (its Host tells).
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+from urllib.parse import urlsplit
+
+from starlette.datastructures import Headers
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
+
+
+class SameOriginOnly:
+    """Refuses requests and sockets whose Host or Origin is not this server's."""
+
+    def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
+        self._app = app
+        self._names = names
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass on, or refuse."""
+        if scope["type"] in ("http", "websocket"):
+            complaint = self._complaint(Headers(scope=scope))
+            if complaint is not None:
+                await _refuse(complaint, scope, receive, send)
+                return
+        await self._app(scope, receive, send)
+
+    def _complaint(self, headers: Headers) -> str | None:
+        host = headers.get("host", "")
+        if not self._is_ours(host):
+            return f"This server does not go by the name {host!r}; open it by its address."
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return f"Pages of {origin} may not talk to this robot."
+        return None
+
+    def _is_ours(self, host: str) -> bool:
+        try:
+            name = urlsplit(f"//{host}").hostname or ""
+        except ValueError:
+            return False
+        # A page cannot choose which number stands in its address, only which name.
+        return name.lower() in self._names or _is_address(name)
+
+
+def own_names(host: str) -> frozenset[str]:
+    """The names of this machine, and the one that it was told to listen on."""
+    machine = socket.gethostname().lower()
+    return frozenset({"localhost", host.lower(), machine, f"{machine}.local"})
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+async def _refuse(complaint: str, scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "http":
+        await PlainTextResponse(complaint, status_code=403)(scope, receive, send)
+    else:
+        await WebSocketClose(code=1008, reason=complaint[:120])(scope, receive, send)

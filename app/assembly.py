@@ -1,0 +1,105 @@
+"""Puts the parts together: the only place that knows which robot there is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.config import MAPS, Config
+from app.driving import Driving
+from app.engine import Engine
+from app.localization import Localization
+from robot.differential_drive import DifferentialDrive
+from robot.drive_controller import DriveController
+from robot.field import Field
+from robot.field_loading import load_field
+from robot.interface import Robot
+from robot.line_scanner import LineScanner
+from robot.odometry import Odometry
+from robot.spec import RobotSpec
+from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.encoders import Encoders
+from sim.imperfections import Imperfections, draw
+from sim.kinematic import KinematicWorld
+from sim.simulated import SimulatedRobot, no_wait
+
+
+@dataclass(frozen=True)
+class Program:
+    """The parts that others need to see."""
+
+    engine: Engine
+    robot: Robot
+    field: Field
+    scanner: LineScanner
+    config: Config
+
+
+def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program:
+    """Build robot and engine.
+
+    Args:
+        config: everything that can be set.
+        wait: called with each stamp of a simulated robot; ``RealTime()`` keeps it to the clock.
+
+    Raises:
+        ValueError: the field or the robot's description cannot be used.
+        BulletMissingError: the simulator was asked for and is not installed.
+    """
+    config, _ = settle_robot(config)
+    field = load_field(config.map, MAPS)
+    spec = RobotSpec.load()
+    # Independent streams: a change in the filter's luck does not change the robot's.
+    for_robot, for_filter = np.random.default_rng(config.seed).spawn(2)
+    robot = build_robot(config, spec, field, for_robot, wait)
+    kinematics = DifferentialDrive(spec)
+    scanner = LineScanner(spec.floor_view, config.scanner)
+    engine = Engine(
+        robot,
+        Odometry(kinematics, config.odometry),
+        Localization(scanner, field, config.localization, for_filter),
+        Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
+        field.start,
+    )
+    return Program(engine, robot, field, scanner, config)
+
+
+def build_robot(
+    config: Config,
+    spec: RobotSpec,
+    field: Field,
+    rng: np.random.Generator,
+    wait: Callable[[float], None],
+) -> SimulatedRobot:
+    """The robot that the configuration names."""
+    if config.robot == "sim":
+        true = draw(spec, config.imperfections, rng)
+        world = BulletWorld(true, field.start, settings=config.physics)
+        encoders = Encoders(spec, config.imperfections, rng)
+        return SimulatedRobot(
+            "Simulated robot", spec, field, world, encoders, config.camera, rng, wait
+        )
+    perfect = Encoders(spec, Imperfections.none(), rng)
+    return SimulatedRobot(
+        "Kinematic robot",
+        spec,
+        field,
+        KinematicWorld(spec, field.start),
+        perfect,
+        config.camera,
+        rng,
+        wait,
+    )
+
+
+def settle_robot(config: Config) -> tuple[Config, str | None]:
+    """Decide what ``auto`` stands for here, and why it is not the one with physics."""
+    if config.robot != "auto":
+        return config, None
+    try:
+        load_pybullet()
+    except BulletMissingError as error:
+        return replace(config, robot="kinematic"), str(error)
+    return replace(config, robot="sim"), None

@@ -1,0 +1,95 @@
+"""The camera's pictures for people: one JPEG, a stream of them, and a stream that tells stamps."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import AsyncIterator
+
+import anyio
+import anyio.to_thread
+import cv2
+from starlette.responses import Response, StreamingResponse
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from app.latest import Latest
+from app.snapshot import Snapshot
+from robot.interface import Frame
+
+QUALITY = 75
+BOUNDARY = "frame"
+
+
+class CameraStream:
+    """Encodes each picture once, however many look at it."""
+
+    def __init__(self, latest: Latest[Snapshot]) -> None:
+        self._latest = latest
+        self._encoded: tuple[Frame, bytes] | None = None
+        self._lock = anyio.Lock()
+
+    async def jpeg(self, frame: Frame) -> bytes:
+        """The picture as JPEG."""
+        async with self._lock:
+            if self._encoded is None or self._encoded[0] is not frame:
+                data = await anyio.to_thread.run_sync(_encode, frame)
+                self._encoded = (frame, data)
+            return self._encoded[1]
+
+    async def picture(self) -> Response:
+        """One picture, or 503 before the first."""
+        latest = self._latest.get()
+        if latest is None or latest.frame is None:
+            return Response("The camera has sent no picture yet.", status_code=503)
+        data = await self.jpeg(latest.frame)
+        return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    def motion_jpeg(self) -> Response:
+        """Pictures as they come, the way browsers show in an ``<img>``."""
+        return StreamingResponse(
+            self._parts(),
+            media_type=f"multipart/x-mixed-replace; boundary={BOUNDARY}",
+            headers={"Cache-Control": "no-store"},
+        )
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Messages of 8 bytes stamp (little-endian float64, seconds) and a JPEG; newest wins."""
+        await socket.accept()
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._send, socket)
+            await _until_gone(socket)
+            tasks.cancel_scope.cancel()
+
+    async def _send(self, socket: WebSocket) -> None:
+        try:
+            async for frame in self._frames():
+                await socket.send_bytes(struct.pack("<d", frame.stamp) + await self.jpeg(frame))
+        except (WebSocketDisconnect, RuntimeError):
+            # Gone between two pictures; starlette raises a RuntimeError after the close.
+            return
+
+    async def _frames(self) -> AsyncIterator[Frame]:
+        with self._latest.subscribe() as subscription:
+            shown = None
+            while True:
+                frame = (await subscription.next()).frame
+                if frame is not None and frame is not shown:
+                    shown = frame
+                    yield frame
+
+    async def _parts(self) -> AsyncIterator[bytes]:
+        async for frame in self._frames():
+            data = await self.jpeg(frame)
+            head = (
+                f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(data)}\r\n\r\n"
+            )
+            yield head.encode() + data + b"\r\n"
+
+
+async def _until_gone(socket: WebSocket) -> None:
+    while (await socket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+def _encode(frame: Frame) -> bytes:
+    _, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return data.tobytes()

@@ -1,0 +1,140 @@
+"""``brickpose``: the program's command line."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from app.config import ROBOTS, Config, load_config
+from robot.settings import SettingError
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command; returns 0 when it did its job, 2 on a wrong argument, 1 on another failure."""
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    parsed = _parser().parse_args(arguments)
+    try:
+        return int(parsed.command(parsed))
+    except SettingError as error:
+        return _complain(error, 2)
+    except (OSError, ValueError, ImportError, RuntimeError) as error:
+        return _complain(error, 1)
+    except KeyboardInterrupt:
+        return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="brickpose",
+        description="A LEGO robot that localizes itself on taped floors.",
+        allow_abbrev=False,
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    _add_run(commands)
+    _add_bench(commands)
+    return parser
+
+
+def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    default = Config()
+    run = commands.add_parser(
+        "run",
+        help="serve the dashboard with one robot",
+        description="Serve the dashboard with one robot. Ctrl-C stops the motors and ends.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+        allow_abbrev=False,
+    )
+    run.add_argument(
+        "--robot",
+        choices=ROBOTS,
+        help="sim: physics (pybullet); kinematic: perfect wheels, without pybullet "
+        "(default: sim where pybullet is installed)",
+        default=argparse.SUPPRESS,
+    )
+    run.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        default=argparse.SUPPRESS,
+        help=f"a field of maps/, or an .svg or .yaml file (default: {default.map})",
+    )
+    run.add_argument(
+        "--host",
+        default=argparse.SUPPRESS,
+        help=f"address to listen on; 0.0.0.0 is all (default: {default.host})",
+    )
+    run.add_argument(
+        "--port",
+        type=int,
+        default=argparse.SUPPRESS,
+        help=f"port to listen on; 0 is any free one (default: {default.port})",
+    )
+    run.add_argument(
+        "--seed",
+        type=int,
+        default=argparse.SUPPRESS,
+        help=f"seed of everything random (default: {default.seed})",
+    )
+    run.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE.toml",
+        default=argparse.SUPPRESS,
+        help="settings; the options above win",
+    )
+    run.set_defaults(command=_run)
+
+
+def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    bench = commands.add_parser(
+        "bench", help="measure, side by side with peers", allow_abbrev=False
+    )
+    bench.add_argument("names", nargs="*", metavar="NAME", help="which (default: all)")
+    bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures here too")
+    bench.set_defaults(command=_bench)
+
+
+def _run(parsed: argparse.Namespace) -> int:
+    # Imported here, so that a wrong argument is answered at once.
+    from app.assembly import assemble, settle_robot  # noqa: PLC0415
+    from app.serving import listen, serve  # noqa: PLC0415
+    from sim.real_time import RealTime  # noqa: PLC0415
+
+    config, missing = settle_robot(config_from(parsed))
+    listening = listen(config.host, config.port)
+    if missing:
+        _say(f"The kinematic robot drives, with perfect wheels: {missing}")
+    program = assemble(config, RealTime())
+    host, port = listening.getsockname()[:2]
+    shown = f"[{host}]" if ":" in host else host
+    _say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
+    serve(program, listening)
+    return 0
+
+
+def _bench(parsed: argparse.Namespace) -> int:
+    from benchmarks.run import run  # noqa: PLC0415
+
+    return run(parsed.names, parsed.json)
+
+
+def config_from(parsed: argparse.Namespace) -> Config:
+    """The configuration file, if there is one, with the command line's options over it."""
+    given = vars(parsed)
+    config = load_config(given["config"]) if "config" in given else Config()
+    over = {name: given[name] for name in ("robot", "map", "host", "port", "seed") if name in given}
+    return replace(config, **over)
+
+
+def _say(text: str) -> None:
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+def _complain(error: Exception, code: int) -> int:
+    text = str(error) or type(error).__name__
+    sys.stderr.write(f"brickpose: {text}\n")
+    return code

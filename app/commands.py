@@ -1,0 +1,64 @@
+"""Commands from outside, checked before they reach the engine's queue."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+
+from app.assembly import Program
+from app.localization import changed
+from app.messages import COMMAND, Command, PlaceCommand, SetParametersCommand, SetPoseCommand
+from robot.geometry import Pose2
+from robot.interface import Placeable
+
+LONGEST = 64 * 1024
+"""A longer text is no command [characters]."""
+
+
+class CommandError(ValueError):
+    """A command that cannot be carried out; the message says why, and what could."""
+
+
+def parse(text: str) -> Command:
+    """The command in a JSON text.
+
+    Raises:
+        CommandError: it is none; names what is wrong and what is valid.
+    """
+    if len(text) > LONGEST:
+        raise CommandError(f"a command has at most {LONGEST} characters; this has {len(text)}")
+    try:
+        return COMMAND.validate_json(text)
+    except ValidationError as error:
+        raise CommandError(_in_words(error)) from error
+
+
+def check(command: Command, program: Program) -> None:
+    """Refuse what this field, this robot or these parameters do not allow.
+
+    Raises:
+        CommandError: says why.
+    """
+    match command:
+        case SetPoseCommand() | PlaceCommand():
+            pose = Pose2(command.x, command.y, command.theta)
+            if not program.field.contains(pose):
+                xmin, ymin, xmax, ymax = program.field.floor.extent
+                raise CommandError(
+                    f"({pose.x:g}, {pose.y:g}) m is off the map; x is {xmin:g} to {xmax:g} "
+                    f"and y is {ymin:g} to {ymax:g}"
+                )
+            if isinstance(command, PlaceCommand) and not isinstance(program.robot, Placeable):
+                raise CommandError(f"{program.robot.name} can only be moved by hand")
+        case SetParametersCommand():
+            latest = program.engine.latest.get()
+            now = latest.parameters if latest else program.config.localization
+            try:
+                changed(now, command.values)
+            except ValueError as error:
+                raise CommandError(str(error)) from error
+
+
+def _in_words(error: ValidationError) -> str:
+    first = error.errors(include_url=False, include_input=False)[0]
+    place = ".".join(str(part) for part in first["loc"])
+    return f"{place}: {first['msg']}" if place else first["msg"]

@@ -1,0 +1,96 @@
+"""The program's configuration: one tree of frozen values, filled from TOML and the command line.
+
+Nobody imports a settings object: what is needed is passed as an argument.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, get_type_hints
+
+from robot.drive_controller import DriveSettings
+from robot.line_scanner import LineScannerSettings
+from robot.localization.parameters import LocalizationParameters
+from robot.odometry import OdometrySettings
+from robot.settings import SettingError, check_names, check_settings, setting
+from sim.bullet import BulletSettings
+from sim.floor_camera import CameraSettings
+from sim.imperfections import Imperfections
+
+ROOT = Path(__file__).resolve().parent.parent
+MAPS = ROOT / "maps"
+FRONTEND = ROOT / "frontend"
+
+ROBOTS = ("sim", "kinematic")
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Config:
+    """Everything that can be set; each table of the TOML file is a field."""
+
+    robot: str = setting("auto", "Which robot", choices=("auto", *ROBOTS))
+    map: str = setting("square", "A field by name, or a file (.svg, .yaml)")
+    host: str = setting("127.0.0.1", "Address to listen on")
+    port: int = setting(8080, "Port to listen on", low=0, high=65535)
+    seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
+    drive: DriveSettings = DriveSettings()
+    odometry: OdometrySettings = OdometrySettings()
+    scanner: LineScannerSettings = LineScannerSettings()
+    localization: LocalizationParameters = LocalizationParameters()
+    camera: CameraSettings = CameraSettings()
+    physics: BulletSettings = BulletSettings()
+    imperfections: Imperfections = Imperfections()
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+
+def load_config(path: Path) -> Config:
+    """Read a TOML file.
+
+    Raises:
+        SettingError: the file is missing or no TOML, or a key is misspelt or out of range; the
+            message has the key's path and what is valid.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingError(f"{path} cannot be read: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise SettingError(f"{path} is no TOML: {error}") from error
+    try:
+        return from_table(Config, content)
+    except SettingError as error:
+        raise SettingError(f"{path}: {error}") from error
+
+
+def from_table(group: type[T], table: dict[str, Any], path: str = "") -> T:
+    """A dataclass from a table of a TOML file, and its tables likewise.
+
+    Raises:
+        SettingError: a key is unknown, of the wrong type or out of range.
+    """
+    check_names(group, table, path)
+    types = get_type_hints(group)
+    values = {name: _value(types[name], value, f"{path}{name}") for name, value in table.items()}
+    try:
+        return group(**values)
+    except SettingError as error:
+        raise SettingError(f"{path}{error}") from error
+
+
+def _value(wanted: Any, value: Any, path: str) -> Any:
+    if dataclasses.is_dataclass(wanted):
+        if not isinstance(value, dict):
+            raise SettingError(f"{path} is {value!r}; valid is a table, as in [{path}]")
+        return from_table(wanted, value, f"{path}.")  # type: ignore[arg-type]
+    if wanted is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if type(value) is not wanted:
+        raise SettingError(f"{path} is {value!r}; valid is a {wanted.__name__}")
+    return value

@@ -1,0 +1,214 @@
+"""The program on one screen: read, take commands, odometry, scan, filter, drive, publish.
+
+The engine has no thread and no clock of its own: a test, a benchmark and an evaluation call
+``step`` directly, faster than real time; ``run`` is the loop around it.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from dataclasses import replace
+
+from app.driving import Driving
+from app.latest import Latest
+from app.localization import Localization, changed
+from app.loop_statistics import LoopMeter
+from app.messages import (
+    Command,
+    DriveCommand,
+    FigureEightCommand,
+    Layer,
+    PauseCommand,
+    PlaceCommand,
+    ResetCommand,
+    ResumeCommand,
+    ScatterCommand,
+    SetParametersCommand,
+    SetPoseCommand,
+    ShowCommand,
+    StopCommand,
+    UpdateCommand,
+)
+from app.problems import LOG, Problems
+from app.snapshot import LAYERS, Snapshot
+from robot.differential_drive import DifferentialDrive
+from robot.geometry import Pose2, Twist2
+from robot.interface import Frame, Placeable, Reading, Robot
+from robot.odometry import Odometry, OdometryState
+
+FRAME_OVERDUE = 0.5
+"""Without a new picture for so long [s], the camera is said to have stalled."""
+
+
+class Engine:
+    """Owns the robot, the odometry, the filter and who drives; one thread calls it."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        odometry: Odometry,
+        localization: Localization,
+        driving: Driving,
+        start: Pose2,
+    ) -> None:
+        self.robot = robot
+        self.latest: Latest[Snapshot] = Latest()
+        self.commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self._odometry = odometry
+        self._localization = localization
+        self._driving = driving
+        self._kinematics = DifferentialDrive(robot.spec)
+        self._map_from_odom = start
+        self._frame: Frame | None = None
+        self._problems = Problems()
+        self._meter = LoopMeter()
+        self._layers: frozenset[Layer] = LAYERS
+        self.failure: str | None = None
+        """Why it stopped, if it failed."""
+
+    def step(self) -> Snapshot:
+        """One tick: from the robot's next reading to what everybody sees.
+
+        Raises:
+            RobotError: the robot does not answer any more.
+        """
+        reading = self.robot.read()
+        self._meter.begin()
+        odometry = self._odometry.update(reading)
+        self._take_commands(reading.stamp, odometry)
+        self._localize(reading)
+        twist = self._driving.update(reading.stamp)
+        wheels = self.robot.write(self._kinematics.wheels(twist))
+        applied = self._kinematics.twist(wheels)
+        snapshot = self._snapshot(reading, odometry, applied)
+        self.latest.put(snapshot)
+        return snapshot
+
+    def run(self, stop: threading.Event) -> None:
+        """Step until told to stop; the robot is closed whatever happens.
+
+        A failure is logged once and published: it never becomes a repeat of the last value.
+        """
+        try:
+            while not stop.is_set():
+                self.step()
+        except Exception as error:
+            LOG.exception("the engine stopped")
+            self._publish_failure(f"The robot stopped: {error}")
+        finally:
+            self.robot.close()
+
+    def _localize(self, reading: Reading) -> None:
+        if reading.frame is not None:
+            self._frame = reading.frame
+            self._meter.frame(reading.frame.stamp)
+            then = self._odometry.at(reading.frame.stamp)
+            self._localization.measure(reading.frame, then)
+        last = self._frame.stamp if self._frame else 0.0
+        overdue = reading.stamp - last > FRAME_OVERDUE
+        self._problems.report(
+            "camera", reading.stamp, "The camera sends no pictures." if overdue else None
+        )
+
+    def _take_commands(self, stamp: float, odometry: OdometryState) -> None:
+        while True:
+            try:
+                command = self.commands.get_nowait()
+            except queue.Empty:
+                return
+            self._drive_command(command, stamp)
+            self._filter_command(command)
+            match command:
+                case PlaceCommand() if isinstance(self.robot, Placeable):
+                    self._place(Pose2(command.x, command.y, command.theta), odometry)
+                case ShowCommand():
+                    shown = {command.layer} if command.visible else set()
+                    self._layers = self._layers - {command.layer} | shown
+
+    def _drive_command(self, command: Command, stamp: float) -> None:
+        match command:
+            case DriveCommand():
+                self._driving.drive(Twist2(command.v, command.omega), stamp)
+            case FigureEightCommand():
+                self._driving.figure_eight(stamp)
+            case StopCommand():
+                self._driving.stop()
+
+    def _filter_command(self, command: Command) -> None:
+        localization = self._localization
+        match command:
+            case SetPoseCommand():
+                told = Pose2(command.x, command.y, command.theta)
+                localization.set_pose(told, command.sd_xy, command.sd_theta)
+            case ScatterCommand():
+                localization.scatter()
+            case PauseCommand():
+                localization.paused = True
+            case ResumeCommand():
+                localization.paused = False
+            case UpdateCommand():
+                localization.update_once()
+            case ResetCommand():
+                localization.reset()
+            case SetParametersCommand():
+                localization.use(changed(localization.parameters, command.values))
+
+    def _place(self, pose: Pose2, odometry: OdometryState) -> None:
+        assert isinstance(self.robot, Placeable)
+        self._driving.stop()
+        self.robot.place(pose)
+        # Dead reckoning goes on from the new place: the wheels did not turn on the way there.
+        self._map_from_odom = pose @ odometry.odom_from_robot.inverse()
+
+    def _snapshot(self, reading: Reading, odometry: OdometryState, applied: Twist2) -> Snapshot:
+        localization = self._localization
+        belief = localization.belief
+        scan = localization.line_scan
+        scan_pose = None
+        if belief is not None and scan is not None:
+            scan_pose = belief.pose(self._odometry.at(scan.scan.stamp).odom_from_robot)
+        return Snapshot(
+            stamp=reading.stamp,
+            published=time.monotonic(),
+            truth=reading.truth,
+            odometry=self._map_from_odom @ odometry.odom_from_robot,
+            pose=belief.pose(odometry.odom_from_robot) if belief else None,
+            estimate=belief.estimate if belief else None,
+            twist=applied,
+            mode=self._driving.mode,
+            cloud=localization.cloud,
+            frame=self._frame,
+            line_scan=scan,
+            scan_pose=scan_pose,
+            paused=localization.paused,
+            updates=localization.updates,
+            parameters=localization.parameters,
+            loop=self._meter.end(reading.stamp),
+            connected=True,
+            battery_v=reading.battery_v,
+            problems=self._problems.now,
+            problem_count=self._problems.count,
+            record=self._problems.record,
+            layers=self._layers,
+        )
+
+    def _publish_failure(self, message: str) -> None:
+        self.failure = message
+        last = self.latest.get()
+        if last is None:
+            return
+        self._problems.report("engine", last.stamp, message)
+        self.latest.put(
+            replace(
+                last,
+                published=time.monotonic(),
+                twist=Twist2(),
+                mode="idle",
+                connected=False,
+                problems=self._problems.now,
+                problem_count=self._problems.count,
+                record=self._problems.record,
+            )
+        )

@@ -1,0 +1,36 @@
+"""The thread that the engine runs in; it alone owns the robot."""
+
+from __future__ import annotations
+
+import threading
+
+from app.engine import Engine
+from app.problems import LOG
+
+JOIN_S = 3.0
+
+
+class EngineThread:
+    """Starts and ends the engine's loop."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.stopping = threading.Event()
+        self._thread = threading.Thread(
+            target=engine.run, args=(self.stopping,), name="engine", daemon=True
+        )
+
+    @property
+    def alive(self) -> bool:
+        """Whether the loop runs."""
+        return self._thread.is_alive()
+
+    def start(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End; the robot is stopped and closed on the way."""
+        self.stopping.set()
+        self._thread.join(JOIN_S)
+        if self._thread.is_alive():
+            LOG.error("the engine's thread did not end within %g s", JOIN_S)

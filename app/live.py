@@ -1,0 +1,124 @@
+"""``/api/live``: telemetry out, commands in."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any
+
+import anyio
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from app.assembly import Program
+from app.commands import CommandError, check, parse
+from app.messages import (
+    AckMessage,
+    Command,
+    DriveCommand,
+    ErrorMessage,
+    FigureEightCommand,
+    PingCommand,
+    StopCommand,
+)
+from app.snapshot import Snapshot
+from app.telemetry import TelemetryWriter
+
+
+class Live:
+    """All viewers of one program."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self._writer = TelemetryWriter(program.field, program.robot, program.scanner)
+        self._written: tuple[Snapshot, str] | None = None
+
+    def text(self, snapshot: Snapshot) -> str:
+        """The telemetry of a snapshot as JSON; written once, however many viewers there are."""
+        if self._written is None or self._written[0] is not snapshot:
+            self._written = (snapshot, self._writer.message(snapshot).model_dump_json())
+        return self._written[1]
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Talk to one viewer until it leaves; then nothing that it drove goes on."""
+        await socket.accept()
+        viewer = _Viewer(self, socket)
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(viewer.send_telemetry)
+                await viewer.take_commands()
+                tasks.cancel_scope.cancel()
+        finally:
+            viewer.leave()
+
+
+class _Viewer:
+    def __init__(self, live: Live, socket: WebSocket) -> None:
+        self._live = live
+        self._engine = live.program.engine
+        self._socket = socket
+        self._sending = anyio.Lock()
+        self._drives = False
+
+    async def send_telemetry(self) -> None:
+        """Send the newest snapshot whenever the last one has gone out."""
+        with self._engine.latest.subscribe() as subscription:
+            while await self._send(self._live.text(await subscription.next())):
+                pass
+
+    async def take_commands(self) -> None:
+        """Answer each command, until the viewer is gone."""
+        while True:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            # A binary message has no text; an empty one is refused as no JSON.
+            if not await self._send(self._answer(message.get("text") or "")):
+                return
+
+    def leave(self) -> None:
+        """Stop the robot if this viewer was driving it."""
+        if self._drives:
+            self._engine.commands.put(StopCommand(type="stop"))
+
+    def _answer(self, text: str) -> str:
+        try:
+            command = parse(text)
+            check(command, self._live.program)
+        except CommandError as error:
+            return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
+        self._take(command)
+        return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
+
+    def _take(self, command: Command) -> None:
+        if isinstance(command, PingCommand):
+            return
+        self._engine.commands.put(command)
+        if isinstance(command, (DriveCommand, FigureEightCommand)):
+            self._drives = True
+        elif isinstance(command, StopCommand):
+            self._drives = False
+
+    def _robot_time(self) -> float | None:
+        """The robot's clock now: the newest stamp and the time since it was published."""
+        latest = self._engine.latest.get()
+        return None if latest is None else latest.stamp + time.monotonic() - latest.published
+
+    async def _send(self, text: str) -> bool:
+        """Send one message; False if the viewer is gone."""
+        try:
+            async with self._sending:
+                await self._socket.send_text(text)
+        except (WebSocketDisconnect, RuntimeError):
+            # Starlette raises a RuntimeError for what is sent after the close.
+            return False
+        return True
+
+
+def _id_of(text: str) -> int | str | None:
+    """The id of a refused command, as far as it can be read."""
+    try:
+        content: Any = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    found = content.get("id") if isinstance(content, dict) else None
+    return found if type(found) in (int, str) and len(str(found)) <= 200 else None

@@ -1,0 +1,68 @@
+"""Why a ray counted, or did not: what the scanner saw along it."""
+
+from __future__ import annotations
+
+import math
+
+from app.messages import ProfileMessage
+from robot.line_scanner import LineScan, LineScanner
+from robot.tape_edges import Verdict
+
+
+def profile(scanner: LineScanner, found: LineScan, ray: int) -> ProfileMessage:
+    """What was seen along one ray of a picture.
+
+    Raises:
+        IndexError: there is no such ray.
+    """
+    rays = len(scanner.table.bearings)
+    if not 0 <= ray < rays:
+        raise IndexError(f"there is no ray {ray}; valid is 0 to {rays - 1}")
+    count = int(scanner.table.counts[ray])
+    entry, leaving = (
+        None if math.isnan(edge) else scanner.distance(ray, edge) for edge in found.edges[ray]
+    )
+    verdict = Verdict(found.verdicts[ray])
+    width = found.widths[ray]
+    return ProfileMessage(
+        stamp=found.scan.stamp,
+        ray=ray,
+        bearing=float(found.scan.bearings[ray]),
+        distances=scanner.table.distances[ray, :count].round(5).tolist(),
+        grey=found.grey[ray, :count].astype(float).tolist(),
+        response=found.response[ray, :count].astype(float).round(1).tolist(),
+        threshold=scanner.settings.threshold,
+        entry=entry,
+        exit=leaving,
+        width=None if math.isnan(width) else float(width),
+        counted=verdict == Verdict.COUNTED,
+        why=_why(scanner, verdict, float(width)),
+    )
+
+
+def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:
+    wanted = scanner.settings
+    match verdict:
+        case Verdict.COUNTED:
+            return f"Counted: a straight dark line, {width * 1e3:.1f} mm wide."
+        case Verdict.OUT_OF_SIGHT:
+            return "The camera does not see the floor along this ray."
+        case Verdict.NO_EDGE:
+            return "Nothing here gets dark and bright again."
+        case Verdict.NO_EXIT:
+            return "It gets dark, but the other edge of the dark part is out of the picture."
+        case Verdict.TOO_SHORT:
+            return (
+                f"A dark stripe, but its edge is seen on less than {wanted.support * 1e3:.0f} mm."
+            )
+        case Verdict.NOT_STRAIGHT:
+            return (
+                "A dark patch whose edge is not straight: its points lie more than "
+                f"{wanted.straightness * 1e3:.1f} mm off a line."
+            )
+        case Verdict.WRONG_WIDTH:
+            return (
+                f"A dark stripe, but {width * 1e3:.1f} mm wide; tape is "
+                f"{wanted.tape_width * 1e3:.0f} mm, give or take "
+                f"{wanted.width_tolerance * 1e3:.0f} mm."
+            )

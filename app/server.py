@@ -1,0 +1,200 @@
+"""The web application: page, telemetry, commands, pictures and 3D view on one port."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import anyio
+import cv2
+import numpy as np
+from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
+from fastapi.responses import FileResponse
+from starlette.staticfiles import StaticFiles
+
+from app.access import SameOriginOnly, own_names
+from app.assembly import Program
+from app.camera_stream import CameraStream
+from app.config import FRONTEND
+from app.engine_thread import EngineThread
+from app.live import Live
+from app.messages import (
+    FieldMessage,
+    HealthMessage,
+    ParameterMessage,
+    ProblemMessage,
+    ProblemsMessage,
+    ProfileMessage,
+    TelemetryMessage,
+)
+from app.profile import profile
+from app.telemetry import field_message, parameter_messages
+from app.view import View
+
+STALE_S = 2.0
+"""Without a tick for so long [s], the engine is said to hang."""
+
+
+def create_app(program: Program, thread: EngineThread) -> FastAPI:
+    """The application around a program; the engine's thread runs while the application does."""
+    view = View(program.field, program.robot.spec, program.engine.latest)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        thread.start()
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(view.follow)
+                yield
+                tasks.cancel_scope.cancel()
+        finally:
+            thread.stop()
+            view.close()
+
+    app = FastAPI(title="BrickPose", lifespan=lifespan)
+    app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
+    _add_page(app)
+    _add_state(app, program, thread)
+    _add_field(app, program)
+    _add_streams(app, program, view)
+    return app
+
+
+def _add_page(app: FastAPI) -> None:
+    @app.get("/", include_in_schema=False)
+    def index() -> FileResponse:
+        return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
+
+    app.mount("/static", _Revalidated(directory=FRONTEND), name="static")
+
+
+class _Revalidated(StaticFiles):
+    """Files that a browser keeps but asks about, so that a new version shows at once."""
+
+    def file_response(self, *args: object, **kwargs: object) -> Response:
+        response: Response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
+        response.headers["Cache-Control"] = "no-cache"
+        return response
+
+
+def _add_state(app: FastAPI, program: Program, thread: EngineThread) -> None:
+    engine = program.engine
+    live = Live(program)
+    started = time.monotonic()
+
+    @app.get("/api/health")
+    def health(response: Response) -> HealthMessage:
+        """Whether the program does its job; 503 when it has failed."""
+        status, detail = _health(program, thread)
+        if status == "failed":
+            response.status_code = 503
+        latest = engine.latest.get()
+        return HealthMessage.model_validate(
+            {
+                "status": status,
+                "detail": detail,
+                "robot": program.robot.name,
+                "uptime_s": time.monotonic() - started,
+                "step_hz": latest.loop.step_hz if latest else 0.0,
+            }
+        )
+
+    @app.get("/api/state", responses={503: {"description": "before the first tick"}})
+    def state() -> TelemetryMessage:
+        """The newest telemetry."""
+        latest = engine.latest.get()
+        if latest is None:
+            raise HTTPException(503, engine.failure or "The robot has not answered yet.")
+        return TelemetryMessage.model_validate_json(live.text(latest))
+
+    @app.get("/api/problems")
+    def problems() -> ProblemsMessage:
+        """What went wrong since the start."""
+        latest = engine.latest.get()
+        record = latest.record if latest else ()
+        return ProblemsMessage(
+            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record]
+        )
+
+    @app.websocket("/api/live")
+    async def follow(socket: WebSocket) -> None:
+        await live.serve(socket)
+
+
+def _health(program: Program, thread: EngineThread) -> tuple[str, str]:
+    latest = program.engine.latest.get()
+    if program.engine.failure is not None:
+        return "failed", program.engine.failure
+    if not thread.alive:
+        return "failed", "The engine does not run."
+    if latest is None:
+        return "degraded", "The robot has not answered yet."
+    silent = time.monotonic() - latest.published
+    if silent > STALE_S:
+        return "degraded", f"No tick for {silent:.1f} s."
+    if latest.problems:
+        return "degraded", " ".join(latest.problems)
+    return "ok", "All is well."
+
+
+def _add_field(app: FastAPI, program: Program) -> None:
+    drive = program.config.drive
+    limits = np.array([drive.max_velocity, drive.max_angular_velocity])
+    field = field_message(program.field, program.robot, program.scanner, limits)
+    _, picture = cv2.imencode(".png", program.field.floor.image)
+    png = picture.tobytes()
+
+    @app.get("/api/field")
+    def get_field() -> FieldMessage:
+        """The field and the robot on it."""
+        return field
+
+    @app.get("/api/field.png", response_class=Response)
+    def field_picture() -> Response:
+        """The floor from above."""
+        return Response(png, media_type="image/png", headers={"Cache-Control": "no-cache"})
+
+    @app.get("/api/parameters")
+    def parameters() -> list[ParameterMessage]:
+        """The filter's parameters, with their meanings."""
+        latest = program.engine.latest.get()
+        configured = program.config.localization
+        return parameter_messages(latest.parameters if latest else configured, configured)
+
+    @app.get("/api/ray/{ray}")
+    def ray_profile(ray: int) -> ProfileMessage:
+        """What the scanner saw along one ray of the newest picture, and why it counted or not."""
+        latest = program.engine.latest.get()
+        if latest is None or latest.line_scan is None:
+            raise HTTPException(503, "The camera has sent no picture yet.")
+        try:
+            return profile(program.scanner, latest.line_scan, ray)
+        except IndexError as error:
+            raise HTTPException(404, str(error)) from error
+
+
+def _add_streams(app: FastAPI, program: Program, view: View) -> None:
+    camera = CameraStream(program.engine.latest)
+
+    @app.get("/camera.jpg", response_class=Response)
+    async def picture() -> Response:
+        """One picture of the robot's camera."""
+        return await camera.picture()
+
+    @app.get("/camera.mjpg", response_class=Response)
+    async def motion_jpeg() -> Response:
+        """The robot's camera, live."""
+        return camera.motion_jpeg()
+
+    @app.websocket("/api/camera")
+    async def follow_camera(socket: WebSocket) -> None:
+        await camera.serve(socket)
+
+    @app.get("/view/", include_in_schema=False)
+    def view_page(request: Request) -> Response:
+        return view.page(request)
+
+    @app.websocket("/view")
+    async def follow_view(socket: WebSocket) -> None:
+        await view.serve(socket)

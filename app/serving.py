@@ -1,0 +1,70 @@
+"""Runs the web application on a socket, until told to stop."""
+
+from __future__ import annotations
+
+import signal
+import socket
+from types import FrameType
+
+import uvicorn
+
+from app.assembly import Program
+from app.engine_thread import EngineThread
+from app.server import create_app
+from app.view import SMALL_BUFFER
+
+
+class PortError(OSError):
+    """The port cannot be listened on; the message says what to do."""
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that listens.
+
+    Raises:
+        PortError: the address is not of this machine, or the port is taken or not allowed.
+    """
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        listening = socket.socket(family, socket.SOCK_STREAM)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        # What waits in a large buffer is old by the time that a slow viewer gets it.
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
+        listening.bind(address)
+        listening.listen(128)
+    except OSError as error:
+        raise PortError(
+            f"cannot listen on {host} port {port}: {error.strerror or error}; "
+            "another port is chosen by --port (or PORT=9000 make run)"
+        ) from error
+    return listening
+
+
+def serve(program: Program, listening: socket.socket) -> None:
+    """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
+    thread = EngineThread(program.engine)
+    config = uvicorn.Config(
+        create_app(program, thread),
+        log_level="warning",
+        ws="websockets-sansio",
+        # Compression costs ten times the rest on arrays of particles, and gains little.
+        ws_per_message_deflate=False,
+        ws_max_size=1024 * 1024,
+        ws_ping_interval=5,
+        ws_ping_timeout=5,
+        timeout_graceful_shutdown=1,
+    )
+    # uvicorn raises the signal again when it has ended; by then all is done.
+    for name in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(name, lambda number, frame: None)
+    _Server(config, thread).run(sockets=[listening])
+
+
+class _Server(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, thread: EngineThread) -> None:
+        super().__init__(config)
+        self._thread = thread
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        self._thread.stopping.set()
+        super().handle_exit(sig, frame)

@@ -1,0 +1,70 @@
+"""Everything that one tick of the engine shows; frozen, so any thread may read it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from typing import get_args
+
+from app.driving import Mode
+from app.messages import Layer
+from app.problems import Problem
+from robot.geometry import Pose2, Twist2
+from robot.interface import Frame
+from robot.line_scanner import LineScan
+from robot.localization.estimate import Estimate
+from robot.localization.parameters import LocalizationParameters
+from robot.localization.particle_filter import Cloud
+
+LAYERS: frozenset[Layer] = frozenset(get_args(Layer))
+"""Everything that the 3D view can show."""
+
+
+@dataclass(frozen=True, slots=True)
+class LoopStatistics:
+    """How the engine keeps up; smoothed over about a second."""
+
+    step_hz: float
+    step_ms: float
+    """Work of one step, without waiting for the robot [ms]."""
+    frame_hz: float
+    latency_ms: float
+    """From the newest frame's exposure to this tick [ms]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """One tick."""
+
+    stamp: float
+    """The robot's clock [s]."""
+    published: float
+    """The computer's monotonic clock when this was made [s]."""
+    truth: Pose2 | None
+    odometry: Pose2
+    """Dead reckoning since the start or the last place, in the map."""
+    pose: Pose2 | None
+    """The estimate, carried forward to the stamp; None before the first measurement."""
+    estimate: Estimate | None
+    """The filter's newest answer, at its own stamp."""
+    twist: Twist2
+    """As applied."""
+    mode: Mode
+    cloud: Cloud = field(repr=False)
+    frame: Frame | None
+    """The newest picture."""
+    line_scan: LineScan | None = field(repr=False)
+    """What was found in it."""
+    scan_pose: Pose2 | None
+    """The estimate at the scan's stamp."""
+    paused: bool
+    updates: int
+    parameters: LocalizationParameters = field(repr=False)
+    loop: LoopStatistics
+    connected: bool
+    battery_v: float | None
+    problems: tuple[str, ...]
+    problem_count: int
+    record: tuple[Problem, ...] = field(repr=False)
+    layers: frozenset[Layer]
+    """What the 3D view shows."""
