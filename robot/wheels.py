@@ -72,7 +72,7 @@ def _read_wheel(root: ElementTree.Element, model: Any, control: ElementTree.Elem
     name = str(control.get("name"))
     where = f"joint {name!r}"
     joint = find_joint(root, name)
-    radius = _radius(_wheel_link(root, joint), model)
+    radius = _radius(_wheel_link(root, joint))
     limit = child(joint, "limit", where)
     max_velocity = positive(limit, "velocity", where)
     _check_command_range(control, max_velocity, where)
@@ -109,7 +109,7 @@ def _wheel_link(root: ElementTree.Element, joint: ElementTree.Element) -> Elemen
     raise SpecError(f"joint {joint.get('name')!r}: there is no link {name!r}")
 
 
-def _radius(link: ElementTree.Element, model: Any) -> float:
+def _radius(link: ElementTree.Element) -> float:
     """Radius of the wheel's visual; what touches the floor must be as big."""
     where = f"wheel {link.get('name')!r}"
     visual = child(link, "visual", where)
