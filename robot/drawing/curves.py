@@ -1,0 +1,59 @@
+"""Curves as chains of straight lines that are fine enough for the stroke drawn along them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from robot.geometry import Array
+
+_DENSE = 192
+"""Steps at which the bending of a curve is looked at, before it is cut."""
+
+_STRAIGHT = 1e-6
+"""A curve that asks for fewer lines than this is a straight line."""
+
+_NEAR_END = np.array([1 / 81, 1 / 27, 1 / 9, 1 / 3])
+"""Additional points at both ends of a curve, in shares of its first line.
+
+Caps and corners must be square to the curve's end, not to its last chord; and lines must get
+short step by step, or else the wide end of a long one sticks out beyond a cap.
+"""
+
+
+def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float) -> Array:
+    """Points (n, 2) on a curve, first to last, to be joined by straight lines.
+
+    The curve gives points (n, 2) for parameters (n,) from 0 to 1. A line and its two parallels at
+    the half width stay within the tolerance of the curve and of its parallels (same unit).
+
+    A chord that turns by phi over a length c leaves an arc of radius c/phi by phi c / 8 (the
+    sagitta), its outer parallel by phi (c + h phi) / 8. So a step of the dense sampling asks for
+    sqrt(phi (c + h phi) / (8 tolerance)) lines, and the lines are spread in that proportion.
+    """
+    parameters = np.linspace(0, 1, _DENSE + 1)
+    chords = np.diff(curve(parameters), axis=0)
+    length = np.hypot(chords[:, 0], chords[:, 1])
+    turn = _turning(chords)
+    asked = np.sqrt(turn * (length + half_width * turn) / (8 * tolerance))
+    reached = np.concatenate([[0.0], np.cumsum(asked)])
+    total = reached[-1]
+    if total < _STRAIGHT:
+        return curve(np.array([0.0, 1.0]))
+    lines = int(np.ceil(total))
+    places = np.linspace(0, total, lines + 1)
+    ends = _NEAR_END * places[1]
+    places = np.concatenate([[0.0], ends, places[1:-1], total - ends[::-1], [total]])
+    # Where nothing is asked for, any place will do: interpolation needs an increasing sequence.
+    rising = reached + np.linspace(0, 1e-9 * total, len(reached))
+    return curve(np.interp(places, rising, parameters))
+
+
+def _turning(chords: Array) -> Array:
+    """How much the curve turns along each chord (n,) [rad]: half of each neighbour's corner."""
+    before, after = chords[:-1], chords[1:]
+    cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    corner = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
+    shared: Array = np.concatenate([[0.0], corner, [0.0]]) / 2
+    return shared[:-1] + shared[1:]

@@ -1,0 +1,163 @@
+"""The area that a stroke covers: SVG 2, chapter 13.7, "Computing the shape of an element's stroke".
+
+A stroke is the union of one rectangle a line, a joint where two lines meet, and a cap at each end.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from robot.drawing.dashes import dashes
+from robot.geometry import Array
+
+_INSIDE = 0.01
+"""Joints and caps overlap their lines by this share of the half width, to leave no hair gaps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Polyline:
+    """A chain of straight lines, perhaps closed."""
+
+    points: Array
+    """(n, 2); a closed one does not repeat its first point."""
+    closed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Pen:
+    """How a line is drawn; names and meanings are SVG's."""
+
+    width: float
+    cap: str = "butt"
+    """butt, round or square."""
+    join: str = "miter"
+    """miter, round or bevel."""
+    miter_limit: float = 4.0
+    dashes: tuple[float, ...] = ()
+    """Lengths of dash, gap, dash, gap ...; empty draws through."""
+    dash_offset: float = 0.0
+
+
+def stroke_area(line: Polyline, pen: Pen, tolerance: float) -> shapely.Geometry:
+    """The area under a pen led along a line, all in one unit; arcs are true to the tolerance."""
+    pieces = [line]
+    if pen.dashes:
+        cut = dashes(line.points, line.closed, pen.dashes, pen.dash_offset)
+        pieces = [Polyline(points, closed=False) for points in cut]
+    return shapely.union_all([part for piece in pieces for part in _parts(piece, pen, tolerance)])
+
+
+def _parts(line: Polyline, pen: Pen, tolerance: float) -> list[shapely.Geometry]:
+    points = _without_repeats(line, tolerance / 100)
+    half = pen.width / 2
+    if len(points) < 2:
+        return _dot(line.points[:1], pen, tolerance)
+    around = np.vstack([points, points[:1]]) if line.closed else points
+    along = np.diff(around, axis=0)
+    along /= np.hypot(along[:, 0], along[:, 1])[:, None]
+    parts = _rectangles(around, along, half)
+    if line.closed:
+        incoming = np.roll(along, 1, axis=0)
+        return parts + _joints(points, incoming, along, pen, tolerance)
+    parts += _joints(points[1:-1], along[:-1], along[1:], pen, tolerance)
+    for end, outward in ((points[0], -along[0]), (points[-1], along[-1])):
+        parts += _cap(end, outward, pen, tolerance)
+    return parts
+
+
+def _without_repeats(line: Polyline, closer: float) -> Array:
+    """Leave out points closer to their forerunner: so short a line has no direction."""
+    points = line.points
+    if not (np.hypot(*np.diff(points, axis=0, append=points[:1]).T) <= closer).any():
+        return points
+    kept = [0]
+    for i in range(1, len(points)):
+        if math.dist(points[i], points[kept[-1]]) > closer:
+            kept.append(i)
+    if line.closed and len(kept) > 1 and math.dist(points[kept[-1]], points[0]) <= closer:
+        kept.pop()
+    return points[kept]
+
+
+def _dot(points: Array, pen: Pen, tolerance: float) -> list[shapely.Geometry]:
+    """What a line of no length shows: a disc or a square where the cap has an extent."""
+    if not len(points) or pen.cap == "butt":
+        return []
+    right = np.array([1.0, 0.0])
+    return _cap(points[0], right, pen, tolerance) + _cap(points[0], -right, pen, tolerance)
+
+
+def _left(along: Array) -> Array:
+    """Unit vectors a quarter turn anticlockwise of unit vectors (..., 2)."""
+    return np.stack([-along[..., 1], along[..., 0]], axis=-1)
+
+
+def _rectangles(around: Array, along: Array, half: float) -> list[shapely.Geometry]:
+    aside = half * _left(along)
+    start, end = around[:-1], around[1:]
+    corners = np.stack([start + aside, start - aside, end - aside, end + aside], axis=1)
+    return _polygons(corners)
+
+
+def _polygons(corners: Array) -> list[shapely.Geometry]:
+    """One polygon for each of n corner lists (n, k, 2)."""
+    return list(np.asarray(shapely.polygons(corners)))
+
+
+def _joints(
+    points: Array, incoming: Array, outgoing: Array, pen: Pen, tolerance: float
+) -> list[shapely.Geometry]:
+    """Fill the outer side of corners (n, 2) between directions (n, 2) in and out."""
+    inward = outgoing - incoming
+    bent = (inward != 0).any(axis=1)
+    points, incoming, outgoing = points[bent], incoming[bent], outgoing[bent]
+    inward = inward[bent] / np.hypot(*inward[bent].T)[:, None]
+    half = pen.width / 2
+    cross = incoming[:, 0] * outgoing[:, 1] - incoming[:, 1] * outgoing[:, 0]
+    turn = np.arctan2(cross, (incoming * outgoing).sum(axis=1))
+    # The outer side is to the right of a left turn; a turn back counts as one to the left.
+    outer = np.where(turn > 0, -half, half)[:, None]
+    first, last = outer * _left(incoming), outer * _left(outgoing)
+    inner = points + _INSIDE * half * inward
+    # What a miter adds to a slight bend, such as those of a flattened curve, cannot be seen.
+    slight = (half * turn**2 / 8 <= tolerance) & (np.abs(turn) < 1)
+    # SVG's miter ratio is 1 / sin(half the angle between the lines).
+    within = np.cos(turn / 2) * pen.miter_limit >= 1
+    mitered = slight | (within & (pen.join == "miter"))
+    rounded = ~mitered & (pen.join == "round")
+    corners = np.stack([inner, points + first, points + (first + last) / 2, points + last], axis=1)
+    reach = 1 / np.cos(turn[mitered] / 2) ** 2
+    corners[mitered, 2] = points[mitered] + (first + last)[mitered] / 2 * reach[:, None]
+    parts = _polygons(corners[~rounded])
+    for i in np.flatnonzero(rounded):
+        parts.append(_sector(points[i], inner[i], first[i], turn[i], tolerance))
+    return parts
+
+
+def _cap(end: Array, outward: Array, pen: Pen, tolerance: float) -> list[shapely.Geometry]:
+    if pen.cap == "butt":
+        return []
+    half = pen.width / 2
+    aside = half * _left(outward)
+    inner = end - _INSIDE * half * outward
+    if pen.cap == "round":
+        return [_sector(end, inner, -aside, math.pi, tolerance)]
+    ahead = half * outward
+    corners = [inner - aside, end + ahead - aside, end + ahead + aside, inner + aside]
+    return [shapely.Polygon(corners)]
+
+
+def _sector(
+    centre: Array, inner: Array, first: Array, turn: float, tolerance: float
+) -> shapely.Geometry:
+    """The part of a disc swept by a radius from its first place through a turn [rad]."""
+    radius = math.hypot(*first)
+    steepest = 2 * math.acos(max(1 - tolerance / radius, 0.5))
+    angles = np.linspace(0, turn, 1 + math.ceil(abs(turn) / steepest))
+    c, s = np.cos(angles), np.sin(angles)
+    arc = np.column_stack([c * first[0] - s * first[1], s * first[0] + c * first[1]])
+    return shapely.Polygon(np.vstack([inner, centre + arc]))

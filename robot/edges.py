@@ -1,0 +1,90 @@
+"""Edges of dark areas: straight segments with a dark side and a light side.
+
+Edges are arrays (n, 4) of x0, y0, x1, y1 [m]. The dark area lies to the left of the way from the
+first to the second point, so the normal that points to the light side is (dy, -dx) / length.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+
+
+def lengths(edges: Array) -> Array:
+    """Lengths (n,) [m] of edges (n, 4)."""
+    return np.hypot(edges[:, 2] - edges[:, 0], edges[:, 3] - edges[:, 1])
+
+
+def normals(edges: Array) -> Array:
+    """Unit vectors (n, 2) across edges (n, 4), from the dark side to the light one."""
+    across = np.column_stack([edges[:, 3] - edges[:, 1], edges[:, 0] - edges[:, 2]])
+    return across / lengths(edges)[:, None]
+
+
+def sample(edges: Array, step: float) -> tuple[Array, Array]:
+    """Points (m, 2) [m] along edges (n, 4), and the normals (m, 2) of their edges.
+
+    Each edge is cut into equal parts not longer than the step [m]; the points are their middles,
+    so none lies on a corner and each stands for about the same length.
+
+    Raises:
+        ValueError: the step is not a positive number.
+    """
+    if not 0 < step < np.inf:
+        raise ValueError(f"the step along edges is {step} m; valid is more than 0")
+    # Rounding must not turn an edge of exactly k steps into k + 1 parts.
+    parts = np.maximum(np.ceil(lengths(edges) / step - 1e-9), 1).astype(np.intp)
+    owner = np.repeat(np.arange(len(edges)), parts)
+    rank = np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts)
+    fraction = ((rank + 0.5) / parts[owner])[:, None]
+    points = edges[owner, :2] * (1 - fraction) + edges[owner, 2:] * fraction
+    return points, normals(edges)[owner]
+
+
+def outline(area: shapely.Geometry) -> Array:
+    """The edges (n, 4) around a polygon, or several: the area itself is the dark side."""
+    rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
+    points, ring = shapely.get_coordinates(rings, return_index=True)
+    if len(points) < 2:
+        return np.empty((0, 4))
+    edges: Array = np.hstack([points[:-1], points[1:]])[ring[1:] == ring[:-1]]
+    return edges
+
+
+def cell_outline(dark: NDArray[np.bool_]) -> Array:
+    """The edges (n, 4) around the dark cells (h, w) of a grid, in cells.
+
+    Cell (row, column) covers column to column + 1 in x and row to row + 1 in y. What lies outside
+    the grid counts as light. Edges of neighbouring cells are merged into runs.
+    """
+    padded = np.pad(dark, 1).astype(np.int8)
+    # +1 where the cell beyond the line is dark and the one before it is light; -1 the other way.
+    line, start, end, sign = _runs(np.diff(padded, axis=0)[:, 1:-1])
+    lying = _directed(sign > 0, (start, line), (end, line))
+    line, start, end, sign = _runs(np.diff(padded, axis=1)[1:-1].T)
+    standing = _directed(sign < 0, (line, start), (line, end))
+    return np.vstack([lying, standing])
+
+
+_Points = tuple[NDArray[np.intp], NDArray[np.intp]]
+
+
+def _directed(forward: NDArray[np.bool_], low: _Points, high: _Points) -> Array:
+    """Edges (n, 4) from the low to the high end where forward, else from high to low."""
+    edges = np.column_stack([*low, *high]).astype(np.float64)
+    edges[~forward] = edges[~forward][:, [2, 3, 0, 1]]
+    return edges
+
+
+def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
+    """Runs of equal non-zero values along the rows: row, first, last + 1 and value, each (n,)."""
+    padded = np.pad(steps, ((0, 0), (1, 1)))
+    change = np.diff(padded, axis=1) != 0
+    row, start = np.nonzero(change[:, :-1] & (steps != 0))
+    _, end = np.nonzero(change[:, 1:] & (steps != 0))
+    return row, start, end + 1, steps[row, start]

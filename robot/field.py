@@ -1,0 +1,147 @@
+"""The field: the floor that the robot drives on, and what of it the robot knows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robot import edges as edge_geometry
+from robot.drawing.coverage import coverage
+from robot.floor_picture import Extent, FloorPicture
+from robot.geometry import Array, Pose2
+from robot.grid_map import MAX_CELLS, OccupancyGrid
+
+__all__ = ["Field", "FieldError", "FloorPicture"]
+
+_LIGHT = 128
+"""Grey level from which on floor counts as light."""
+
+_MAX_SEARCH_CELLS = 1_000_000
+
+
+class FieldError(ValueError):
+    """A field that cannot be used, or a place that is not on it; the message says what is."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """A floor with dark tape (or the occupied cells of a ROS map), and its edges."""
+
+    name: str
+    floor: FloorPicture
+    edges: Array = field(repr=False)
+    """(n, 4) x0, y0, x1, y1 [m] in the map frame; the dark side is to the left (robot/edges.py)."""
+    tape_width: float | None
+    """Width of the tape [m]; None if the field is no tape."""
+    start: Pose2
+    """Where the robot starts, in the map frame."""
+    grid: OccupancyGrid | None = field(default=None, repr=False)
+    """The ROS map that the field comes from; None if it is tape."""
+
+    def __post_init__(self) -> None:
+        if self.edges.ndim != 2 or self.edges.shape[1] != 4 or not len(self.edges):
+            raise FieldError(f"edges have the shape {self.edges.shape}; valid is (1 or more, 4)")
+        if not np.isfinite(self.edges).all():
+            raise FieldError("edges are not finite")
+        self.edges.setflags(write=False)
+        self.require_inside(self.start)
+
+    @property
+    def normals(self) -> Array:
+        """Unit vectors (n, 2) across the edges, to the light side."""
+        return edge_geometry.normals(self.edges)
+
+    @property
+    def extent(self) -> Extent:
+        """xmin, ymin, xmax, ymax [m] of the floor in the map frame."""
+        return self.floor.extent
+
+    def contains(self, pose: Pose2) -> bool:
+        """Whether a pose lies on the floor picture; its heading may be anything finite."""
+        xmin, ymin, xmax, ymax = self.extent
+        on_floor = xmin <= pose.x <= xmax and ymin <= pose.y <= ymax
+        return on_floor and pose.is_finite()
+
+    def require_inside(self, pose: Pose2) -> None:
+        """Refuse a pose that is not on the field.
+
+        Raises:
+            FieldError: names the place and where the field lies.
+        """
+        if not self.contains(pose):
+            xmin, ymin, xmax, ymax = self.extent
+            raise FieldError(
+                f"({pose.x:.3f}, {pose.y:.3f}) m, {pose.theta:.3f} rad is not on the field "
+                f"{self.name}; valid is x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
+            )
+
+    def occupancy(self, resolution: float) -> OccupancyGrid:
+        """The field as cells of a side [m], over the whole floor; row 0 at the bottom.
+
+        Tape: 100 where it covers at least half of a cell, else 0. A field from a ROS map: what the
+        map has at the middle of each cell, -1 beyond it.
+
+        Raises:
+            FieldError: the resolution is no positive number, or asks for too many cells.
+        """
+        xmin, ymin, xmax, ymax = self.extent
+        if not 0 < resolution < math.inf:
+            raise FieldError(f"the resolution is {resolution} m; valid is more than 0")
+        # A floor of whole cells must not get one more from rounding.
+        width = max(1, math.ceil((xmax - xmin) / resolution - 1e-6))
+        height = max(1, math.ceil((ymax - ymin) / resolution - 1e-6))
+        if width * height > MAX_CELLS:
+            raise FieldError(f"{width} x {height} cells are too many; valid are {MAX_CELLS}")
+        if self.grid is None:
+            in_cells = (self.edges - np.tile([xmin, ymin], 2)) / resolution
+            # Tape that ends in the middle of cells must not be ragged by rounding.
+            cells = np.where(coverage(in_cells, (height, width)) > 0.5 - 1e-6, 100, 0)
+        else:
+            rows, columns = np.mgrid[:height, :width] + 0.5
+            points = np.column_stack([columns.ravel(), rows.ravel()]) * resolution + (xmin, ymin)
+            cells = self.grid.values_at(points).reshape(height, width)
+        return OccupancyGrid(cells.astype(np.int8), resolution, Pose2(xmin, ymin))
+
+    def free_poses(self, rng: np.random.Generator, count: int) -> Array:
+        """Poses (count, 3) drawn evenly from where a robot may be, with any heading.
+
+        That is: light floor within the bounding box of the tape, or the free cells of a ROS map.
+        """
+        origin, side, cells = self._free_cells
+        chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
+        places = origin.apply(chosen * side)
+        return np.column_stack([places, rng.uniform(-math.pi, math.pi, count)])
+
+    @cached_property
+    def _free_cells(self) -> tuple[Pose2, float, NDArray[np.float64]]:
+        """Free cells (n, 2) as column and row, with their side [m] and the grid's origin."""
+        grid = self.grid or self._light_cells()
+        free = np.argwhere(grid.free)[:, ::-1].astype(np.float64)
+        if not len(free):
+            raise FieldError(f"the field {self.name} has no free floor")
+        return grid.origin, grid.resolution, free
+
+    def _light_cells(self) -> OccupancyGrid:
+        """Light floor within the tape's bounding box, in cells of a few millimetres."""
+        low = self.edges.reshape(-1, 2).min(axis=0)
+        size = self.edges.reshape(-1, 2).max(axis=0) - low
+        side = max(self.floor.resolution, math.sqrt(size[0] * size[1] / _MAX_SEARCH_CELLS))
+        width, height = np.maximum(np.round(size / side), 1).astype(int)
+        # Pixels of the cells' picture, row 0 at its bottom, as places in the floor picture.
+        pixel = self.floor.pixel_from_map
+        step = pixel[:, :2] * side
+        place = np.column_stack([step, pixel[:, :2] @ low + pixel[:, 2] + step.sum(axis=1) / 2])
+        light = cv2.warpAffine(
+            self.floor.image,
+            place,
+            (int(width), int(height)),
+            flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        cells = np.where(light >= _LIGHT, 0, 100).astype(np.int8)
+        return OccupancyGrid(cells, side, Pose2(float(low[0]), float(low[1])))

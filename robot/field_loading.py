@@ -1,0 +1,47 @@
+"""Finding a field by its name or its file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from robot.field import Field, FieldError
+from robot.grid_field import field_from_grid
+from robot.grid_map import MapError, load_map_yaml
+from robot.svg_field import load_svg
+
+
+def load_field(name: str, maps: Path) -> Field:
+    """Load a field by the name of a drawing in the folder ``maps``, or from an SVG or YAML file.
+
+    A bare name (``square``) is a drawing of the folder; whatever has an ending or a folder is a
+    file. A ROS map's field has the name of its YAML file.
+
+    Raises:
+        FieldError: there is no such field (the names available are listed) or its file is no use.
+    """
+    path = Path(name)
+    if name and path.name == name and not path.suffix:
+        path = maps / f"{name}.svg"
+        if not path.is_file():
+            available = ", ".join(field_names(maps)) or f"none in {maps}"
+            raise FieldError(
+                f"there is no field {name!r}; valid are {available}, or an .svg or .yaml file"
+            )
+    if path.suffix.lower() == ".svg":
+        return load_svg(path)
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return _load_ros_map(path)
+    available = ", ".join(field_names(maps))
+    raise FieldError(f"{name!r} is no field; valid are {available}, or an .svg or .yaml file")
+
+
+def field_names(maps: Path) -> list[str]:
+    """The names of the drawings in a folder, sorted."""
+    return sorted(path.stem for path in maps.glob("*.svg"))
+
+
+def _load_ros_map(path: Path) -> Field:
+    try:
+        return field_from_grid(load_map_yaml(path), path.stem)
+    except MapError as error:
+        raise FieldError(str(error)) from error

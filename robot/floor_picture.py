@@ -1,0 +1,158 @@
+"""What the floor looks like from above: the picture that a simulated camera looks at.
+
+Clean grey areas with anti-aliased edges; texture, light and noise are added where it is seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from robot.drawing.coverage import coverage
+from robot.edges import outline
+from robot.geometry import Array
+
+FINEST_M = 0.001
+"""Size of a pixel where the field is not too large for it [m]."""
+
+MAX_PIXELS = 16_000_000
+
+PAPER = 255
+"""Grey level where nothing is drawn."""
+
+Extent = tuple[float, float, float, float]
+"""xmin, ymin, xmax, ymax [m] in the map frame."""
+
+
+@dataclass(frozen=True)
+class FloorPicture:
+    """The floor from above, its rows along -y of the map: row 0 is at the top, at ymax.
+
+    Pixel (row, column) shows the square from xmin + column * resolution to one resolution further
+    right, and from ymax - row * resolution to one further down. Its **centre** therefore lies half
+    a pixel inside that corner, and has the whole coordinates (column, row) in OpenCV's convention.
+    """
+
+    image: NDArray[np.uint8] = field(repr=False)
+    """(h, w) grey levels, read-only."""
+    resolution: float
+    """Side of a pixel [m]."""
+    extent: Extent
+    """The outer border of the picture [m]."""
+
+    def __post_init__(self) -> None:
+        height, width = self.image.shape
+        xmin, ymin, xmax, ymax = self.extent
+        shown = np.array([width, height]) * self.resolution
+        if not np.allclose([xmax - xmin, ymax - ymin], shown, atol=1e-6 * self.resolution):
+            raise ValueError(
+                f"{width} x {height} px of {self.resolution} m do not cover the extent"
+            )
+        self.image.setflags(write=False)
+
+    @property
+    def pixel_from_map(self) -> Array:
+        """(2, 3) affine transform from the map [m] to pixels (column, row) as OpenCV has them."""
+        scale = 1 / self.resolution
+        xmin, _, _, ymax = self.extent
+        return np.array([[scale, 0, -xmin * scale - 0.5], [0, -scale, ymax * scale - 0.5]])
+
+    @cached_property
+    def border(self) -> int:
+        """The commonest grey level along the picture's rim: what to show outside it."""
+        rim = [self.image[0], self.image[-1], self.image[:, 0], self.image[:, -1]]
+        return int(np.bincount(np.concatenate(rim)).argmax())
+
+    def grey_at(self, points: Array) -> NDArray[np.uint8]:
+        """Grey levels (n,) of the pixels that points (n, 2) [m] of the map lie in.
+
+        Points outside the picture get the tone of its border.
+        """
+        column, row = np.floor(points @ self.pixel_from_map[:, :2].T + self._corner).T
+        height, width = self.image.shape
+        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        grey = np.full(len(points), self.border, dtype=np.uint8)
+        grey[inside] = self.image[row[inside].astype(np.intp), column[inside].astype(np.intp)]
+        return grey
+
+    @property
+    def _corner(self) -> Array:
+        """The offset of ``pixel_from_map`` for pixels that begin at whole numbers."""
+        offset: Array = self.pixel_from_map[:, 2] + 0.5
+        return offset
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One coat of paint on the floor."""
+
+    area: shapely.Geometry = field(repr=False)
+    """Polygons in the map frame [m]."""
+    grey: float
+    """0 to 255."""
+    alpha: float = 1.0
+    """0 (nothing to see) to 1 (covers what is below)."""
+
+
+def finest_resolution(width: float, height: float) -> float:
+    """Side of a pixel [m] for a floor of a width and height [m]: 1 mm, coarser if it is large."""
+    return max(FINEST_M, math.sqrt(width * height / MAX_PIXELS))
+
+
+def paint(extent: Extent, layers: Sequence[Layer]) -> FloorPicture:
+    """Paint layers onto paper, first to last; each pixel gets the mean over its area.
+
+    Only whole pixels are kept: the picture may end up to a pixel before the extent's right and
+    lower border.
+    """
+    xmin, ymin, xmax, ymax = extent
+    resolution = finest_resolution(xmax - xmin, ymax - ymin)
+    # A border on a whole pixel must not lose that pixel to rounding.
+    width = max(1, math.floor((xmax - xmin) / resolution + 1e-6))
+    height = max(1, math.floor((ymax - ymin) / resolution + 1e-6))
+    ymin = ymax - height * resolution
+    image = np.full((height, width), PAPER, dtype=np.float32)
+    for layer in _joined(layers):
+        _coat(image, layer, (xmin, ymin), resolution)
+    shown = (xmin, ymin, xmin + width * resolution, ymax)
+    return FloorPicture(np.rint(image[::-1]).astype(np.uint8), resolution, shown)
+
+
+def _joined(layers: Sequence[Layer]) -> list[Layer]:
+    """Unite neighbouring coats of the same paint, or else a seam would show where they touch."""
+    joined: list[list[Layer]] = []
+    for layer in layers:
+        if joined and (layer.grey, layer.alpha) == (joined[-1][0].grey, joined[-1][0].alpha):
+            joined[-1].append(layer)
+        else:
+            joined.append([layer])
+    return [
+        Layer(shapely.union_all([layer.area for layer in group]), group[0].grey, group[0].alpha)
+        for group in joined
+    ]
+
+
+def _coat(
+    image: NDArray[np.float32], layer: Layer, corner: tuple[float, float], resolution: float
+) -> None:
+    """Paint one layer onto an image (h, w) whose row 0 is at the bottom, from a corner [m]."""
+    edges = (outline(layer.area) - np.tile(corner, 2)) / resolution
+    if not len(edges):
+        return
+    height, width = image.shape
+    left, bottom = np.floor(edges.reshape(-1, 2).min(axis=0)).astype(int)
+    right, top = np.ceil(edges.reshape(-1, 2).max(axis=0)).astype(int)
+    rows, columns = _within(bottom, top, height), _within(left, right, width)
+    window = image[rows, columns]
+    covered = coverage(edges - np.tile([columns.start, rows.start], 2), window.shape)
+    window += (covered * layer.alpha * (layer.grey - window)).astype(np.float32)
+
+
+def _within(first: int, last: int, size: int) -> slice:
+    return slice(min(max(first, 0), size), min(max(last, 0), size))

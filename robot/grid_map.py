@@ -1,0 +1,209 @@
+"""Occupancy grids, and ROS's files of them: map_server's YAML beside a picture.
+
+What a pixel means is what nav2's map_server makes of it (nav2_map_server, ``map_io``), mode by
+mode; so a map looks the same here as in the robot it was made for.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from robot.geometry import Array, Pose2
+from robot.map_files import MAX_PIXELS, MapError, Picture, read_map_yaml, read_picture
+
+__all__ = ["MapError", "Meaning", "OccupancyGrid", "load_map_yaml", "save_map_yaml"]
+
+MAX_CELLS = MAX_PIXELS
+MODES = ("trinary", "scale", "raw")
+UNKNOWN, FREE, OCCUPIED = -1, 0, 100
+RESOLUTION_M = (1e-4, 100.0)
+"""Smallest and largest cell [m]."""
+
+FAR_M = 1e6
+"""An origin further away than this is a mistake [m]."""
+
+Cells = NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class OccupancyGrid:
+    """Cells that are free, occupied or unknown, as nav_msgs/OccupancyGrid has them."""
+
+    data: Cells = field(repr=False)
+    """(h, w), read-only: -1 unknown, else 0 (free) to 100 (occupied). Row 0 is at the bottom."""
+    resolution: float
+    """Side of a cell [m]."""
+    origin: Pose2
+    """The outer corner of cell (0, 0) in the map frame; rows and columns turn with its heading."""
+
+    def __post_init__(self) -> None:
+        if self.data.ndim != 2 or not self.data.size or self.data.size > MAX_CELLS:
+            raise MapError(f"a grid of shape {self.data.shape}; valid are 1 to {MAX_CELLS} cells")
+        if self.data.dtype != np.int8 or self.data.min() < UNKNOWN or self.data.max() > OCCUPIED:
+            raise MapError("a cell is out of range; valid are -1 (unknown) and 0 to 100")
+        low, high = RESOLUTION_M
+        if not low <= self.resolution <= high:
+            raise MapError(f"resolution is {self.resolution} m; valid is {low:g} to {high:g} m")
+        if not (self.origin.is_finite() and math.hypot(self.origin.x, self.origin.y) <= FAR_M):
+            raise MapError(f"origin is {self.origin}; valid is within {FAR_M:g} m")
+        self.data.setflags(write=False)
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """Which cells (h, w) are occupied: 65 or more, map_server's own threshold."""
+        return self.data >= 65
+
+    @property
+    def free(self) -> NDArray[np.bool_]:
+        """Which cells (h, w) are known to be free: 0 to 25, map_server's own threshold."""
+        return (self.data >= FREE) & (self.data <= 25)
+
+    def values_at(self, points: Array) -> Cells:
+        """Values (n,) of the cells that points (n, 2) [m] of the map lie in; -1 beyond the grid."""
+        column, row = np.floor(self.origin.inverse().apply(points) / self.resolution).T
+        height, width = self.data.shape
+        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        values = np.full(len(points), UNKNOWN, dtype=np.int8)
+        values[inside] = self.data[row[inside].astype(np.intp), column[inside].astype(np.intp)]
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """How the brightness of a pixel becomes a cell."""
+
+    mode: str = "trinary"
+    """trinary: occupied, free or unknown; scale: also what is between; raw: the value itself."""
+    negate: bool = False
+    """Whether white is occupied, instead of black."""
+    occupied_thresh: float = 0.65
+    """Occupied from this share of darkness on, 0 to 1."""
+    free_thresh: float = 0.25
+    """Free below this share of darkness, 0 to 1."""
+
+    def __post_init__(self) -> None:
+        if self.mode not in MODES:
+            raise MapError(f"mode is {self.mode!r:.60}; valid are {', '.join(MODES)}")
+        for name, value in (
+            ("occupied_thresh", self.occupied_thresh),
+            ("free_thresh", self.free_thresh),
+        ):
+            if not 0 <= value <= 1:
+                raise MapError(f"{name} is {value}; valid is 0 to 1")
+
+    def cells(self, shade: Array) -> Cells:
+        """Cells (n,) of pixels with a shade (n,) from 0 (black) to 1 (white), all opaque."""
+        if self.mode == "raw":
+            value = np.floor(shade * 255 + 0.5)
+            return np.where(value <= OCCUPIED, value, UNKNOWN).astype(np.int8)
+        dark = shade if self.negate else 1.0 - shade
+        between = np.full(len(shade), float(UNKNOWN))
+        if self.mode == "scale" and self.occupied_thresh != self.free_thresh:
+            span = self.occupied_thresh - self.free_thresh
+            between = np.rint((dark - self.free_thresh) / span * 100)
+        free = np.where(dark < self.free_thresh, FREE, between)
+        return np.where(dark > self.occupied_thresh, OCCUPIED, free).astype(np.int8)
+
+
+def load_map_yaml(path: Path) -> OccupancyGrid:
+    """Read a map from map_server's YAML and the picture that it names.
+
+    Raises:
+        MapError: a file is absent, broken or absurd; one line names the file and what is valid.
+    """
+    try:
+        content = read_map_yaml(path)
+        image = content.text("image")
+        resolution = content.number("resolution")
+        x, y, yaw = content.numbers("origin", 3)
+        meaning = Meaning(
+            mode=content.text("mode", "trinary").lower(),
+            negate=content.flag("negate"),
+            occupied_thresh=content.number("occupied_thresh"),
+            free_thresh=content.number("free_thresh"),
+        )
+        cells = _cells(read_picture(path.parent / image), meaning)
+        return OccupancyGrid(cells[::-1].copy(), resolution, Pose2(x, y, yaw))
+    except MapError as error:
+        raise MapError(f"{path}: {error}") from error
+
+
+def save_map_yaml(
+    grid: OccupancyGrid, path: Path, meaning: Meaning | None = None, picture: str = ""
+) -> None:
+    """Write a map as map_server does: a YAML file, and a picture of the same name beside it.
+
+    The picture's kind is pgm or png; by default png for the mode scale, which needs transparency
+    for unknown cells, and else pgm. Only raw keeps every value; trinary keeps -1, 0 and 100.
+
+    Raises:
+        MapError: the kind of picture is unknown, unfit for the mode, or cannot be written.
+    """
+    meaning = meaning or Meaning()
+    picture = picture or ("png" if meaning.mode == "scale" else "pgm")
+    if picture not in ("pgm", "png") or (picture, meaning.mode) == ("pgm", "scale"):
+        raise MapError(f"picture is {picture!r}; valid are pgm and png, and png for scale")
+    if meaning.negate or meaning.free_thresh >= meaning.occupied_thresh:
+        raise MapError("only maps with negate 0 and free_thresh below occupied_thresh are written")
+    image = path.with_suffix(f".{picture}")
+    written, encoded = cv2.imencode(image.suffix, _pixels(grid, meaning))
+    if not written:
+        raise MapError(f"{image}: the picture cannot be encoded")
+    content = {
+        "image": image.name,
+        "mode": meaning.mode,
+        "resolution": grid.resolution,
+        "origin": [grid.origin.x, grid.origin.y, grid.origin.theta],
+        "negate": 0,
+        "occupied_thresh": meaning.occupied_thresh,
+        "free_thresh": meaning.free_thresh,
+    }
+    image.write_bytes(encoded.tobytes())
+    path.write_text(yaml.safe_dump(content, sort_keys=False, default_flow_style=None), "utf-8")
+
+
+def _cells(picture: Picture, meaning: Meaning) -> Cells:
+    """Cells (h, w) of a picture, row 0 at its top.
+
+    A pixel's shade is the mean of its channels, in trinary with alpha as one of them. There are
+    few possible sums of channels, so each is looked at once.
+    """
+    channels = (
+        [picture.colour] if picture.colour.ndim == 2 else list(np.moveaxis(picture.colour, 2, 0))
+    )
+    if meaning.mode == "trinary" and picture.alpha is not None:
+        channels.append(picture.alpha)
+    total = channels[0].astype(np.uint32)
+    for channel in channels[1:]:
+        total += channel
+    count = len(channels)
+    possible = np.arange(count * picture.white + 1) / count / picture.white
+    cells = meaning.cells(possible)[total]
+    if meaning.mode == "scale" and picture.alpha is not None:
+        cells[picture.alpha != picture.white] = UNKNOWN
+    return cells
+
+
+def _pixels(grid: OccupancyGrid, meaning: Meaning) -> NDArray[np.uint8]:
+    """The picture of a grid: grey (h, w), or for scale with transparency (h, w, 4)."""
+    value = np.arange(UNKNOWN, OCCUPIED + 1)
+    if meaning.mode == "raw":
+        tone = np.where(value == UNKNOWN, 255, value)
+    elif meaning.mode == "scale":
+        tone = np.where(value == UNKNOWN, 128, np.rint((100 - value) / 100 * 255))
+    else:
+        tone = np.full(len(value), 205)
+        tone[value >= np.rint(meaning.occupied_thresh * 100)] = 0
+        tone[(value != UNKNOWN) & (value <= np.rint(meaning.free_thresh * 100))] = 254
+    grey: NDArray[np.uint8] = tone.astype(np.uint8)[grid.data[::-1].astype(np.int16) + 1]
+    if meaning.mode != "scale":
+        return grey
+    alpha = np.where(grid.data[::-1] == UNKNOWN, 0, 255).astype(np.uint8)
+    return np.dstack([grey, grey, grey, alpha])

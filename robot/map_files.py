@@ -1,0 +1,200 @@
+"""Reading the two files of a ROS map, which may be anything: the YAML and the picture.
+
+Nothing is believed before it is small: sizes are read from headers, and only then decoded.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+MAX_YAML_BYTES = 64 << 10
+MAX_PICTURE_BYTES = 256 << 20
+MAX_PIXELS = 64_000_000
+MAX_SIDE = 32_000
+"""Pixels of a side: OpenCV's transforms take no more."""
+
+
+class MapError(ValueError):
+    """A map that cannot be used; the message says what would be valid."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapYaml:
+    """The keys of a map's YAML, still as text: so ``1e-2`` is a number, as yaml-cpp has it."""
+
+    content: dict[str, Any]
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """A text that is not empty."""
+        value = self.content.get(key, default)
+        if value is None:
+            raise MapError(f"the key {key} is missing")
+        if not isinstance(value, str) or not value or "\0" in value:
+            raise MapError(f"{key} is {_shown(value)}; valid is a text")
+        return value
+
+    def number(self, key: str) -> float:
+        """A finite number."""
+        return _number(key, self.text(key))
+
+    def numbers(self, key: str, count: int) -> list[float]:
+        """A list of so many finite numbers."""
+        values = self.content.get(key)
+        if not isinstance(values, list) or len(values) != count:
+            raise MapError(f"{key} is {_shown(values)}; valid is a list of {count} numbers")
+        return [_number(key, value) for value in values]
+
+    def flag(self, key: str) -> bool:
+        """A truth value, or a whole number: 0 is false."""
+        value = self.text(key)
+        if re.fullmatch(r"[+-]?\d{1,9}", value):
+            return int(value) != 0
+        if value.lower() in ("true", "yes", "on", "y", "false", "no", "off", "n"):
+            return value.lower() in ("true", "yes", "on", "y")
+        raise MapError(f"{key} is {_shown(value)}; valid are 0, 1, false, true")
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture with its full range of brightness."""
+
+    colour: NDArray[np.uint8 | np.uint16] = field(repr=False)
+    """(h, w) grey or (h, w, 3); row 0 at the top."""
+    alpha: NDArray[np.uint8 | np.uint16] | None = field(repr=False)
+    """(h, w), white where opaque; None if the picture knows no transparency."""
+    white: int
+    """The brightest value that there can be."""
+
+
+def read_map_yaml(path: Path) -> MapYaml:
+    """Read a map's YAML, without looking at the meaning of its keys.
+
+    Raises:
+        MapError: there is no such file, or it is no mapping in YAML.
+    """
+    try:
+        content = yaml.load(_read(path, MAX_YAML_BYTES), yaml.BaseLoader)
+    except (yaml.YAMLError, UnicodeError, RecursionError, ValueError) as error:
+        if isinstance(error, MapError):
+            raise
+        reason = str(getattr(error, "problem", None) or type(error).__name__)
+        raise MapError(f"no readable YAML: {reason}") from error
+    if not isinstance(content, dict):
+        raise MapError("expected the keys of a map: image, resolution, origin, ...")
+    return MapYaml(content)
+
+
+def read_picture(path: Path) -> Picture:
+    """Read a PGM, PNG or BMP, told apart by what is in it rather than by its name.
+
+    Raises:
+        MapError: there is no such file, it is of another kind, too large or damaged.
+    """
+    try:
+        data = _read(path, MAX_PICTURE_BYTES)
+        if re.match(rb"P[25]\s", data):
+            return _read_pgm(data)
+        if data.startswith(b"\x89PNG\r\n\x1a\n"):
+            _check_size(*_unpack(">II", data, 16))
+        elif data.startswith(b"BM"):
+            core = _unpack("<I", data, 14) == (12,)
+            width, height = _unpack("<HH" if core else "<ii", data, 18)
+            _check_size(width, abs(height))
+        else:
+            raise MapError("no picture of a known kind; valid are PGM, PNG and BMP")
+        return _decode(data)
+    except MapError as error:
+        raise MapError(f"the image {path}: {error}") from error
+
+
+def _read(path: Path, limit: int) -> bytes:
+    try:
+        if not path.is_file():
+            raise MapError("there is no such file")
+        if path.stat().st_size > limit:
+            raise MapError(f"the file has {path.stat().st_size} bytes; valid are up to {limit}")
+        return path.read_bytes()
+    except OSError as error:
+        raise MapError(f"the file cannot be read: {error.strerror}") from error
+
+
+def _number(key: str, value: object) -> float:
+    # What is no number in YAML (hexadecimal, underscores, inf) is none here.
+    if not isinstance(value, str) or not re.fullmatch(r"[+-]?[\d.]+(?:[eE][+-]?\d{1,3})?", value):
+        raise MapError(f"{key} is {_shown(value)}; valid is a finite number")
+    try:
+        return float(value)
+    except ValueError as error:
+        raise MapError(f"{key} is {_shown(value)}; valid is a finite number") from error
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+def _unpack(layout: str, data: bytes, offset: int) -> tuple[Any, ...]:
+    try:
+        return struct.unpack_from(layout, data, offset)
+    except struct.error as error:
+        raise MapError("the picture ends within its header") from error
+
+
+def _check_size(width: int, height: int) -> None:
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE and width * height <= MAX_PIXELS):
+        raise MapError(
+            f"the picture is {width} x {height} px; valid are 1 to {MAX_SIDE} a side "
+            f"and {MAX_PIXELS} in all"
+        )
+
+
+def _read_pgm(data: bytes) -> Picture:
+    """Netpbm's grey map, binary (P5) or in digits (P2); OpenCV would lose its brightest value."""
+    gap = rb"(?:\s|#[^\n\r]*[\n\r])+"
+    header = re.match(rb"(P[25])" + 3 * (gap + rb"(\d{1,9})") + rb"\s", data)
+    if header is None:
+        raise MapError("the picture's PGM header is damaged")
+    width, height, white = (int(number) for number in header.groups()[1:])
+    _check_size(width, height)
+    if not 1 <= white <= 65535:
+        raise MapError(f"the brightest value of the PGM is {white}; valid is 1 to 65535")
+    values = _digits(data[header.end() :]) if header[1] == b"P2" else data[header.end() :]
+    kind = np.dtype(">u2" if white > 255 or header[1] == b"P2" else "u1")
+    if len(values) < width * height * kind.itemsize:
+        raise MapError(f"the picture holds too little for {width} x {height} px")
+    grey = np.frombuffer(values, kind, width * height).reshape(height, width)
+    return Picture(np.minimum(grey, white).astype(kind.newbyteorder("=")), None, white)
+
+
+def _digits(data: bytes) -> bytes:
+    """Numbers in digits as big-endian 16-bit numbers."""
+    try:
+        return np.array(data.split(), dtype=np.int64).astype(">u2").tobytes()
+    except ValueError as error:
+        raise MapError("the picture's PGM digits are damaged") from error
+
+
+def _decode(data: bytes) -> Picture:
+    try:
+        image: Any = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise MapError(f"the picture is damaged: {error.err}") from error
+    if image is None or image.dtype not in (np.uint8, np.uint16):
+        raise MapError("the picture is damaged")
+    white = int(np.iinfo(image.dtype).max)
+    if image.ndim == 2:
+        return Picture(image, None, white)
+    alpha = image[:, :, 3] if image.shape[2] == 4 else None
+    # A BMP's fourth byte is mostly not alpha but nothing, and then it is 0 throughout.
+    if alpha is not None and data.startswith(b"BM") and not alpha.any():
+        alpha = None
+    return Picture(image[:, :, :3], alpha, white)
