@@ -111,13 +111,16 @@ class BulletWorld:
         bullet.resetBaseVelocity(robot, [0, 0, 0], [0, 0, 0], physicsClientId=client)
         for joint, position in zip(self._joints, positions, strict=True):
             bullet.resetJointState(robot, joint, position, 0, physicsClientId=client)
-        self._targets = np.zeros(len(self._joints))
+        self._targets = [0.0 for _ in self._joints]
         self._seen = None
 
     def step(self, velocities: Array) -> None:
         """One step on, towards commanded joint velocities (j,) [rad/s], limited to the motors'."""
         client = self._open()
-        self._targets += self._gain * (limited(self._spec, velocities) - self._targets)
+        self._targets = [
+            target + self._gain * (wanted - target)
+            for target, wanted in zip(self._targets, limited(self._spec, velocities), strict=True)
+        ]
         self._bullet.setJointMotorControlArray(
             self._robot,
             self._joints,

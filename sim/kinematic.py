@@ -30,7 +30,7 @@ class KinematicWorld:
 
     def step(self, velocities: Array) -> None:
         """One step on, at commanded joint velocities (j,) [rad/s], limited to the motors'."""
-        self._velocities = limited(self._spec, velocities)
+        self._velocities = np.array(limited(self._spec, velocities))
         turned = self._velocities * self.step_time
         self._positions += turned
         self._pose = self._pose @ self._drive.moved(turned)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import Protocol, runtime_checkable
 
-import numpy as np
-
 from robot.geometry import Array, Pose2, Twist2
 from robot.spec import RobotSpec
 
@@ -70,21 +68,24 @@ class World(Protocol):
         ...
 
 
-def limited(spec: RobotSpec, velocities: Array) -> Array:
+def limited(spec: RobotSpec, velocities: Array) -> list[float]:
     """Commanded joint velocities (j,) [rad/s], each brought within its motor's limit.
+
+    Plain numbers come back: for two of them numpy takes longer than the rest of a step.
 
     Raises:
         WorldError: another count of velocities, or not finite.
     """
-    if np.shape(velocities) != (len(spec.joints),):
+    if velocities.shape != (len(spec.joints),):
         names = ", ".join(joint.name for joint in spec.joints)
-        raise WorldError(f"{np.shape(velocities)} velocities; expected one each for {names}")
-    wanted = [float(velocity) for velocity in velocities]
+        raise WorldError(f"velocities of shape {velocities.shape}; expected one each for {names}")
+    wanted = velocities.tolist()
     if not all(map(math.isfinite, wanted)):
         raise WorldError(f"joint velocities {wanted} are not finite")
-    limits = [joint.max_velocity for joint in spec.joints]
-    # Plain numbers: for two of them numpy's clip takes longer than the whole of a kinematic step.
-    return np.array([min(max(w, -top), top) for w, top in zip(wanted, limits, strict=True)])
+    return [
+        min(max(velocity, -joint.max_velocity), joint.max_velocity)
+        for velocity, joint in zip(wanted, spec.joints, strict=True)
+    ]
 
 
 def check_pose(pose: Pose2) -> None:
