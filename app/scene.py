@@ -20,6 +20,7 @@ from app.paths import Path
 from app.snapshot import Snapshot
 from robot.field import Field
 from robot.geometry import Array, Pose2, heading_vectors
+from robot.line_scanner import LineScan
 from robot.spec import RobotSpec
 
 TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
@@ -39,7 +40,7 @@ class Scene:
         self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
         self._ticks = 0
         self._layers: frozenset[str] | None = None
-        self._shown: tuple[object, object] = (None, None)
+        self._shown: LineScan | None = None
         scene = server.scene
         scene.set_up_direction("+z")
         scene.configure_environment_map(None)
@@ -59,8 +60,8 @@ class Scene:
             self._show_layers(snapshot)
             self._show_robot(snapshot)
             # A new measurement only comes with a new picture.
-            if self._shown != (snapshot.cloud, snapshot.line_scan):
-                self._shown = (snapshot.cloud, snapshot.line_scan)
+            if self._shown is not snapshot.line_scan:
+                self._shown = snapshot.line_scan
                 self._show_cloud(snapshot)
                 self._show_scan(snapshot)
             if self._ticks % 5 == 0:

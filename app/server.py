@@ -55,7 +55,7 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
     app = FastAPI(title="BrickPose", lifespan=lifespan)
     app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
     _add_page(app)
-    _add_state(app, program, thread)
+    _add_state(app, program, thread, view)
     _add_field(app, program)
     _add_streams(app, program, view)
     return app
@@ -78,7 +78,7 @@ class _Revalidated(StaticFiles):
         return response
 
 
-def _add_state(app: FastAPI, program: Program, thread: EngineThread) -> None:
+def _add_state(app: FastAPI, program: Program, thread: EngineThread, view: View) -> None:
     engine = program.engine
     live = Live(program)
     started = time.monotonic()
@@ -86,7 +86,7 @@ def _add_state(app: FastAPI, program: Program, thread: EngineThread) -> None:
     @app.get("/api/health")
     def health(response: Response) -> HealthMessage:
         """Whether the program does its job; 503 when it has failed."""
-        status, detail = _health(program, thread)
+        status, detail = _health(program, thread, view)
         if status == "failed":
             response.status_code = 503
         latest = engine.latest.get()
@@ -122,7 +122,7 @@ def _add_state(app: FastAPI, program: Program, thread: EngineThread) -> None:
         await live.serve(socket)
 
 
-def _health(program: Program, thread: EngineThread) -> tuple[str, str]:
+def _health(program: Program, thread: EngineThread, view: View) -> tuple[str, str]:
     latest = program.engine.latest.get()
     if program.engine.failure is not None:
         return "failed", program.engine.failure
@@ -133,8 +133,9 @@ def _health(program: Program, thread: EngineThread) -> tuple[str, str]:
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
         return "degraded", f"No tick for {silent:.1f} s."
-    if latest.problems:
-        return "degraded", " ".join(latest.problems)
+    problems = [*latest.problems, *([view.failure] if view.failure else [])]
+    if problems:
+        return "degraded", " ".join(problems)
     return "ok", "All is well."
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import io
 import socket
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import connect
 
 from app.latest import Latest
+from app.problems import LOG
 from app.scene import Scene
 from app.snapshot import Snapshot
 from robot.field import Field
@@ -40,13 +43,16 @@ class View:
     """A viser server of our own, reachable through our port only by who may see the page."""
 
     def __init__(self, field: Field, spec: RobotSpec, latest: Latest[Snapshot]) -> None:
-        self._server = viser.ViserServer(host="127.0.0.1", port=18080, verbose=False)
+        with contextlib.redirect_stdout(io.StringIO()):  # it greets with an address of its own
+            self._server = viser.ViserServer(host="127.0.0.1", port=18080, verbose=False)
         infra = self._server._websock_server
         # Its share button would make this server call one on the internet.
         infra.unregister_handler(viser._messages.ShareUrlRequest)
         infra.on_client_connect(self._shrink_buffer)
         self._scene = Scene(self._server, field, spec)
         self._latest = latest
+        self.failure: str | None = None
+        """Why it stopped, if it failed."""
         self._page = _page()
         self._tag = f'"{hashlib.sha256(self._page).hexdigest()[:16]}"'
 
@@ -58,12 +64,16 @@ class View:
         return Response(self._page, media_type="text/html", headers=headers)
 
     async def follow(self) -> None:
-        """Keep the scene up to date, until cancelled."""
-        with self._latest.subscribe() as subscription:
-            while True:
-                snapshot = await subscription.next()
-                await anyio.to_thread.run_sync(self._scene.update, snapshot)
-                await anyio.sleep(1 / UPDATES_HZ)
+        """Keep the scene up to date, until cancelled; a failure ends the 3D view alone."""
+        try:
+            with self._latest.subscribe() as subscription:
+                while True:
+                    snapshot = await subscription.next()
+                    await anyio.to_thread.run_sync(self._scene.update, snapshot)
+                    await anyio.sleep(1 / UPDATES_HZ)
+        except Exception as error:
+            LOG.exception("the 3D view stopped")
+            self.failure = f"The 3D view stopped: {error}"
 
     async def serve(self, socket: WebSocket) -> None:
         """Hand one viewer's messages on, both ways, until one side ends."""
@@ -88,7 +98,8 @@ class View:
 
     def close(self) -> None:
         """End viser's threads."""
-        self._server.stop()
+        with contextlib.redirect_stdout(io.StringIO()):
+            self._server.stop()
 
     def _shrink_buffer(self, connection: Any) -> None:
         live = self._server._websock_server._live_connections[connection.client_id]
