@@ -14,7 +14,6 @@ import numpy as np
 import viser
 import yourdfpy
 from numpy.typing import NDArray
-from viser.extras import ViserUrdf
 
 from app.paths import Path
 from app.snapshot import Snapshot
@@ -27,6 +26,8 @@ TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)
 HEADINGS = 150
 """Particles that are drawn with their heading."""
+RAY_STEP = 3
+"""Of so many rays one is drawn: all of them would hide the floor."""
 LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "estimate": 0.006}
 """Heights above the floor [m], so that nothing flickers through."""
 
@@ -43,11 +44,11 @@ class Scene:
         self._shown: LineScan | None = None
         scene = server.scene
         scene.set_up_direction("+z")
-        scene.configure_environment_map(None)
         self._floor(field)
         self._robot = scene.add_frame("/robot", show_axes=False)
+        # One mesh: a hundred nodes of the description would cost each viewer a hundred draw calls.
         description = yourdfpy.URDF.load(io.StringIO(spec.urdf), load_meshes=False)
-        ViserUrdf(server, description, root_node_name="/robot")
+        scene.add_mesh_trimesh("/robot/body", description.scene.to_geometry())
         self._nodes = self._add_nodes(scene)
 
     def update(self, snapshot: Snapshot) -> None:
@@ -179,7 +180,8 @@ class Scene:
             ends = np.array([[snapshot.scan_pose.x, snapshot.scan_pose.y]])
         start = snapshot.scan_pose @ scan.robot_from_scan
         starts = np.broadcast_to((start.x, start.y), ends.shape)
-        self._nodes["rays"].points = _lifted(np.stack([starts, ends], axis=1), LIFT["rays"])
+        rays = np.stack([starts, ends], axis=1)[::RAY_STEP]
+        self._nodes["rays"].points = _lifted(rays, LIFT["rays"])
         self._nodes["hits"].points = _lifted(ends, LIFT["rays"]).astype(np.float32)
 
     def _show_paths(self) -> None:
