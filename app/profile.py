@@ -42,27 +42,21 @@ def profile(scanner: LineScanner, found: LineScan, ray: int) -> ProfileMessage:
 
 def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:
     wanted = scanner.settings
-    match verdict:
-        case Verdict.COUNTED:
-            return f"Counted: a straight dark line, {width * 1e3:.1f} mm wide."
-        case Verdict.OUT_OF_SIGHT:
-            return "The camera does not see the floor along this ray."
-        case Verdict.NO_EDGE:
-            return "Nothing here gets dark and bright again."
-        case Verdict.NO_EXIT:
-            return "It gets dark, but the other edge of the dark part is out of the picture."
-        case Verdict.TOO_SHORT:
-            return (
-                f"A dark stripe, but its edge is seen on less than {wanted.support * 1e3:.0f} mm."
-            )
-        case Verdict.NOT_STRAIGHT:
-            return (
-                "A dark patch whose edge is not straight: its points lie more than "
-                f"{wanted.straightness * 1e3:.1f} mm off a line."
-            )
-        case Verdict.WRONG_WIDTH:
-            return (
-                f"A dark stripe, but {width * 1e3:.1f} mm wide; tape is "
-                f"{wanted.tape_width * 1e3:.0f} mm, give or take "
-                f"{wanted.width_tolerance * 1e3:.0f} mm."
-            )
+    reasons = {
+        Verdict.COUNTED: f"Counted: a straight dark line, {width * 1e3:.1f} mm wide.",
+        Verdict.OUT_OF_SIGHT: "The camera does not see the floor along this ray.",
+        Verdict.NO_EDGE: "Nothing here gets dark and bright again.",
+        Verdict.NO_EXIT: "It gets dark, but where it gets bright again is out of the picture.",
+        Verdict.TOO_SHORT: (
+            f"A dark stripe, but its edge is seen on less than {wanted.support * 1e3:.0f} mm."
+        ),
+        Verdict.NOT_STRAIGHT: (
+            "A dark patch whose edge is not straight: its points lie more than "
+            f"{wanted.straightness * 1e3:.1f} mm off a line."
+        ),
+        Verdict.WRONG_WIDTH: (
+            f"A dark stripe, but {width * 1e3:.1f} mm wide; tape is "
+            f"{wanted.tape_width * 1e3:.0f} mm, give or take {wanted.width_tolerance * 1e3:.0f} mm."
+        ),
+    }
+    return reasons[verdict]

@@ -219,7 +219,8 @@ def _by_weight(weights: Array) -> NDArray[np.uint8]:
     """Colours (n, 3): from pale, which weighs little, to the estimate's blue."""
     part = (weights / weights.max())[:, None]
     pale = np.array([190, 205, 220])
-    return (pale + part * (np.array(ESTIMATE) - pale)).astype(np.uint8)
+    colours: NDArray[np.uint8] = (pale + part * (np.array(ESTIMATE) - pale)).astype(np.uint8)
+    return colours
 
 
 def _arrow() -> tuple[Array, NDArray[np.uint32]]:

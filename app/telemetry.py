@@ -91,15 +91,15 @@ class TelemetryWriter:
         found = snapshot.line_scan
         table = self._scanner.table
         if found is None:
-            nothing: list[None] = [None] * len(table.bearings)
+            rays = len(table.bearings)
             return ScanMessage(
                 stamp=0.0,
                 bearings=_rounded(table.bearings, 5),
-                ranges=nothing,
+                ranges=[None] * rays,
                 robot_from_scan=PoseMessage(x=table.centre[0], y=table.centre[1], theta=0.0),
                 robot=None,
-                entry_px=nothing,
-                exit_px=nothing,
+                entry_px=[None] * rays,
+                exit_px=[None] * rays,
                 tape_width=None,
             )
         counted = found.verdicts == Verdict.COUNTED

@@ -67,7 +67,8 @@ class Pose2:
     def apply(self, points: Array) -> Array:
         """Take points (n, 2) [m] from the inner frame to the outer one."""
         c, s = math.cos(self.theta), math.sin(self.theta)
-        return points @ np.array([[c, s], [-s, c]]) + (self.x, self.y)
+        outer: Array = points @ np.array([[c, s], [-s, c]]) + (self.x, self.y)
+        return outer
 
     def distance_to(self, other: Pose2) -> float:
         """Distance between the two positions [m]."""
@@ -158,4 +159,5 @@ def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
     """The weighted covariance (3, 3) [m, m, rad] of poses (n, 3) about their mean."""
     offsets = poses - mean.to_array()
     offsets[:, 2] = wrap_angle(offsets[:, 2])
-    return (offsets * (weights / weights.sum())[:, None]).T @ offsets
+    covariance: Array = (offsets * (weights / weights.sum())[:, None]).T @ offsets
+    return covariance

@@ -71,7 +71,7 @@ class FloorCamera:
         self._rng = rng
         self._bands = _bands(view)
         self._looks_at, self._times = _samples(view, self._bands, settings.exposure)
-        self._sharpness = _vignette(view.lens.width, view.lens.height, settings.vignetting)
+        self._light = _vignette(view.lens.width, view.lens.height, settings.vignetting)
         self._noise = _noise_table(view, settings.noise, rng)
         self._size = (view.lens.height, view.lens.width)
 
@@ -81,30 +81,32 @@ class FloorCamera:
         The pose holds at the middle of the exposure of the middle row.
         """
         affine = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, self._times)
-        places = np.empty_like(self._looks_at)
-        _apply_affines(self._looks_at, affine, places)
+        columns = np.empty(self._looks_at.shape[:2], dtype=np.float32)
+        rows = np.empty_like(columns)
+        _apply_affines(self._looks_at, affine, columns, rows)
         samples = cv2.remap(
             self._floor.image,
-            places,
-            None,
+            columns,
+            rows,
             cv2.INTER_LINEAR,
-            None,
-            cv2.BORDER_CONSTANT,
-            self._floor.border,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=self._floor.border,
         )
-        return self._develop(_average(samples, self._bands, self._size))
+        picture = _average(np.asarray(samples, dtype=np.uint8), self._bands, self._size)
+        return self._develop(picture)
 
-    def _develop(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    def _develop(self, ideal: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        picture: cv2.typing.MatLike = ideal
         if self._settings.blur > 0:
             picture = cv2.GaussianBlur(picture, (0, 0), self._settings.blur)
-        picture = cv2.multiply(picture, self._sharpness, dtype=cv2.CV_8U)
+        picture = cv2.multiply(picture, self._light, dtype=cv2.CV_8U)
         if self._settings.noise > 0:
             height, width = self._size
             # Noise comes from a table at a random place: drawing it anew costs 5 ms a picture.
             row, column = self._rng.integers(0, _NOISE_MARGIN, 2)
             noise = self._noise[row : row + height, column : column + width]
             picture = cv2.add(picture, noise, dtype=cv2.CV_8U)
-        return picture
+        return np.asarray(picture, dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,15 +184,18 @@ def _homogeneous(pose: Pose2) -> Array:
 
 @njit(cache=True, nogil=True, fastmath=True)
 def _apply_affines(
-    points: NDArray[np.float32], affines: NDArray[np.float32], result: NDArray[np.float32]
+    points: NDArray[np.float32],
+    affines: NDArray[np.float32],
+    columns: NDArray[np.float32],
+    rows: NDArray[np.float32],
 ) -> None:
     for i in range(points.shape[0]):
         a, b, c = affines[i, 0]
         d, e, f = affines[i, 1]
         for j in range(points.shape[1]):
             x, y = points[i, j, 0], points[i, j, 1]
-            result[i, j, 0] = a * x + b * y + c
-            result[i, j, 1] = d * x + e * y + f
+            columns[i, j] = a * x + b * y + c
+            rows[i, j] = d * x + e * y + f
 
 
 def _average(

@@ -77,7 +77,7 @@ def _connected(index: NDArray[np.int64], turns: int) -> tuple[NDArray[np.int64],
     return of_particle, len(found)
 
 
-def _join_round_turn(labels: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+def _join_round_turn(labels: NDArray[np.signedinteger], count: int) -> NDArray[np.int64]:
     """New label of each label, with those that touch across -pi joined."""
     parent = np.arange(count + 1)
     first, last = labels[:, :, 0], labels[:, :, -1]

@@ -56,7 +56,7 @@ class EntryField:
         y = low[1] + cell * np.arange(height)
         cells = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         table = np.full((DIRECTIONS, height, width), max_distance, dtype=np.float32)
-        turns = heading_vectors(2 * np.pi / DIRECTIONS * np.arange(DIRECTIONS))
+        turns = heading_vectors(np.linspace(0.0, 2 * math.pi, DIRECTIONS, endpoint=False))
         for direction, toward in enumerate(turns):
             facing = normals @ toward < 0
             if facing.any():
@@ -69,7 +69,8 @@ def _distances(
     cells: Array, points: Array, normals: Array, max_distance: float, cell: float
 ) -> Array:
     """Distance [m] of each cell from edges given as points (p, 2) with normals."""
-    _, nearest = cKDTree(points).query(cells, distance_upper_bound=max_distance)
+    _, index = cKDTree(points).query(cells, distance_upper_bound=max_distance)
+    nearest = np.asarray(index)
     found = nearest < len(points)
     away = cells[found] - points[nearest[found]]
     normal = normals[nearest[found]]

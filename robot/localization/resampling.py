@@ -20,7 +20,8 @@ def low_variance(weights: Array, count: int, rng: np.random.Generator) -> NDArra
     comb = (rng.random() + np.arange(count)) / count
     edges = np.cumsum(weights)
     # Rounding may leave the last edge a little below one.
-    return np.minimum(np.searchsorted(edges, comb * edges[-1], side="right"), len(weights) - 1)
+    drawn: NDArray[np.intp] = np.searchsorted(edges, comb * edges[-1], side="right")
+    return np.minimum(drawn, len(weights) - 1)
 
 
 def effective_sample_size(weights: Array) -> float:
@@ -56,7 +57,8 @@ def temper(log_likelihood: Array, weights: Array, exponent: float, effective: fl
 
     def at(power: float) -> Array:
         product = weights * np.exp(power * centred)
-        return product / product.sum()
+        normalised: Array = product / product.sum()
+        return normalised
 
     full = at(exponent)
     if effective_sample_size(full) >= effective:
