@@ -1,0 +1,68 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.config import Config, load_config
+from robot.settings import SettingError
+
+
+def load(tmp_path, text):
+    path = tmp_path / "config.toml"
+    path.write_text(text, encoding="utf-8")
+    return load_config(path)
+
+
+def test_an_empty_file_is_the_defaults(tmp_path):
+    assert load(tmp_path, "") == Config()
+
+
+def test_values_reach_their_place(tmp_path):
+    config = load(
+        tmp_path,
+        """
+        map = "town"
+        port = 9000
+        [drive]
+        max_velocity = 1
+        [localization.filter]
+        min_particles = 200
+        """,
+    )
+    assert (config.map, config.port) == ("town", 9000)
+    assert config.drive.max_velocity == 1.0
+    assert config.localization.filter.min_particles == 200
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("prot = 1", "prot is unknown; valid are .*port"),
+        ("[localization.filter]\nmin_particle = 3", r"localization\.filter\.min_particle is unknown"),
+        ("[drive]\nmax_velocity = -1", "drive.max_velocity is -1 m/s; valid is 0 to 2 m/s"),
+        ("port = 'http'", "port is 'http'; valid is a int"),
+        ("port = true", "port is True"),
+        ("drive = 3", "drive is 3; valid is a table"),
+        ("robot = 'tank'", "robot is 'tank'; valid are auto, sim, kinematic"),
+        ("port = ", "is no TOML"),
+        ("[drive]\nmax_velocity = nan", "max_velocity is nan"),
+        ("[drive]\nmax_velocity = inf", "max_velocity is inf"),
+    ],
+)
+def test_a_wrong_key_or_value_is_refused_with_its_path_and_what_is_valid(tmp_path, text, told):
+    with pytest.raises(SettingError, match=told):
+        load(tmp_path, text)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(SettingError, match="nowhere.toml cannot be read"):
+        load_config(tmp_path / "nowhere.toml")
+
+
+@given(st.binary(max_size=200))
+def test_no_file_does_more_than_be_refused(tmp_path_factory, content):
+    path = tmp_path_factory.mktemp("config") / "config.toml"
+    path.write_bytes(content)
+    try:
+        load_config(path)
+    except SettingError as error:
+        assert str(path) in str(error)

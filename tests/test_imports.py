@@ -1,0 +1,54 @@
+"""The design's one-way street: app -> sim -> robot, and what must stay out of where."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+ALLOWED = {
+    "robot": {"robot"},
+    "sim": {"sim", "robot"},
+    "app": {"app", "sim", "robot", "benchmarks"},
+    "benchmarks": {"benchmarks", "app", "sim", "robot"},
+}
+OURS = set(ALLOWED)
+
+
+def imported(path):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield (node.module or "").split(".")[0]
+
+
+@pytest.mark.parametrize("folder", sorted(ALLOWED))
+def test_imports_go_one_way(folder):
+    for path in (ROOT / folder).rglob("*.py"):
+        wrong = (set(imported(path)) & OURS) - ALLOWED[folder]
+        assert not wrong, f"{path.relative_to(ROOT)} imports {wrong}"
+
+
+def test_only_the_physics_world_imports_pybullet():
+    users = {
+        path.relative_to(ROOT).as_posix()
+        for folder in ALLOWED
+        for path in (ROOT / folder).rglob("*.py")
+        if "pybullet" in imported(path)
+    }
+    assert users == {"sim/bullet.py"}
+
+
+def test_only_views_import_web_packages():
+    for folder in ("robot", "sim"):
+        for path in (ROOT / folder).rglob("*.py"):
+            web = {"fastapi", "starlette", "uvicorn", "viser", "pydantic"} & set(imported(path))
+            assert not web, f"{path.relative_to(ROOT)} imports {web}"
+
+
+def test_the_packages_are_those_of_this_checkout():
+    for name in OURS:
+        module = __import__(name)
+        assert Path(module.__file__).resolve().is_relative_to(ROOT), module.__file__
