@@ -1,10 +1,11 @@
 """How far is it to the nearest edge that a ray could meet: a look-up table over the field.
 
 A ray ends where it enters tape, so it only meets edges that face it. For each of eight directions
-the table holds the distance to the nearest edge that a ray in this direction meets from the light
-side. Close to an edge the distance has a sign (negative on the tape's side): then it is linear
-across the edge and bilinear interpolation is exact there, at a cell size much coarser than the
-accuracy that is wanted.
+the table holds the distance to the nearest edge that a ray in about this direction can meet from
+the light side. Close to an edge the distance has a sign (negative on the tape's side): then it is
+linear across the edge and bilinear interpolation is exact there, at a cell size much coarser than
+the accuracy that is wanted. Where the sign ends the table jumps; who looks it up takes the values
+of such a cell without their sign.
 """
 
 from __future__ import annotations
@@ -57,8 +58,11 @@ class EntryField:
         cells = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         table = np.full((DIRECTIONS, height, width), max_distance, dtype=np.float32)
         turns = heading_vectors(np.linspace(0.0, 2 * math.pi, DIRECTIONS, endpoint=False))
+        # A ray may be half a step off the direction it is counted to, and meet edges that lie
+        # along that direction; without them one ray in thirty would find no edge at the truth.
+        grazing = math.sin(math.pi / DIRECTIONS)
         for direction, toward in enumerate(turns):
-            facing = normals @ toward < 0
+            facing = normals @ toward < grazing
             if facing.any():
                 signed = _distances(cells, points[facing], normals[facing], max_distance, cell)
                 table[direction] = signed.reshape(height, width)

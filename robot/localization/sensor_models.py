@@ -170,6 +170,9 @@ def _add_log_likelihoods(
     farthest = len(table) - 1
     # The last table entry is the greatest distance, which is also what lies outside the field.
     step = farthest / max_distance
+    # A distance changes by no more than the way, so a cell with corners that differ by more is one
+    # where the sign ends and not an edge: there interpolation would pass through zero.
+    jump = 1.5 * resolution
     for i in range(len(poses)):
         x, y, theta = poses[i]
         c, s = math.cos(theta), math.sin(theta)
@@ -183,11 +186,12 @@ def _add_log_likelihoods(
             if 0 <= column < width - 1 and 0 <= row < height - 1:
                 facing = int(math.floor(turn + turns[j] + 0.5)) % directions
                 du, dv = u - column, v - row
-                near = distances[facing, row]
-                far = distances[facing, row + 1]
-                d = (1 - dv) * ((1 - du) * near[column] + du * near[column + 1]) + dv * (
-                    (1 - du) * far[column] + du * far[column + 1]
-                )
+                near, far = distances[facing, row], distances[facing, row + 1]
+                d00, d01 = near[column], near[column + 1]
+                d10, d11 = far[column], far[column + 1]
+                if max(d00, d01, d10, d11) - min(d00, d01, d10, d11) > jump:
+                    d00, d01, d10, d11 = abs(d00), abs(d01), abs(d10), abs(d11)
+                d = (1 - dv) * ((1 - du) * d00 + du * d01) + dv * ((1 - du) * d10 + du * d11)
                 total += table[min(int(abs(d) * step + 0.5), farthest)]
             else:
                 total += table[farthest]
