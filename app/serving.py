@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import socket
+import sys
 from types import FrameType
 
 import uvicorn
@@ -12,6 +13,10 @@ from app.assembly import Program
 from app.engine_thread import EngineThread
 from app.server import create_app
 from app.view import SMALL_BUFFER
+
+
+HAND_OVER_S = 0.001
+"""Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
 
 
 class PortError(OSError):
@@ -40,27 +45,44 @@ def listen(host: str, port: int) -> socket.socket:
     return listening
 
 
+class Server:
+    """The web application of one program, with the engine's thread."""
+
+    def __init__(self, program: Program) -> None:
+        self._thread = EngineThread(program.engine)
+        config = uvicorn.Config(
+            create_app(program, self._thread),
+            log_level="warning",
+            ws="websockets-sansio",
+            # Compression costs ten times the rest on arrays of particles, and gains little.
+            ws_per_message_deflate=False,
+            ws_max_size=1024 * 1024,
+            ws_ping_interval=5,
+            ws_ping_timeout=5,
+            timeout_graceful_shutdown=1,
+        )
+        self._uvicorn = _StopsTheRobotFirst(config, self._thread)
+
+    def run(self, sockets: list[socket.socket]) -> None:
+        """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
+        sys.setswitchinterval(HAND_OVER_S)
+        self._uvicorn.run(sockets=sockets)
+
+    def stop(self) -> None:
+        """Ask the server to end; from any thread."""
+        self._thread.stopping.set()
+        self._uvicorn.should_exit = True
+
+
 def serve(program: Program, listening: socket.socket) -> None:
     """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
-    thread = EngineThread(program.engine)
-    config = uvicorn.Config(
-        create_app(program, thread),
-        log_level="warning",
-        ws="websockets-sansio",
-        # Compression costs ten times the rest on arrays of particles, and gains little.
-        ws_per_message_deflate=False,
-        ws_max_size=1024 * 1024,
-        ws_ping_interval=5,
-        ws_ping_timeout=5,
-        timeout_graceful_shutdown=1,
-    )
     # uvicorn raises the signal again when it has ended; by then all is done.
     for name in (signal.SIGINT, signal.SIGTERM):
         signal.signal(name, lambda number, frame: None)
-    _Server(config, thread).run(sockets=[listening])
+    Server(program).run([listening])
 
 
-class _Server(uvicorn.Server):
+class _StopsTheRobotFirst(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, thread: EngineThread) -> None:
         super().__init__(config)
         self._thread = thread

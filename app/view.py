@@ -91,10 +91,14 @@ class View:
         except (OSError, websockets.InvalidHandshake):
             await socket.close(code=1013, reason="the 3D view is not there")
             return
-        async with upstream, anyio.create_task_group() as tasks:
-            await socket.accept(subprotocol=upstream.subprotocol)
-            tasks.start_soon(_pass_down, upstream, socket, tasks.cancel_scope)
-            tasks.start_soon(_pass_up, socket, upstream, tasks.cancel_scope)
+        try:
+            async with anyio.create_task_group() as tasks:
+                await socket.accept(subprotocol=upstream.subprotocol)
+                tasks.start_soon(_pass_down, upstream, socket, tasks.cancel_scope)
+                tasks.start_soon(_pass_up, socket, upstream, tasks.cancel_scope)
+        finally:
+            # A polite close would wait for viser; at the end of the program nobody waits.
+            upstream.transport.abort()
 
     def close(self) -> None:
         """End viser's threads."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 
 
 class RealTime:
@@ -13,12 +14,20 @@ class RealTime:
     """
 
     def __init__(self, longest_lag: float = 0.1) -> None:
+        self.busy: deque[float] = deque(maxlen=5000)
+        """Time spent between two waits [s]: simulation and engine together."""
         self._longest_lag = longest_lag
         self._zero: float | None = None
+        self._went_on = 0.0
 
     def __call__(self, stamp: float) -> None:
         """Sleep until a stamp [s]."""
         now = time.monotonic()
-        if self._zero is None or now - self._zero - stamp > self._longest_lag:
+        if self._zero is None:
+            self._zero = now - stamp
+        else:
+            self.busy.append(now - self._went_on)
+        if now - self._zero - stamp > self._longest_lag:
             self._zero = now - stamp
         time.sleep(max(0.0, self._zero + stamp - now))
+        self._went_on = time.monotonic()

@@ -37,7 +37,10 @@ def test_values_reach_their_place(tmp_path):
     ("text", "told"),
     [
         ("prot = 1", "prot is unknown; valid are .*port"),
-        ("[localization.filter]\nmin_particle = 3", r"localization\.filter\.min_particle is unknown"),
+        (
+            "[localization.filter]\nmin_particle = 3",
+            r"localization\.filter\.min_particle is unknown",
+        ),
         ("[drive]\nmax_velocity = -1", "drive.max_velocity is -1 m/s; valid is 0 to 2 m/s"),
         ("port = 'http'", "port is 'http'; valid is a int"),
         ("port = true", "port is True"),
@@ -54,7 +57,7 @@ def test_a_wrong_key_or_value_is_refused_with_its_path_and_what_is_valid(tmp_pat
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(SettingError, match="nowhere.toml cannot be read"):
+    with pytest.raises(SettingError, match=r"nowhere\.toml cannot be read"):
         load_config(tmp_path / "nowhere.toml")
 
 

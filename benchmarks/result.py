@@ -1,0 +1,36 @@
+"""One measurement, and the form in which it is written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Result:
+    """What was measured here, beside what peers need for the same in the same run."""
+
+    unit: str
+    brickpose: float
+    peer: dict[str, float] = field(default_factory=dict)
+    more: dict[str, float] = field(default_factory=dict)
+    """Other figures of the same run, with their unit in the name."""
+
+    def to_json(self) -> dict[str, Any]:
+        """As ``brickpose bench --json`` writes it."""
+        ratio = {name: value / self.brickpose for name, value in self.peer.items()}
+        return {
+            "unit": self.unit,
+            "brickpose": self.brickpose,
+            "peer": self.peer,
+            "ratio": ratio,
+            "more": self.more,
+        }
+
+    def lines(self, name: str) -> list[str]:
+        """For people."""
+        found = [f"{name}: {self.brickpose:.3g} {self.unit}"]
+        for peer, value in self.peer.items():
+            found.append(f"  {peer}: {value:.3g} {self.unit} ({value / self.brickpose:.2g} x)")
+        found += [f"  {more}: {value:.3g}" for more, value in self.more.items()]
+        return found

@@ -1,0 +1,38 @@
+"""``brickpose bench``: the measurements by name."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from benchmarks import live, loop, render
+from benchmarks.result import Result
+from robot.settings import SettingError
+
+BENCHMARKS: dict[str, Callable[[], Result]] = {
+    "loop": loop.measure,
+    "live": live.measure,
+    "render": render.measure,
+}
+
+
+def run(names: Sequence[str], file: Path | None) -> int:
+    """Measure, print, and write the figures to a file.
+
+    Raises:
+        SettingError: a name is unknown.
+    """
+    unknown = [name for name in names if name not in BENCHMARKS]
+    if unknown:
+        raise SettingError(f"no benchmark {unknown[0]!r}; valid are {', '.join(BENCHMARKS)}")
+    found = {}
+    for name in names or BENCHMARKS:
+        found[name] = BENCHMARKS[name]()
+        sys.stdout.write("\n".join(found[name].lines(name)) + "\n")
+        sys.stdout.flush()
+    if file is not None:
+        content = {name: result.to_json() for name, result in found.items()}
+        file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
+    return 0

@@ -1,0 +1,108 @@
+"""The program as a user types it."""
+
+import re
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+from serving import ROOT, ask, serving, telemetry
+
+from app.command_line import main
+
+
+def brickpose(*arguments, code=None):
+    start = ["-c", code] if code else ["-m", "app"]
+    return subprocess.run(
+        [sys.executable, *start, *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["fly"], "invalid choice: 'fly'"),
+        ([], "required"),
+        (["run", "--robot", "tank"], "choose from"),
+        (["run", "--port", "http"], "invalid int value"),
+        (["run", "--port", "70000"], "port is 70000; valid is 0 to 65535"),
+        (["run", "--seed", "-1"], "seed is -1"),
+        (["run", "--config", "nowhere.toml"], "nowhere.toml cannot be read"),
+        (["bench", "nothing"], "valid are .*loop"),
+    ],
+)
+def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(arguments, told):
+    done = brickpose(*arguments)
+    assert done.returncode == 2
+    assert re.search(told, done.stderr)
+    assert "Traceback" not in done.stderr
+
+
+def test_an_unknown_field_ends_with_1_and_lists_the_known_ones():
+    done = brickpose("run", "--map", "moon", "--port", "0")
+    assert done.returncode == 1
+    assert "square, stub, tee, town" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_port_in_use_ends_with_1_and_says_how_to_choose_another():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        done = brickpose("run", "--port", str(taken.getsockname()[1]))
+    assert done.returncode == 1
+    assert "in use" in done.stderr
+    assert "--port" in done.stderr
+
+
+def test_help_shows_units_and_defaults():
+    done = brickpose("run", "--help")
+    assert done.returncode == 0
+    assert "127.0.0.1" in done.stdout
+    assert "8080" in done.stdout
+
+
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_stops_the_robot_and_ends_with_0(sent):
+    with serving("--robot", "kinematic") as server:
+        with server.live() as live:
+            ask(live, type="drive", v=0.1, omega=0)
+            telemetry(live)
+            server.process.send_signal(sent)
+            _, err = server.process.communicate(timeout=15)
+        assert server.process.returncode == 0
+        assert "Traceback" not in err
+
+
+def test_without_pybullet_the_kinematic_robot_drives_and_says_why():
+    code = (
+        "import sys; sys.modules['pybullet'] = None\n"
+        "from app.assembly import settle_robot; from app.config import Config\n"
+        "config, why = settle_robot(Config()); print(config.robot, why)"
+    )
+    done = brickpose(code=code)
+    assert done.stdout.startswith("kinematic pybullet")
+    assert "pip install" in done.stdout
+
+
+def test_asked_for_physics_without_pybullet_it_says_what_to_do():
+    code = (
+        "import sys; sys.modules['pybullet'] = None\n"
+        "from app.command_line import main\n"
+        "sys.exit(main(['run', '--robot', 'sim', '--port', '0']))"
+    )
+    done = brickpose(code=code)
+    assert done.returncode == 1
+    assert "pip install pybullet" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_main_can_be_called(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["--help"])
+    assert ended.value.code == 0
+    assert "run" in capsys.readouterr().out
