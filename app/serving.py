@@ -14,7 +14,6 @@ from app.engine_thread import EngineThread
 from app.server import create_app
 from app.view import SMALL_BUFFER
 
-
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
 

@@ -16,9 +16,9 @@ import cv2
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from robot.field import FloorPicture
 
 from robot.camera import FloorView
+from robot.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 

@@ -280,11 +280,10 @@ def test_whatever_is_sent_is_answered(live, text):
 
 
 def test_a_message_that_is_far_too_large_ends_that_viewer_only(server, live):
-    with server.live() as hostile:
-        with pytest.raises(websockets.ConnectionClosed):
-            hostile.send("x" * 3_000_000)
-            while True:
-                hostile.recv(timeout=20)
+    with server.live() as hostile, pytest.raises(websockets.ConnectionClosed):
+        hostile.send("x" * 3_000_000)
+        while True:
+            hostile.recv(timeout=20)
     assert telemetry(live)
 
 
