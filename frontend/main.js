@@ -27,8 +27,8 @@ const WORDS_HERTZ = 5;
 /** Descriptions for screen readers change this often [ms]. */
 const DESCRIPTIONS_MS = 2000;
 const FIELD_AGAIN_MS = 3000;
-/** The delay shown is that of about so many pictures. */
-const SMOOTHING = 15;
+/** The delay shown is the middle one of so many pictures. */
+const PICTURES = 15;
 
 refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
@@ -79,6 +79,7 @@ function take(news) {
 
 /** @param {TelemetryMessage} news */
 function describe(news) {
+  if (connection.state !== "open") return;
   topBar.show(news, delay);
   map.describe(news);
   drive.describe(news);
@@ -90,9 +91,9 @@ function describe(news) {
 function drawn(stamp) {
   const now = connection.clock.now();
   if (now === null) return;
-  const took = (now - stamp) * 1000;
-  delay = delay === null ? took : delay + (took - delay) / SMOOTHING;
-  addDelay(probe, took);
+  addDelay(probe, (now - stamp) * 1000);
+  const last = probe.delays.slice(-PICTURES).sort((a, b) => a - b);
+  delay = last[Math.floor(last.length / 2)];
 }
 
 /** @param {string} name of the field that telemetry speaks of */

@@ -3,9 +3,11 @@
 /** @typedef {import("./stream.js").Picture} Picture */
 /** @typedef {{picture: Picture, scan: ScanMessage | null}} Pair */
 
-const KEPT = 15;
+const KEPT_PICTURES = 15;
+/** More, as a busy page skips pictures but reads every scan. */
+const KEPT_SCANS = 60;
 /** How long a picture waits for its scan [ms], while scans do come. */
-const PATIENCE_MS = 35;
+const PATIENCE_MS = 16;
 const SCANS_COME_MS = 500;
 
 /**
@@ -27,7 +29,7 @@ export class Pairing {
   addScan(scan) {
     if (this.#scans.has(scan.stamp)) return false;
     this.#scans.set(scan.stamp, scan);
-    if (this.#scans.size > KEPT) this.#scans.delete(this.#scans.keys().next().value ?? NaN);
+    if (this.#scans.size > KEPT_SCANS) this.#scans.delete(this.#scans.keys().next().value ?? NaN);
     return true;
   }
 
@@ -36,7 +38,7 @@ export class Pairing {
     const newest = this.#pictures.at(-1);
     if (newest && picture.stamp < newest.stamp) this.#drop(this.#pictures.length);
     this.#pictures.push(picture);
-    if (this.#pictures.length > KEPT) this.#drop(1);
+    if (this.#pictures.length > KEPT_PICTURES) this.#drop(1);
   }
 
   /**

@@ -78,8 +78,8 @@ export class RayProfile {
   #show(profile) {
     this.#profile = profile;
     setText(this.#title, `Ray ${profile.ray + 1} of ${this.count}, ${direction(profile.bearing)}`);
-    const verdict = profile.counted ? "Counted" : "Not counted";
-    setText(this.#words, `${edges(profile)} ${verdict}: ${profile.why}`);
+    const verdict = profile.counted ? "" : "Not counted: ";
+    setText(this.#words, `${edges(profile)} ${verdict}${profile.why}`);
     this.refresh();
   }
 
@@ -93,7 +93,7 @@ export class RayProfile {
       { at: profile.exit, label: "out" },
     ];
     drawChart(this.surface, {
-      x: { low: mm[0] ?? 0, high: mm.at(-1) ?? 1, label: "mm along the ray" },
+      x: { low: mm[0] ?? 0, high: mm.at(-1) ?? 1, label: "mm" },
       y: { low: -reach, high: Math.max(255, reach), label: "grey levels" },
       series: [
         { colour: palette.text, dash: [], xs: mm, ys: profile.grey },

@@ -6,7 +6,7 @@
 const RENEW_MS = 50;
 /** A stick that moves is told at once, but not oftener than this [ms]. */
 const SOONEST_MS = 25;
-const FIGURE_EIGHT_EVERY = 2;
+const FIGURE_EIGHT_MS = 100;
 /** Turning at full stick [rad/s] for each m/s of the chosen speed. */
 const TURN_PER_SPEED = 8;
 
@@ -24,7 +24,6 @@ export class Drive {
   #sticks = new Map();
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
-  #turns = 0;
   #sent = -Infinity;
   /** @type {Set<() => void>} */
   #stopListeners = new Set();
@@ -109,14 +108,15 @@ export class Drive {
     this.changed();
     if (this.#timer === undefined) this.#timer = setInterval(() => this.#renew(), RENEW_MS);
     if (performance.now() - this.#sent < SOONEST_MS) return;
-    this.#turns = 0;
     this.#renew();
   }
 
   #renew() {
-    this.#sent = performance.now();
-    if (!this.figureEight) return this.send(this.#command());
-    if (this.#turns++ % FIGURE_EIGHT_EVERY === 0) this.send({ type: "figure_eight" });
+    const now = performance.now();
+    // Half a turn of the timer early is on time.
+    if (this.figureEight && now - this.#sent < FIGURE_EIGHT_MS - RENEW_MS / 2) return;
+    this.#sent = now;
+    this.send(this.figureEight ? { type: "figure_eight" } : this.#command());
   }
 
   /** @returns {Command} */

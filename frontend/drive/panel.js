@@ -27,7 +27,7 @@ export class DrivePanel {
     for (const stop of ["stop", "stop-thumb"]) this.#wireStop(findButton(stop));
     this.#eight.onclick = () => this.drive.setFigureEight(!this.drive.figureEight);
     this.#slider.addEventListener("input", () => this.#setSpeed());
-    connection.onState((state) => state === "lost" && this.drive.disconnect());
+    connection.onState((state) => state === "lost" && this.#lost());
     this.#setSpeed();
   }
 
@@ -48,6 +48,11 @@ export class DrivePanel {
   #wireStop(button) {
     button.addEventListener("pointerdown", () => this.drive.stop());
     button.addEventListener("click", () => this.drive.stop());
+  }
+
+  #lost() {
+    this.drive.disconnect();
+    setText(this.#hint, "not connected");
   }
 
   #setSpeed() {

@@ -12,7 +12,9 @@ const MOST_HEADINGS = 120;
 
 /** Unpack the particles; the layout is told at ParticlesMessage. @param {ParticlesMessage} message @returns {Cloud} */
 export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {
-  const bytes = Uint8Array.from(atob(cloud), (letter) => letter.charCodeAt(0));
+  const text = atob(cloud);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
   const view = new DataView(bytes.buffer);
   const count = Math.floor(bytes.length / BYTES);
   const xs = new Float32Array(count);
@@ -21,13 +23,16 @@ export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {
   const weights = new Uint8Array(count);
   for (let i = 0; i < count; i++) {
     const at = i * BYTES;
-    xs[i] = xmin + (view.getUint16(at, true) / 65535) * (xmax - xmin);
-    ys[i] = ymin + (view.getUint16(at + 2, true) / 65535) * (ymax - ymin);
+    xs[i] = xmin + share(view.getUint16(at, true)) * (xmax - xmin);
+    ys[i] = ymin + share(view.getUint16(at + 2, true)) * (ymax - ymin);
     thetas[i] = (view.getInt16(at + 4, true) / 32768) * Math.PI;
     weights[i] = view.getUint8(at + 6);
   }
   return { xs, ys, thetas, weights };
 }
+
+/** What lies on the rim may be anywhere beyond it; NaN is not drawn. @param {number} word */
+const share = (word) => (word === 0 || word === 65535 ? NaN : word / 65535);
 
 /**
  * The heavier a particle, the larger and the stronger its dot; light ones lie below.

@@ -12,16 +12,6 @@ import { roundUp } from "../plots/scale.js";
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
 const RADII_95 = 2.4477;
 
-/** The picture of the field, with its rim. @param {Context} context @param {MapView} view @param {number[]} extent @param {ImageBitmap | null} picture */
-export function drawFloor(context, view, [xmin, ymin, xmax, ymax], picture) {
-  const [left, top] = view.toScreen(xmin, ymax);
-  const [right, bottom] = view.toScreen(xmax, ymin);
-  if (picture) context.drawImage(picture, left, top, right - left, bottom - top);
-  context.strokeStyle = palette.line;
-  context.lineWidth = 1;
-  context.strokeRect(left, top, right - left, bottom - top);
-}
-
 /** Rays to their hits, from where the filter believed the robot at that moment. @param {Context} context @param {ScanMessage} scan @param {number} pixel [m] */
 export function drawScan(context, { robot, robot_from_scan: offset, bearings, ranges }, pixel) {
   if (!robot) return;
@@ -71,6 +61,19 @@ export function drawRobot(context, pose, outline, pixel, { colour, dash = [], fi
   context.restore();
 }
 
+/** A pose that is being pointed out: an arrow of a fixed length, large enough to aim by. @param {Context} context @param {PoseMessage} pose @param {number} pixel [m] @param {string} colour */
+export function drawAim(context, pose, pixel, colour) {
+  context.save();
+  enter(context, pose);
+  context.scale(pixel, pixel);
+  const arrow = new Path2D("M0 0H48M36 -9L49 0L36 9");
+  context.lineCap = "round";
+  context.lineJoin = "round";
+  stroke(context, arrow, palette["floor-halo"], 7, 1);
+  stroke(context, arrow, colour, 3.5, 1);
+  context.restore();
+}
+
 /** Where the robot is with 95 % certainty. @param {Context} context @param {EstimateMessage} estimate @param {number} pixel [m] */
 export function drawCertainty(context, { x, y, covariance: [xx, xy, , , yy] }, pixel) {
   const mean = (xx + yy) / 2;
@@ -109,7 +112,7 @@ export function drawHypotheses(context, view, hypotheses) {
 
 /** A bar of a round length, bottom right. @param {Context} context @param {MapView} view */
 export function drawScaleBar(context, view) {
-  const metres = roundUp(60 / view.scale);
+  const metres = roundUp(40 / view.scale);
   const length = metres * view.scale;
   const [right, bottom] = [view.width - 12, view.height - 12];
   const bar = new Path2D();

@@ -5,6 +5,7 @@ import { palette } from "../page/palette.js";
 import { Surface } from "../page/surface.js";
 import { decodeCloud, drawCloud } from "./cloud.js";
 import * as drawing from "./drawing.js";
+import { Floor } from "./floor.js";
 import { Gestures } from "./gestures.js";
 import { NumbersForm } from "./numbers.js";
 import { Paths } from "./paths.js";
@@ -19,7 +20,7 @@ import { MapView } from "./view.js";
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
 /** @typedef {import("./tools.js").Tool} Tool */
 
-const HERTZ = 30;
+const HERTZ = 20;
 /** @type {Record<Tool, string>} */
 const HINTS = {
   look: "",
@@ -41,7 +42,7 @@ export class MapPanel {
   );
   /** @type {FieldMessage | null} */
   #field = null;
-  /** @type {ImageBitmap | null} */
+  /** @type {Floor | null} */
   #floor = null;
   /** @type {TelemetryMessage | null} */
   #telemetry = null;
@@ -67,10 +68,10 @@ export class MapPanel {
     this.#wire();
   }
 
-  /** @param {FieldMessage} field @param {ImageBitmap | null} floor */
-  setField(field, floor) {
+  /** @param {FieldMessage} field @param {ImageBitmap} picture */
+  setField(field, picture) {
     this.#field = field;
-    this.#floor = floor;
+    this.#floor = new Floor(field.extent, picture);
     this.numbers.pose = field.start;
     this.#fit();
   }
@@ -186,7 +187,7 @@ export class MapPanel {
   #paint() {
     const context = this.surface.begin();
     const pixel = 1 / this.view.scale;
-    if (this.#field) drawing.drawFloor(context, this.view, this.#field.extent, this.#floor);
+    this.#floor?.draw(context, this.view, this.surface.ratio);
     if (this.#telemetry) this.#paintBelief(context, this.#telemetry, pixel);
     if (this.tool.draft) this.#paintDraft(context, this.tool.draft, pixel);
     drawing.drawScaleBar(context, this.view);
@@ -219,6 +220,7 @@ export class MapPanel {
         drawing.drawEllipse(context, draft.x, draft.y, [2 * sdXy, 2 * sdXy], 0, colour, pixel);
       }
       drawing.drawRobot(context, draft, this.#field?.robot_outline ?? [], pixel, { colour, fill: 0.2 });
+      drawing.drawAim(context, draft, pixel, colour);
     });
   }
 

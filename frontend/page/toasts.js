@@ -31,6 +31,8 @@ export class Toasts {
 /** @param {unknown} error @returns {string} its message as a sentence */
 export function sentence(error) {
   const text = error instanceof Error ? error.message : String(error);
-  const start = text.charAt(0).toUpperCase() + text.slice(1);
+  // Names from programs, such as z_rand, keep their spelling.
+  const plain = /^[a-z]+[ ,;:']/.test(text);
+  const start = plain ? text.charAt(0).toUpperCase() + text.slice(1) : text;
   return /[.!?]$/.test(start) ? start : `${start}.`;
 }

@@ -1,5 +1,6 @@
 // @ts-check
-import { find, setText } from "../page/elements.js";
+import { find, make, setText } from "../page/elements.js";
+import { calm, findWebGl } from "./webgl.js";
 
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -8,7 +9,10 @@ import { find, setText } from "../page/elements.js";
 /** @typedef {import("../messages").ShowCommand["layer"]} Layer */
 
 /** Where the eye stands, in sizes of the field from its middle. */
-const EYE = [-0.55, -0.75, 0.7];
+const EYE = [-0.42, -0.6, 0.62];
+const LATER_MS = 500;
+/** viser's own notices and, in a narrow frame, its controls would lie over the scene. */
+const QUIET = ".mantine-Notifications-root, #root .mantine-Paper-root { display: none !important; }";
 
 /** viser's scene in a frame of its own, loaded when it is first seen. */
 export class View3d {
@@ -31,21 +35,31 @@ export class View3d {
     this.appearance = appearance;
     this.order = order;
     this.listen = listen;
-    this.possible = hasWebGl();
-    document.documentElement.dataset.webgl = String(this.possible);
-    if (!this.possible) {
-      setText(this.#message, "This browser has no WebGL: the map shows the same from above.");
-    }
+    this.webGl = findWebGl();
+    document.documentElement.dataset.webgl = this.webGl;
+    this.#explain();
     for (const button of this.#buttons) button.onclick = () => this.#switch(button);
     appearance.onChange(() => this.#load());
     new ResizeObserver(() => this.#load()).observe(this.#box);
   }
 
+  #explain() {
+    if (this.webGl === "none") {
+      setText(this.#message, "This browser has no WebGL: the map shows the same from above.");
+      setText(find("view-hint", HTMLElement), "not in this browser");
+    } else if (this.webGl === "software") {
+      setText(find("view-hint", HTMLElement), "without a graphics card: a few pictures a second");
+    }
+  }
+
   /** @param {FieldMessage} field */
   setField(field) {
-    this.#field = field;
     this.#theme = "";
-    this.#load();
+    // viser's start is heavy: what the page itself shows comes first.
+    setTimeout(() => {
+      this.#field = field;
+      this.#load();
+    }, LATER_MS);
   }
 
   /** The switches follow what all viewers see. @param {TelemetryMessage} telemetry */
@@ -59,7 +73,7 @@ export class View3d {
 
   #load() {
     const seen = this.#box.clientWidth > 0 && this.#box.clientHeight > 0;
-    if (!this.possible || !this.#field || !seen || this.#theme === this.appearance.theme) return;
+    if (this.webGl === "none" || !this.#field || !seen || this.#theme === this.appearance.theme) return;
     this.#theme = this.appearance.theme;
     this.#frame?.remove();
     this.#frame = document.createElement("iframe");
@@ -72,7 +86,10 @@ export class View3d {
   #loaded() {
     this.#message.hidden = true;
     const inside = this.#frame?.contentWindow;
-    if (inside) this.listen(inside);
+    if (!inside) return;
+    inside.document.head.append(make("style", {}, QUIET));
+    if (this.webGl === "software") calm(inside);
+    this.listen(inside);
   }
 
   /** @param {HTMLButtonElement} button */
@@ -93,10 +110,4 @@ function address([xmin, ymin, xmax, ymax], dark) {
   const eye = [x + EYE[0] * size, y + EYE[1] * size, EYE[2] * size];
   const words = [`initialCameraPosition=${eye.map((part) => part.toFixed(3))}`, `initialCameraLookAt=${x},${y},0`];
   return `/view/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
-}
-
-function hasWebGl() {
-  const context = document.createElement("canvas").getContext("webgl2");
-  context?.getExtension("WEBGL_lose_context")?.loseContext();
-  return context !== null;
 }

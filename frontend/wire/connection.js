@@ -9,9 +9,9 @@ import { RobotClock } from "./clock.js";
 /** @typedef {"connecting" | "open" | "lost"} LinkState */
 /** @typedef {{sent: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}} Waiting */
 
-/** Without any message for so long [ms] the line is taken for dead. */
-const SILENCE_MS = 5000;
 const PING_EVERY_MS = 2000;
+/** After so many pings without any message the line is taken for dead. */
+const MOST_SILENT = 3;
 const ANSWER_MS = 10000;
 /** Commands are held back while so many bytes wait: an old drive command is worse than none. */
 const FULL_BYTES = 4096;
@@ -30,6 +30,8 @@ export class Connection {
   #backoff = new Backoff();
   #heard = 0;
   #nextId = 1;
+  /** Pings since the last message; counted, not timed, as this page itself may be busy or asleep. */
+  #silent = 0;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #retry;
   /** @type {Map<number, Waiting>} */
@@ -94,14 +96,13 @@ export class Connection {
   #open() {
     const socket = new WebSocket(this.address);
     this.#socket = socket;
-    this.#heard = performance.now();
+    this.#silent = 0;
     socket.onopen = () => this.#opened();
     socket.onmessage = (event) => this.#take(event.data);
     socket.onclose = () => this.#closed(socket);
   }
 
   #opened() {
-    this.#heard = performance.now();
     this.clock.reset();
     for (let i = 0; i < 3; i++) this.post({ type: "ping" });
   }
@@ -109,6 +110,7 @@ export class Connection {
   /** @param {string} text */
   #take(text) {
     this.#heard = performance.now();
+    this.#silent = 0;
     /** @type {TelemetryMessage | AckMessage | ErrorMessage} */
     const message = JSON.parse(text);
     if (message.type === "telemetry") this.#telemetry(message);
@@ -146,11 +148,12 @@ export class Connection {
 
   #watch() {
     this.#giveUp();
-    if (!this.#socket) return;
-    if (performance.now() - this.#heard < SILENCE_MS) return void this.post({ type: "ping" });
-    const silent = this.#socket;
-    this.#closed(silent);
-    silent.close();
+    const socket = this.#socket;
+    if (!socket) return;
+    this.#silent += 1;
+    if (this.#silent <= MOST_SILENT) return void this.post({ type: "ping" });
+    this.#closed(socket);
+    socket.close();
   }
 
   /** No answer is an answer too. */
