@@ -85,8 +85,8 @@ class Meaning:
     """Whether white is occupied, instead of black."""
     occupied_thresh: float = 0.65
     """Occupied from this share of darkness on, 0 to 1."""
-    free_thresh: float = 0.25
-    """Free below this share of darkness, 0 to 1."""
+    free_thresh: float = 0.196
+    """Free below this share of darkness, 0 to 1; grey 205 (0.1961) is just not free."""
 
     def __post_init__(self) -> None:
         if self.mode not in MODES:
@@ -191,6 +191,14 @@ def _cells(picture: Picture, meaning: Meaning) -> Cells:
     return cells
 
 
+def _unknown_tone(meaning: Meaning) -> int:
+    """The grey level of unknown cells: 205 as everywhere, unless that would be read as another."""
+    customary = 205
+    if meaning.free_thresh <= 1 - customary / 255 <= meaning.occupied_thresh:
+        return customary
+    return round(255 * (1 - (meaning.free_thresh + meaning.occupied_thresh) / 2))
+
+
 def _pixels(grid: OccupancyGrid, meaning: Meaning) -> NDArray[np.uint8]:
     """The picture of a grid: grey (h, w), or for scale with transparency (h, w, 4)."""
     value = np.arange(UNKNOWN, OCCUPIED + 1)
@@ -199,7 +207,7 @@ def _pixels(grid: OccupancyGrid, meaning: Meaning) -> NDArray[np.uint8]:
     elif meaning.mode == "scale":
         tone = np.where(value == UNKNOWN, 128, np.rint((100 - value) / 100 * 255))
     else:
-        tone = np.full(len(value), 205)
+        tone = np.full(len(value), _unknown_tone(meaning))
         tone[value >= np.rint(meaning.occupied_thresh * 100)] = 0
         tone[(value != UNKNOWN) & (value <= np.rint(meaning.free_thresh * 100))] = 254
     grey: NDArray[np.uint8] = tone.astype(np.uint8)[grid.data[::-1].astype(np.int16) + 1]

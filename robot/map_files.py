@@ -113,7 +113,8 @@ def read_picture(path: Path) -> Picture:
             raise MapError("no picture of a known kind; valid are PGM, PNG and BMP")
         return _decode(data)
     except MapError as error:
-        raise MapError(f"the image {path}: {error}") from error
+        shown = str(path) if len(str(path)) <= 200 else f"...{str(path)[-200:]}"
+        raise MapError(f"the image {shown}: {error}") from error
 
 
 def _read(path: Path, limit: int) -> bytes:

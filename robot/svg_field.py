@@ -100,6 +100,10 @@ def _coats(page: Page) -> Iterator[_Coat]:
 
 
 def _stroke(shape: Shape, place: Array, ink: Ink) -> _Coat:
+    low, high = TAPE_MM
+    widest = shape.pen.width * shape.scale
+    if widest > high:
+        raise SvgError(f"a stroke is {widest:g} mm wide; valid is up to {high:g}")
     width = shape.pen.width * math.sqrt(abs(np.linalg.det(place[:, :2])))
     tolerance = TOLERANCE_MM / shape.scale
     try:
@@ -107,8 +111,7 @@ def _stroke(shape: Shape, place: Array, ink: Ink) -> _Coat:
     except ValueError as error:
         raise SvgError(str(error)) from error
     coat = _Coat(_layer(area, place, ink), width)
-    if coat.is_tape and not TAPE_MM[0] <= width * 1000 <= TAPE_MM[1]:
-        low, high = TAPE_MM
+    if coat.is_tape and width * 1000 < low:
         raise SvgError(f"a dark stroke is {width * 1000:g} mm wide; valid is {low:g} to {high:g}")
     return coat
 

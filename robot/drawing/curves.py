@@ -8,8 +8,14 @@ import numpy as np
 
 from robot.geometry import Array
 
+MAX_LINES = 20_000
+
 _DENSE = 192
 """Steps at which the bending of a curve is looked at, before it is cut."""
+
+_REFINEMENTS = 16
+_LOOKED_AT = (0.2, 0.5, 0.8)
+"""Where along each line its distance from the curve is looked at."""
 
 _STRAIGHT = 1e-6
 """A curve that asks for fewer lines than this is a straight line."""
@@ -31,6 +37,9 @@ def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float
     A chord that turns by phi over a length c leaves an arc of radius c/phi by phi c / 8 (the
     sagitta), its outer parallel by phi (c + h phi) / 8. So a step of the dense sampling asks for
     sqrt(phi (c + h phi) / (8 tolerance)) lines, and the lines are spread in that proportion.
+
+    Raises:
+        ValueError: it would take absurdly many lines.
     """
     parameters = np.linspace(0, 1, _DENSE + 1)
     chords = np.diff(curve(parameters), axis=0)
@@ -39,6 +48,8 @@ def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float
     asked = np.sqrt(turn * (length + half_width * turn) / (8 * tolerance))
     reached = np.concatenate([[0.0], np.cumsum(asked)])
     total = reached[-1]
+    if not total <= MAX_LINES:
+        raise ValueError(f"a curve needs more than {MAX_LINES} lines")
     if total < _STRAIGHT:
         return curve(np.array([0.0, 1.0]))
     lines = int(np.ceil(total))
@@ -47,7 +58,33 @@ def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float
     places = np.concatenate([[0.0], ends, places[1:-1], total - ends[::-1], [total]])
     # Where nothing is asked for, any place will do: interpolation needs an increasing sequence.
     rising = reached + np.linspace(0, 1e-9 * total, len(reached))
-    return curve(np.interp(places, rising, parameters))
+    return _refined(curve, np.interp(places, rising, parameters), tolerance)
+
+
+def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: float) -> Array:
+    """Points (n, 2) at parameters (n,), and more where a line is still too far from the curve.
+
+    That is where a curve bends so sharply that the dense sampling has stepped over the bend.
+    """
+    for _ in range(_REFINEMENTS):
+        points = curve(parameters)
+        start, step = parameters[:-1], np.diff(parameters)
+        off = [_distance(curve(start + k * step), points[:-1], points[1:]) for k in _LOOKED_AT]
+        far = np.max(off, axis=0) > tolerance
+        if not far.any():
+            break
+        middle = start[far] + step[far] / 2
+        parameters = np.insert(parameters, np.flatnonzero(far) + 1, middle)
+    return curve(parameters)
+
+
+def _distance(points: Array, start: Array, end: Array) -> Array:
+    """Distances (n,) of points (n, 2) from the line segments between start and end (n, 2)."""
+    along, across = end - start, points - start
+    square = (along**2).sum(axis=1)
+    share = np.clip((across * along).sum(axis=1) / np.where(square > 0, square, 1), 0, 1)
+    off: Array = across - share[:, None] * along
+    return np.hypot(off[:, 0], off[:, 1])
 
 
 def _turning(chords: Array) -> Array:
@@ -55,5 +92,5 @@ def _turning(chords: Array) -> Array:
     before, after = chords[:-1], chords[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     corner = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))
-    shared: Array = np.concatenate([[0.0], corner, [0.0]]) / 2
+    shared: Array = np.concatenate([corner[:1], corner, corner[-1:]]) / 2
     return shared[:-1] + shared[1:]

@@ -12,23 +12,23 @@ MAX_DASHES = 10_000
 def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: float) -> list[Array]:
     """The drawn pieces, each (m, 2), of a line through points (n, 2), as SVG cuts it.
 
-    The pattern holds lengths of dash, gap, dash, gap ... in the unit of the points; an odd one is
-    repeated to be even. The offset is how far into the pattern the line begins. On a closed line
-    dashes that meet at its start are one.
+    The pattern holds lengths of dash, gap, dash, gap ... in the unit of the points, not all 0; an
+    odd number of them is taken twice. The offset is how far into the pattern the line begins. On
+    a closed line dashes that meet at its start are one.
 
     Raises:
         ValueError: a length is negative, or there would be too many dashes to mean it.
     """
     if min(pattern) < 0:
         raise ValueError(f"a dash of length {min(pattern):g}; valid is 0 or more")
-    if sum(pattern) == 0:
-        return [np.vstack([points, points[:1]]) if closed else points]
     around = np.vstack([points, points[:1]]) if closed else points
     step = np.diff(around, axis=0)
     walked = np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
-    return [
-        _piece(around, walked, start, end) for start, end in _intervals(walked[-1], pattern, offset)
-    ]
+    intervals = _intervals(walked[-1], pattern, offset)
+    pieces = [_piece(around, walked, start, end) for start, end in intervals]
+    if closed and len(pieces) > 1 and intervals[0][0] == 0 and intervals[-1][1] == walked[-1]:
+        pieces[0] = np.vstack([pieces.pop(), pieces[0][1:]])
+    return pieces
 
 
 def _intervals(

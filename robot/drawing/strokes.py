@@ -38,14 +38,14 @@ class Pen:
     """miter, round or bevel."""
     miter_limit: float = 4.0
     dashes: tuple[float, ...] = ()
-    """Lengths of dash, gap, dash, gap ...; empty draws through."""
+    """Lengths of dash, gap, dash, gap ...; none, or only zeros, draws through."""
     dash_offset: float = 0.0
 
 
 def stroke_area(line: Polyline, pen: Pen, tolerance: float) -> shapely.Geometry:
     """The area under a pen led along a line, all in one unit; arcs are true to the tolerance."""
     pieces = [line]
-    if pen.dashes:
+    if any(pen.dashes):
         cut = dashes(line.points, line.closed, pen.dashes, pen.dash_offset)
         pieces = [Polyline(points, closed=False) for points in cut]
     return shapely.union_all([part for piece in pieces for part in _parts(piece, pen, tolerance)])

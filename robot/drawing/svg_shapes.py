@@ -20,7 +20,7 @@ from robot.drawing.strokes import Pen, Polyline
 from robot.drawing.svg_file import SvgError, SvgFile, numbers, shown
 from robot.geometry import Array
 
-MAX_POINTS = 100_000
+MAX_POINTS = 20_000
 MAX_MM = 1e6
 """Coordinates further out than this are a mistake [mm]."""
 

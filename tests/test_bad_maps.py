@@ -1,0 +1,178 @@
+"""ROS maps that cannot be read: each is refused in one clear line, before anything grows."""
+
+import re
+import struct
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from robot.grid_map import MapError, load_map_yaml
+
+KEYS = {
+    "image": "map.pgm",
+    "resolution": 0.05,
+    "origin": [0.0, 0.0, 0.0],
+    "negate": 0,
+    "occupied_thresh": 0.65,
+    "free_thresh": 0.196,
+}
+PGM = b"P5 3 2 255\n" + bytes(6)
+PNG = cv2.imencode(".png", np.arange(6, dtype=np.uint8).reshape(2, 3))[1].tobytes()
+BMP = cv2.imencode(".bmp", np.arange(6, dtype=np.uint8).reshape(2, 3))[1].tobytes()
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Reads a map from the bytes of its picture and of its YAML, or from changed keys."""
+
+    def read(picture=PGM, text=None, **keys):
+        (tmp_path / "map.pgm").write_bytes(picture)
+        content = {key: value for key, value in {**KEYS, **keys}.items() if value != "absent"}
+        data = yaml.safe_dump(content).encode() if text is None else text
+        (tmp_path / "map.yaml").write_bytes(data)
+        return load_map_yaml(tmp_path / "map.yaml")
+
+    return read
+
+
+def png_of_size(width, height):
+    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    chunk = b"IHDR" + header
+    return (
+        b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    )
+
+
+def refused(load, complaint, *args, **keys):
+    with pytest.raises(MapError, match=re.escape(complaint)) as refusal:
+        load(*args, **keys)
+    message = str(refusal.value)
+    assert "\n" not in message
+    assert len(message) < 400
+    assert "map.yaml: " in message
+
+
+def test_the_map_that_the_others_are_made_of_is_fine(load):
+    assert load().data.shape == (2, 3)
+    assert load(PNG).data.shape == load(BMP).data.shape == (2, 3)
+
+
+@pytest.mark.parametrize("key", list(KEYS))
+def test_a_missing_key_is_named(load, key):
+    refused(load, key, **{key: "absent"})
+
+
+@pytest.mark.parametrize(
+    ("keys", "complaint"),
+    [
+        ({"resolution": float("nan")}, "resolution is '.nan'"),
+        ({"resolution": float("inf")}, "resolution is '.inf'"),
+        ({"resolution": 0}, "resolution is 0.0 m; valid is 0.0001 to 100"),
+        ({"resolution": -0.05}, "resolution is -0.05 m"),
+        ({"resolution": 1e9}, "resolution is 1000000000.0 m"),
+        ({"resolution": "big"}, "resolution is 'big'; valid is a finite number"),
+        ({"resolution": [1]}, "resolution is ['1']"),
+        ({"origin": [0, 0]}, "valid is a list of 3 numbers"),
+        ({"origin": "here"}, "origin is 'here'"),
+        ({"origin": [0, 0, float("nan")]}, "origin is '.nan'"),
+        ({"origin": [1e9, 0, 0]}, "valid is within 1e+06 m"),
+        ({"occupied_thresh": 65}, "occupied_thresh is 65.0; valid is 0 to 1"),
+        ({"free_thresh": -0.1}, "free_thresh is -0.1"),
+        ({"negate": "perhaps"}, "negate is 'perhaps'; valid are 0, 1"),
+        ({"mode": "quaternary"}, "valid are trinary, scale, raw"),
+        ({"image": ""}, "image is ''"),
+        ({"image": "a\0b"}, "image is 'a\\x00b'"),
+        ({"image": "nothing.pgm"}, "nothing.pgm: there is no such file"),
+        ({"image": "."}, "there is no such file"),
+        ({"image": "a" * 5000}, "the file cannot be read"),
+        ({"resolution": "9" * 5000}, "resolution is"),
+    ],
+)
+def test_an_absurd_value_is_refused(load, keys, complaint):
+    refused(load, complaint, **keys)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        (b"", "expected the keys"),
+        (b"- 1\n- 2", "expected the keys"),
+        (b"image: [", "no readable YAML"),
+        (b"\xff\xfe\x00", "no readable YAML"),
+        (b"[" * 5000, "no readable YAML"),
+        (b"&a [*a]: 1", "no readable YAML"),
+        (b"image: " + b"x" * 70_000, "valid are up to 65536"),
+    ],
+)
+def test_a_broken_yaml_is_refused(load, text, complaint):
+    refused(load, complaint, text=text)
+
+
+@pytest.mark.parametrize(
+    ("picture", "complaint"),
+    [
+        (b"", "no picture of a known kind; valid are PGM, PNG and BMP"),
+        (b"GIF89a", "no picture of a known kind"),
+        (b"P5", "no picture of a known kind"),
+        (b"P5 x", "PGM header is damaged"),
+        (b"P5 3 2 255\n12345", "holds too little"),
+        (b"P5 3 2 0\n123456", "brightest value"),
+        (b"P5 3 2 70000\n123456", "brightest value"),
+        (b"P5 0 2 255\n", "the picture is 0 x 2 px"),
+        (b"P5 40000 1 255\n", "the picture is 40000 x 1 px"),
+        (b"P5 31000 31000 255\n", "the picture is 31000 x 31000 px"),
+        (b"P2 2 1 255\n1 x", "PGM digits are damaged"),
+        (b"P2 2 1 255\n1", "holds too little"),
+        (PNG[:20], "ends within its header"),
+        (PNG[:50], "the picture is damaged"),
+        (PNG[:45] + b"!" + PNG[46:], "the picture is damaged"),
+        (png_of_size(31_000, 31_000), "the picture is 31000 x 31000 px; valid are 1 to 32000"),
+        (png_of_size(0, 5), "the picture is 0 x 5 px"),
+        (BMP[:16], "ends within its header"),
+        (BMP[:-3], "the picture is damaged"),
+        (BMP[:18] + struct.pack("<ii", 30_000, -30_000) + BMP[26:], "30000 x 30000 px"),
+    ],
+)
+def test_a_damaged_or_huge_picture_is_refused(load, picture, complaint):
+    refused(load, complaint, picture)
+
+
+def test_a_picture_of_a_gigabyte_is_refused_unread(tmp_path, load):
+    with (tmp_path / "huge.pgm").open("wb") as file:
+        file.write(b"P5 30000 2000 255\n")
+        file.truncate(1 << 30)
+    refused(load, "1073741824 bytes; valid are up to", image="huge.pgm")
+
+
+def test_an_absent_map_is_refused(tmp_path):
+    with pytest.raises(MapError, match="there is no such file"):
+        load_map_yaml(tmp_path / "absent.yaml")
+
+
+any_bytes = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@any_bytes
+@given(st.binary(max_size=100))
+def test_any_yaml_is_a_map_error(load, text):
+    with pytest.raises(MapError):
+        load(text=text)
+
+
+@any_bytes
+@given(
+    st.sampled_from([b"", b"P5 ", b"P2 ", b"P5 3 2 255\n", PNG[:8], PNG[:41], b"BM", BMP[:54]]),
+    st.binary(max_size=100),
+)
+def test_any_picture_is_a_map_or_a_map_error(load, start, rest):
+    try:
+        grid = load(start + rest)
+    except MapError as error:
+        assert "\n" not in str(error)
+    else:
+        assert grid.data.size
