@@ -46,6 +46,8 @@ browser:
 .venv/installed: pyproject.toml constraints.txt | .venv/bin/python
 	@echo "Setting up .venv (once) ..."
 	@$(PIP) --editable .
+	@echo "Compiling (once) ..."
+	@$(BIN)/python -m app.warm_up
 	@touch $@
 
 .venv/installed-dev: .venv/installed
