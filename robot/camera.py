@@ -6,6 +6,8 @@ The lens is the pinhole with radial and tangential distortion that ROS calls ``p
 
 from __future__ import annotations
 
+import math
+import re
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,8 +16,12 @@ from typing import Any
 import cv2
 import numpy as np
 import yaml
+from numpy.typing import NDArray
 
 from robot.geometry import Array
+
+FOUND_PX = 0.01
+"""How closely a direction must lead back to the pixel it was searched for [px]."""
 
 
 class CameraError(ValueError):
@@ -41,28 +47,45 @@ class Lens:
         Beyond the widest angle at which the distortion is one-to-one the pixel is nan too: there
         the polynomial folds back and would put far points into the picture.
         """
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             ideal = points[:, :2] / points[:, 2:]
-            seen = (points[:, 2] > 1e-9) & ((ideal**2).sum(axis=1) < self._widest_radius**2)
-        pixels = np.full((len(points), 2), np.nan)
-        if seen.any():
-            on_plane = np.column_stack([ideal[seen], np.ones(int(seen.sum()))])
-            found, _ = cv2.projectPoints(
-                on_plane, np.zeros(3), np.zeros(3), self.matrix, self.distortion
-            )
-            pixels[seen] = found.reshape(-1, 2)
+            pixels = self._distorted(ideal)
+            pixels[~((points[:, 2] > 1e-9) & self._one_to_one(ideal))] = np.nan
         return pixels
 
     def unproject(self, pixels: Array) -> Array:
-        """Directions (n, 3), with z = 1, in the camera frame that pixels (n, 2) look along."""
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-12)
+        """Directions (n, 3), with z = 1, in the camera frame that pixels (n, 2) look along.
+
+        They are nan where the model has none: far out, a lens may bend no ray to a pixel.
+        """
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 1000, 1e-12)
         ideal = cv2.undistortPoints(
             pixels.reshape(-1, 1, 2).astype(np.float64),
             self.matrix,
             self.distortion,
             criteria=criteria,
         ).reshape(-1, 2)
-        return np.column_stack([ideal, np.ones(len(ideal))])
+        directions: Array = np.column_stack([ideal, np.ones(len(ideal))]).astype(np.float64)
+        # The search ends somewhere even if there is nothing to be found.
+        off = np.abs(self.project(directions) - pixels).max(axis=1)
+        directions[~(off < FOUND_PX)] = np.nan
+        return directions
+
+    def _distorted(self, ideal: Array) -> Array:
+        """Pixels (n, 2) of ideal image coordinates (n, 2), by Brown's formula."""
+        k1, k2, p1, p2, k3 = self.distortion
+        x, y = ideal.T
+        xy, r2 = x * y, x * x + y * y
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+        bent_x = x * radial + 2 * p1 * xy + p2 * (r2 + 2 * x * x)
+        bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * xy
+        (fx, _, cx), (_, fy, cy), _ = self.matrix
+        return np.column_stack([fx * bent_x + cx, fy * bent_y + cy])
+
+    def _one_to_one(self, ideal: Array) -> NDArray[np.bool_]:
+        """Whether ideal image coordinates (n, 2) are so far in that no others share their pixel."""
+        within: NDArray[np.bool_] = (ideal**2).sum(axis=1) < self._widest_radius**2
+        return within
 
     @cached_property
     def _widest_radius(self) -> float:
@@ -82,45 +105,70 @@ class Lens:
             CameraError: the file cannot be read, or a value cannot be right; names it.
         """
         try:
-            content = yaml.safe_load(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+            # Values stay text here: what a YAML tag asks for is not made.
+            content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
+        except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
             raise CameraError(f"{path}: no readable camera_info YAML: {error}") from error
         if not isinstance(content, dict):
             raise CameraError(f"{path}: expected the keys of a camera_info file")
         try:
             return cls(
-                width=int(content["image_width"]),
-                height=int(content["image_height"]),
-                matrix=_matrix(content["camera_matrix"], 9).reshape(3, 3),
+                width=_whole(content, "image_width"),
+                height=_whole(content, "image_height"),
+                matrix=_numbers(content, "camera_matrix", 9).reshape(3, 3),
                 distortion=_distortion(content),
-                readout=float(content.get("rolling_shutter_readout", 0.0)),
+                readout=_finite(content.get("rolling_shutter_readout", "0")),
             )
         except KeyError as error:
             raise CameraError(f"{path}: the key {error} is missing") from error
-        except (TypeError, ValueError) as error:
+        except ValueError as error:
             raise CameraError(f"{path}: {error}") from error
 
     def __post_init__(self) -> None:
         if not (1 <= self.width <= 16384 and 1 <= self.height <= 16384):
             raise CameraError(f"a picture of {self.width} x {self.height} px; valid is 1 to 16384")
-        if self.matrix[0, 0] <= 0 or self.matrix[1, 1] <= 0:
+        if not (self.matrix[0, 0] > 0 and self.matrix[1, 1] > 0):
             raise CameraError("the focal lengths in camera_matrix must be positive")
+        if self.matrix[[0, 1, 2, 2, 2], [1, 0, 0, 1, 2]].tolist() != [0, 0, 0, 0, 1]:
+            raise CameraError("camera_matrix must be fx 0 cx, 0 fy cy, 0 0 1")
         if not 0 <= self.readout < 1:
             raise CameraError(f"rolling_shutter_readout is {self.readout} s; valid is 0 to 1")
 
 
-def _matrix(entry: Any, count: int) -> Array:
-    data = np.array(entry["data"], dtype=np.float64)
-    if data.shape != (count,) or not np.isfinite(data).all():
-        raise ValueError(f"expected {count} finite numbers under data, found {entry['data']!r}")
-    return data
+def _whole(content: dict[str, Any], key: str) -> int:
+    text = content[key]
+    if not (isinstance(text, str) and re.fullmatch(r"\d{1,9}", text)):
+        raise ValueError(f"{key} is {_shown(text)}; valid is a whole number")
+    return int(text)
+
+
+def _finite(text: Any) -> float:
+    """A text as a number; nan if it is none."""
+    try:
+        return float(text) if isinstance(text, str) else math.nan
+    except ValueError:
+        return math.nan
+
+
+def _numbers(content: dict[str, Any], key: str, count: int) -> Array:
+    entry = content[key]
+    data = entry.get("data") if isinstance(entry, dict) else None
+    values = np.array([_finite(text) for text in data] if isinstance(data, list) else [])
+    if len(values) != count or not np.isfinite(values).all():
+        raise ValueError(f"{key} needs a list of {count} finite numbers under data")
+    return values
+
+
+def _shown(value: Any) -> str:
+    # Lists are not shown: by aliases, a few lines of YAML can hold billions of values.
+    return repr(value)[:80] if isinstance(value, str) else type(value).__name__
 
 
 def _distortion(content: dict[str, Any]) -> Array:
     model = content.get("distortion_model", "plumb_bob")
     if model != "plumb_bob":
-        raise ValueError(f"distortion_model is {model!r}; valid is plumb_bob")
-    return _matrix(content["distortion_coefficients"], 5)
+        raise ValueError(f"distortion_model is {_shown(model)}; valid is plumb_bob")
+    return _numbers(content, "distortion_coefficients", 5)
 
 
 @dataclass(frozen=True)
