@@ -7,13 +7,18 @@ the full turn, are one cluster.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from robot.geometry import Array, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis
+
+_NEIGHBOURS = np.array([step for step in product((-1, 0, 1), repeat=3) if step > (0, 0, 0)]).T
+"""Half of the 26 cells around one (3, 13): the other half are neighbours the other way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,30 +72,21 @@ def _describe(poses: Array, weights: Array) -> Hypothesis:
 
 
 def _connected(index: NDArray[np.int64], turns: int) -> tuple[NDArray[np.int64], int]:
-    """Cluster of each particle in cells (n, 3), counted from 0, and their number."""
-    width, height = (index[:, :2].max(axis=0) + 1).tolist()
-    occupied = np.zeros((width, height, turns), dtype=bool)
-    occupied[tuple(index.T)] = True
-    labels, count = label(occupied, structure=np.ones((3, 3, 3)))
-    merged = _join_round_turn(labels, count)
-    found, of_particle = np.unique(merged[labels[tuple(index.T)]], return_inverse=True)
-    return of_particle, len(found)
+    """Cluster of each particle in cells (n, 3), counted from 0, and their number.
 
-
-def _join_round_turn(labels: NDArray[np.signedinteger], count: int) -> NDArray[np.int64]:
-    """New label of each label, with those that touch across -pi joined."""
-    parent = np.arange(count + 1)
-    first, last = labels[:, :, 0], labels[:, :, -1]
-    if not (first.any() and last.any()):
-        return parent
-    padded = np.pad(last, 1)
-    for dx in range(3):
-        for dy in range(3):
-            beside = padded[dx : dx + first.shape[0], dy : dy + first.shape[1]]
-            touching = (first > 0) & (beside > 0)
-            pairs = np.unique(np.column_stack([first[touching], beside[touching]]), axis=0)
-            for a, b in pairs:
-                root_a, root_b = parent[a], parent[b]
-                if root_a != root_b:
-                    parent[parent == max(root_a, root_b)] = min(root_a, root_b)
-    return parent
+    Only occupied cells are looked at: a box around particles that are far apart would not fit into
+    memory.
+    """
+    inner = np.add(index, (1, 1, 0))  # so that neighbours across the border are cells, too
+    width, height, _ = (inner.max(axis=0) + 2).tolist()
+    shape = (width, height, turns)
+    keys, of_particle = np.unique(np.ravel_multi_index(tuple(inner.T), shape), return_inverse=True)
+    x, y, theta = np.unravel_index(keys, shape)
+    dx, dy, turn = _NEIGHBOURS[:, :, None]
+    beside = np.ravel_multi_index((x + dx, y + dy, (theta + turn) % turns), shape)
+    place = np.searchsorted(keys, beside).clip(max=len(keys) - 1)
+    direction, cell = np.nonzero(keys[place] == beside)
+    touching = (np.ones(len(cell), dtype=bool), (cell, place[direction, cell]))
+    graph = coo_array(touching, shape=(len(keys), len(keys)))
+    count, labels = connected_components(graph, directed=False)
+    return labels[of_particle].astype(np.int64), int(count)
