@@ -102,9 +102,6 @@ def _clamp(value: float, limit: float) -> float:
 
 def _ramp(now: float, wanted: float, gain: float, loss: float) -> float:
     """One step from one speed towards another; slowing down may be quicker than speeding up."""
-    if now * wanted < 0:
-        wanted_here = 0.0  # through standstill first
-    else:
-        wanted_here = wanted
+    wanted_here = 0.0 if now * wanted < 0 else wanted  # through standstill first
     step = gain if abs(wanted_here) > abs(now) else loss
     return now + _clamp(wanted_here - now, step)

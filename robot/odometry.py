@@ -94,7 +94,7 @@ class Odometry:
 
     def _advance(self, last: OdometryState, reading: Reading, turned: Array) -> OdometryState:
         duration = reading.stamp - last.stamp
-        if duration <= 0:
+        if not duration > 0:
             raise ValueError(
                 f"a reading at {reading.stamp:.6f} s follows one at {last.stamp:.6f} s; "
                 "stamps must rise"

@@ -120,7 +120,7 @@ def judge_pairs(
     Returns:
         For each ray the nearest pair that counts, or the one that came closest to counting:
         its index (k,), the ``Verdict`` (k,), its measured width (k,) [m] and the unit normal of
-        its entry edge (k, 2), toward the rays' side.
+        its entry edge (k, 2), toward the rays' side; nan where no line was found.
     """
     rays = entries.shape[0]
     chosen = np.zeros(rays, dtype=np.int8)
@@ -155,7 +155,7 @@ def _fit_edge(
 ) -> int:
     """The line through a pair's entry and its neighbours, to both sides or to one.
 
-    Puts the unit normal and the worst distance into ``line`` (3,).
+    Puts the unit normal and the worst distance into ``line`` (3,): nan and inf without a line.
     """
     points = np.empty((2 * NEIGHBOURS + 1, 2))
     middle = NEIGHBOURS
@@ -163,7 +163,7 @@ def _fit_edge(
     left = _collect(entries, ray, pair, -1, support, points, middle)
     right = _collect(entries, ray, pair, 1, support, points, middle)
     verdict = _TOO_SHORT
-    line[2] = np.inf
+    line[:] = np.nan, np.nan, np.inf
     trial = np.empty(3)
     # Both halves first: it is the best fit; beside a corner or an end one side alone is straight.
     for first, last in (

@@ -52,8 +52,10 @@ class DifferentialMotion:
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
         """Draw where each particle went."""
         distance = math.hypot(moved.x, moved.y)
-        # Turning on the spot has no direction of travel.
-        turn1 = math.atan2(moved.y, moved.x) if distance > STANDING_M else 0.0
+        # Turning on the spot has no direction of travel: the step is taken as it is, then a turn.
+        standing = distance <= STANDING_M
+        turn1 = 0.0 if standing else math.atan2(moved.y, moved.x)
+        ahead, aside = (moved.x, moved.y) if standing else (distance, 0.0)
         turn2 = wrap_angle(moved.theta - turn1)
         small1, small2 = _either_way(turn1), _either_way(turn2)
         sd_turn1 = math.sqrt(self.alpha1 * small1**2 + self.alpha2 * distance**2)
@@ -61,10 +63,10 @@ class DifferentialMotion:
         sd_distance = math.sqrt(self.alpha3 * distance**2 + self.alpha4 * (small1**2 + small2**2))
         noise = rng.standard_normal((3, len(poses)))
         first = turn1 + sd_turn1 * noise[0]
-        travel = distance + sd_distance * noise[1]
+        travel = ahead + sd_distance * noise[1]
         last = turn2 + sd_turn2 * noise[2]
         turned = compose(poses, _turn(first))
-        straight = np.column_stack([travel, np.zeros_like(travel), last])
+        straight = np.column_stack([travel, np.full_like(travel, aside), last])
         return compose(turned, straight)
 
 

@@ -53,7 +53,8 @@ def temper(log_likelihood: Array, weights: Array, exponent: float, effective: fl
     ``effective`` particles: a likelihood that is sharper than the cloud is dense would leave one
     particle, and that a random one. (Annealing the likelihood; Deutscher, Blake and Reid 2000.)
     """
-    centred = log_likelihood - log_likelihood.max()
+    # Above the best of those that still count nothing can be: there the product would overflow.
+    centred = np.minimum(log_likelihood - log_likelihood[weights > 0].max(), 0.0)
 
     def at(power: float) -> Array:
         product = weights * np.exp(power * centred)
