@@ -42,7 +42,7 @@ const drive = new DrivePanel(connection);
 const camera = new CameraPanel(loop, drawn);
 const map = new MapPanel(loop, order);
 const plots = new PlotsPanel(loop, history);
-const filter = new FilterPanel(connection, order, () => map.scatter());
+const filter = new FilterPanel(connection, order, () => map.telling.scatter());
 const view3d = new View3d(appearance, order, (target) => drive.keys.listen(target));
 const tabs = new PhoneTabs();
 const probe = exposeProbe((x, y) => map.toPage(x, y));
@@ -54,7 +54,11 @@ let delay = null;
 let fieldName = "";
 const writeWords = loop.add(() => telemetry && describe(telemetry), { hertz: WORDS_HERTZ });
 
-/** Send a command; when it is refused, say why. @param {Command} command @returns {Promise<boolean>} */
+/**
+ * Send a command; when it is refused, say why.
+ * @param {Command} command
+ * @returns {Promise<boolean>}
+ */
 async function order(command) {
   try {
     await connection.send(command);

@@ -3,7 +3,10 @@ import { palette } from "../page/palette.js";
 
 /** @typedef {import("../messages").ScanMessage} ScanMessage */
 /** @typedef {[number, number]} Point */
-/** @typedef {{left: number, top: number, scale: number}} Placement where the picture lies on the canvas */
+/**
+ * @typedef {{left: number, top: number, scale: number}} Placement where the picture lies on the
+ *   canvas
+ */
 
 const MOST_POINTS = 16;
 /** Radius of a mark [CSS px]. */
@@ -15,7 +18,12 @@ export function thin(ray) {
   return ray.filter((_, i) => i % stride === 0 || i === ray.length - 1);
 }
 
-/** The part of a ray up to a point on it. @param {Point[]} ray @param {Point} end @returns {Point[]} */
+/**
+ * The part of a ray up to a point on it.
+ * @param {Point[]} ray
+ * @param {Point} end
+ * @returns {Point[]}
+ */
 export function cut(ray, end) {
   const [u, v] = ray[0];
   const reach = Math.hypot(end[0] - u, end[1] - v);
@@ -28,7 +36,13 @@ export function nearestRay(rays, [u, v]) {
   return gaps.indexOf(Math.min(...gaps));
 }
 
-/** Distance of (u, v) from the segment a-b [px]. @param {Point} a @param {Point} b @param {number} u @param {number} v */
+/**
+ * Distance of (u, v) from the segment a-b [px].
+ * @param {Point} a
+ * @param {Point} b
+ * @param {number} u
+ * @param {number} v
+ */
 function gap(a, b, u, v) {
   const [du, dv] = [b[0] - a[0], b[1] - a[1]];
   const along = ((u - a[0]) * du + (v - a[1]) * dv) / (du * du + dv * dv || 1);
@@ -54,7 +68,12 @@ export function drawOverlay(context, placement, rays, scan, selected) {
   context.restore();
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Point[][]} rays @param {ScanMessage} scan @param {number} pixel */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Point[][]} rays
+ * @param {ScanMessage} scan
+ * @param {number} pixel
+ */
 function drawRays(context, rays, scan, pixel) {
   const hits = new Path2D();
   const misses = new Path2D();
@@ -62,7 +81,7 @@ function drawRays(context, rays, scan, pixel) {
     const entry = scan.entry_px[i];
     trace(entry ? hits : misses, entry ? cut(ray, entry) : ray);
   });
-  context.strokeStyle = palette.rays;
+  context.strokeStyle = palette["floor-beam"];
   context.lineWidth = 0.9 * pixel;
   context.globalAlpha = 0.8;
   context.stroke(hits);
@@ -103,10 +122,17 @@ function drawExits(context, scan, pixel) {
     bars.moveTo(point[0], point[1] - RING * pixel);
     bars.lineTo(point[0], point[1] + RING * pixel);
   }
-  twice(context, bars, pixel, "#000", palette.rays);
+  twice(context, bars, pixel, "#000", palette["floor-beam"]);
 }
 
-/** A line with a rim, so that it shows on tape and on floor. @param {CanvasRenderingContext2D} context @param {Path2D} path @param {number} pixel @param {string} rim @param {string} colour */
+/**
+ * A line with a rim, so that it shows on tape and on floor.
+ * @param {CanvasRenderingContext2D} context
+ * @param {Path2D} path
+ * @param {number} pixel
+ * @param {string} rim
+ * @param {string} colour
+ */
 function twice(context, path, pixel, rim, colour) {
   context.strokeStyle = rim;
   context.lineWidth = 2.4 * pixel;

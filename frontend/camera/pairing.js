@@ -50,7 +50,8 @@ export class Pairing {
     const newest = this.#pictures.at(-1);
     if (!newest) return { pair: this.shown, waiting: false };
     const hopeful = now - this.#paired < SCANS_COME_MS && now - newest.arrived < PATIENCE_MS;
-    if (this.#scans.has(newest.stamp) || !hopeful) return { pair: this.#show(newest, now), waiting: false };
+    if (this.#scans.has(newest.stamp) || !hopeful)
+      return { pair: this.#show(newest, now), waiting: false };
     const older = this.#pictures.findLast((picture) => this.#scans.has(picture.stamp));
     return { pair: older ? this.#show(older, now) : this.shown, waiting: true };
   }

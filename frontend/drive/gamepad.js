@@ -44,7 +44,9 @@ export class GamepadInput {
     const pad = this.#pad;
     if (!pad || document.hidden) return;
     this.#buttons(pad);
-    const [turn, forward] = [-pad.axes[0], -pad.axes[1]].map((axis) => (Math.abs(axis) < DEAD ? 0 : shape(axis)));
+    const [turn, forward] = [-pad.axes[0], -pad.axes[1]].map((axis) =>
+      Math.abs(axis) < DEAD ? 0 : shape(axis),
+    );
     const held = forward !== 0 || turn !== 0;
     // After a stop the stick must come back to the middle before it drives again.
     if (!held) this.#armed = true;

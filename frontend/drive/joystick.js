@@ -59,7 +59,8 @@ export class Joystick {
   #letGo() {
     const pointer = this.#pointer;
     this.#pointer = -1;
-    if (pointer >= 0 && this.base.hasPointerCapture(pointer)) this.base.releasePointerCapture(pointer);
+    if (pointer >= 0 && this.base.hasPointerCapture(pointer))
+      this.base.releasePointerCapture(pointer);
   }
 }
 

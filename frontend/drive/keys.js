@@ -1,7 +1,10 @@
 // @ts-check
 /** @typedef {import("./lease.js").Drive} Drive */
 
-/** Physical keys, so that W A S D lie under the fingers on every layout. @type {Record<string, [number, number]>} */
+/**
+ * Physical keys, so that W A S D lie under the fingers on every layout.
+ * @type {Record<string, [number, number]>}
+ */
 const KEYS = {
   KeyW: [1, 0],
   ArrowUp: [1, 0],
@@ -40,7 +43,8 @@ export class Keys {
       if (!event.repeat) this.drive.stop();
       return take(event);
     }
-    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+    if (!(event.code in KEYS) || event.ctrlKey || event.metaKey || event.altKey || event.shiftKey)
+      return;
     if (ownsKey(event.target, event.code)) return;
     take(event);
     // A key that still repeats after a stop must be pressed anew.
@@ -79,7 +83,11 @@ function typesText(target) {
   return element?.tagName === "INPUT" && TEXT_TYPES.includes(element.type);
 }
 
-/** Whether the focused element has a use of its own for the key. @param {EventTarget | null} target @param {string} code */
+/**
+ * Whether the focused element has a use of its own for the key.
+ * @param {EventTarget | null} target
+ * @param {string} code
+ */
 function ownsKey(target, code) {
   const element = /** @type {Element | null} */ (target);
   if (element?.tagName === "SELECT") return true;

@@ -28,7 +28,10 @@ export class Drive {
   /** @type {Set<() => void>} */
   #stopListeners = new Set();
 
-  /** @param {(command: Command) => void} send @param {() => void} changed called when what drives changes */
+  /**
+   * @param {(command: Command) => void} send
+   * @param {() => void} changed called when what drives changes
+   */
   constructor(send, changed) {
     this.send = send;
     this.changed = changed;

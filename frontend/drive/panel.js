@@ -19,7 +19,10 @@ export class DrivePanel {
 
   /** @param {Connection} connection */
   constructor(connection) {
-    this.drive = new Drive((command) => connection.post(command), () => this.#show());
+    this.drive = new Drive(
+      (command) => connection.post(command),
+      () => this.#show(),
+    );
     const knob = find("knob", HTMLElement);
     this.joystick = new Joystick(find("joystick", HTMLElement), knob, this.drive);
     this.keys = new Keys(this.drive);

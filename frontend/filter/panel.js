@@ -11,7 +11,10 @@ import { ParameterRow } from "./row.js";
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 /** @typedef {import("./row.js").Value} Value */
 
-/** What students turn first, in plain words; the rest follows by groups under its own name. @type {Record<string, string>} */
+/**
+ * What students turn first, in plain words; the rest follows by groups under its own name.
+ * @type {Record<string, string>}
+ */
 const FIRST = {
   sigma_hit: "Hit spread",
   z_rand: "False share",
@@ -38,7 +41,11 @@ export class FilterPanel {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
 
-  /** @param {Connection} connection @param {(command: Command) => Promise<boolean>} order @param {() => void} scatter */
+  /**
+   * @param {Connection} connection
+   * @param {(command: Command) => Promise<boolean>} order
+   * @param {() => void} scatter
+   */
   constructor(connection, order, scatter) {
     this.connection = connection;
     this.#pause.onclick = () => order({ type: this.#paused ? "resume" : "pause" });
@@ -59,7 +66,10 @@ export class FilterPanel {
   /** @param {TelemetryMessage} telemetry */
   describe({ particles, filter }) {
     const paused = filter.paused ? "paused, " : "";
-    setText(this.#hint, `${paused}${particles.count} particles, ${plain(particles.effective)} effective`);
+    setText(
+      this.#hint,
+      `${paused}${particles.count} particles, ${plain(particles.effective)} effective`,
+    );
     this.#paused = filter.paused;
     setText(this.#pause, filter.paused ? "resume" : "pause");
   }
@@ -74,7 +84,8 @@ export class FilterPanel {
       if (this.#rows.size === 0) setText(this.#list, `No parameters: ${sentence(error)}`);
       return;
     }
-    const same = parameters.length === this.#rows.size && parameters.every(({ name }) => this.#rows.has(name));
+    const same =
+      parameters.length === this.#rows.size && parameters.every(({ name }) => this.#rows.has(name));
     if (!same) this.#build(parameters);
     for (const { name, value } of parameters) {
       const row = this.#rows.get(name);
@@ -90,10 +101,15 @@ export class FilterPanel {
   /** @param {ParameterMessage[]} parameters */
   #build(parameters) {
     this.#rows.clear();
-    const first = Object.keys(FIRST).flatMap((name) => parameters.filter((one) => one.name === name));
+    const first = Object.keys(FIRST).flatMap((name) =>
+      parameters.filter((one) => one.name === name),
+    );
     const rest = parameters.filter((one) => !first.includes(one));
     const groups = Object.entries(GROUPS).map(([group, title]) =>
-      this.#group(title, rest.filter((one) => one.group === group)),
+      this.#group(
+        title,
+        rest.filter((one) => one.group === group),
+      ),
     );
     this.#list.replaceChildren(this.#group("Most used", first), ...groups);
   }
@@ -101,7 +117,8 @@ export class FilterPanel {
   /** @param {string} title @param {ParameterMessage[]} parameters */
   #group(title, parameters) {
     const rows = parameters.map((parameter) => {
-      const change = (/** @type {string} */ name, /** @type {Value} */ value) => this.#want(name, value);
+      const change = (/** @type {string} */ name, /** @type {Value} */ value) =>
+        this.#want(name, value);
       const row = new ParameterRow(parameter, FIRST[parameter.name] ?? "", change);
       this.#rows.set(parameter.name, row);
       return row.element;
@@ -109,7 +126,11 @@ export class FilterPanel {
     return rows.length ? make("section", {}, make("h3", {}, title), ...rows) : "";
   }
 
-  /** Collect what is changed and send it together when the hand rests. @param {string} name @param {Value} value */
+  /**
+   * Collect what is changed and send it together when the hand rests.
+   * @param {string} name
+   * @param {Value} value
+   */
   #want(name, value) {
     this.#wanted.set(name, value);
     this.#timer ??= setTimeout(() => this.#send(), SETTLE_MS);

@@ -14,13 +14,23 @@ export class ParameterRow {
   /** Whether it is being changed here, so that news from the server must wait. */
   busy = false;
 
-  /** @param {ParameterMessage} parameter @param {string} words a plain name, or none @param {(name: string, value: Value) => void} changed */
+  /**
+   * @param {ParameterMessage} parameter
+   * @param {string} words a plain name, or none
+   * @param {(name: string, value: Value) => void} changed
+   */
   constructor(parameter, words, changed) {
     this.parameter = parameter;
     this.changed = changed;
     const { name, meaning } = parameter;
     const code = make("span", { class: words && "quiet" }, name);
-    const title = make("span", { class: "name", id: `name-${name}`, title: `${name}: ${meaning}` }, words, " ", code);
+    const title = make(
+      "span",
+      { class: "name", id: `name-${name}`, title: `${name}: ${meaning}` },
+      words,
+      " ",
+      code,
+    );
     const about = make("p", { class: "meaning", id: `meaning-${name}` }, meaning);
     this.#back.setAttribute("aria-label", `Set ${name} back to its default, ${parameter.default}`);
     this.#back.title = `default: ${this.#words(parameter.default)}`;

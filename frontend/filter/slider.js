@@ -16,7 +16,8 @@ export class SliderScale {
     this.high = high ?? Number(standard) + 4 * usual;
     this.integer = integer ?? false;
     if (this.low > 0 && this.high / this.low >= WIDE) this.bend = "log";
-    else if (this.low === 0 && Number(standard) > 0 && this.high / usual >= SKEWED) this.bend = "cube";
+    else if (this.low === 0 && Number(standard) > 0 && this.high / usual >= SKEWED)
+      this.bend = "cube";
     else this.bend = "straight";
   }
 

@@ -3,14 +3,21 @@ import { palette } from "../page/palette.js";
 
 /** @typedef {import("../messages").ParticlesMessage} ParticlesMessage */
 /** @typedef {import("./view.js").MapView} MapView */
-/** @typedef {{xs: Float32Array, ys: Float32Array, thetas: Float32Array, weights: Uint8Array}} Cloud */
+/**
+ * @typedef {{xs: Float32Array, ys: Float32Array, thetas: Float32Array, weights: Uint8Array}}
+ *   Cloud
+ */
 
 const BYTES = 8;
 /** Particles are drawn in so many steps of weight. */
 const STEPS = 6;
 const MOST_HEADINGS = 120;
 
-/** Unpack the particles; the layout is told at ParticlesMessage. @param {ParticlesMessage} message @returns {Cloud} */
+/**
+ * Unpack the particles; the layout is told at ParticlesMessage.
+ * @param {ParticlesMessage} message
+ * @returns {Cloud}
+ */
 export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {
   const text = atob(cloud);
   const bytes = new Uint8Array(text.length);
@@ -55,7 +62,12 @@ export function drawCloud(context, view, cloud) {
   drawHeadings(context, view, cloud);
 }
 
-/** Short strokes along the headings of some particles. @param {CanvasRenderingContext2D} context @param {MapView} view @param {Cloud} cloud */
+/**
+ * Short strokes along the headings of some particles.
+ * @param {CanvasRenderingContext2D} context
+ * @param {MapView} view
+ * @param {Cloud} cloud
+ */
 function drawHeadings(context, view, cloud) {
   const stride = Math.ceil(cloud.xs.length / MOST_HEADINGS) || 1;
   context.beginPath();

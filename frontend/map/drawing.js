@@ -12,7 +12,12 @@ import { roundUp } from "../plots/scale.js";
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
 const RADII_95 = 2.4477;
 
-/** Rays to their hits, from where the filter believed the robot at that moment. @param {Context} context @param {ScanMessage} scan @param {number} pixel [m] */
+/**
+ * Rays to their hits, from where the filter believed the robot at that moment.
+ * @param {Context} context
+ * @param {ScanMessage} scan
+ * @param {number} pixel [m]
+ */
 export function drawScan(context, { robot, robot_from_scan: offset, bearings, ranges }, pixel) {
   if (!robot) return;
   context.save();
@@ -38,7 +43,10 @@ export function drawScan(context, { robot, robot_from_scan: offset, bearings, ra
 
 /**
  * A robot's outline with its heading.
- * @param {Context} context @param {PoseMessage} pose @param {[number, number][]} outline [m] @param {number} pixel [m]
+ * @param {Context} context
+ * @param {PoseMessage} pose
+ * @param {[number, number][]} outline [m]
+ * @param {number} pixel [m]
  * @param {{colour: string, dash?: number[], fill?: number}} style
  */
 export function drawRobot(context, pose, outline, pixel, { colour, dash = [], fill = 0 }) {
@@ -61,7 +69,13 @@ export function drawRobot(context, pose, outline, pixel, { colour, dash = [], fi
   context.restore();
 }
 
-/** A pose that is being pointed out: an arrow of a fixed length, large enough to aim by. @param {Context} context @param {PoseMessage} pose @param {number} pixel [m] @param {string} colour */
+/**
+ * A pose that is being pointed out: an arrow of a fixed length, large enough to aim by.
+ * @param {Context} context
+ * @param {PoseMessage} pose
+ * @param {number} pixel [m]
+ * @param {string} colour
+ */
 export function drawAim(context, pose, pixel, colour) {
   context.save();
   enter(context, pose);
@@ -74,16 +88,31 @@ export function drawAim(context, pose, pixel, colour) {
   context.restore();
 }
 
-/** Where the robot is with 95 % certainty. @param {Context} context @param {EstimateMessage} estimate @param {number} pixel [m] */
+/**
+ * Where the robot is with 95 % certainty.
+ * @param {Context} context
+ * @param {EstimateMessage} estimate
+ * @param {number} pixel [m]
+ */
 export function drawCertainty(context, { x, y, covariance: [xx, xy, , , yy] }, pixel) {
   const mean = (xx + yy) / 2;
   const spread = Math.hypot((xx - yy) / 2, xy);
   const angle = Math.atan2(2 * xy, xx - yy) / 2;
-  const [long, short] = [mean + spread, mean - spread].map((s) => RADII_95 * Math.sqrt(Math.max(0, s)));
+  const [long, short] = [mean + spread, mean - spread].map(
+    (s) => RADII_95 * Math.sqrt(Math.max(0, s)),
+  );
   drawEllipse(context, x, y, [long, short], angle, palette["floor-estimate"], pixel);
 }
 
-/** @param {Context} context @param {number} x @param {number} y @param {number[]} radii [m] @param {number} angle @param {string} colour @param {number} pixel [m] */
+/**
+ * @param {Context} context
+ * @param {number} x
+ * @param {number} y
+ * @param {number[]} radii [m]
+ * @param {number} angle
+ * @param {string} colour
+ * @param {number} pixel [m]
+ */
 export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
   const path = new Path2D();
   path.ellipse(x, y, radii[0], radii[1], angle, 0, 2 * Math.PI);
@@ -93,7 +122,12 @@ export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
   stroke(context, path, colour, 1.5 * pixel, 0.9);
 }
 
-/** Places that look alike, each with its share of the weight. @param {Context} context @param {MapView} view @param {HypothesisMessage[]} hypotheses */
+/**
+ * Places that look alike, each with its share of the weight.
+ * @param {Context} context
+ * @param {MapView} view
+ * @param {HypothesisMessage[]} hypotheses
+ */
 export function drawHypotheses(context, view, hypotheses) {
   context.font = `bold ${palette.font}`;
   context.textBaseline = "middle";
@@ -125,10 +159,21 @@ export function drawScaleBar(context, view) {
   context.font = palette.font;
   context.textAlign = "right";
   context.textBaseline = "alphabetic";
-  label(context, metres >= 1 ? `${metres} m` : `${Math.round(metres * 1000)} mm`, right, bottom - 9);
+  label(
+    context,
+    metres >= 1 ? `${metres} m` : `${Math.round(metres * 1000)} mm`,
+    right,
+    bottom - 9,
+  );
 }
 
-/** Text with a rim, readable on floor, tape and page. @param {Context} context @param {string} text @param {number} u @param {number} v */
+/**
+ * Text with a rim, readable on floor, tape and page.
+ * @param {Context} context
+ * @param {string} text
+ * @param {number} u
+ * @param {number} v
+ */
 function label(context, text, u, v) {
   context.lineJoin = "round";
   context.lineWidth = 4;
@@ -144,7 +189,13 @@ function enter(context, { x, y, theta }) {
   context.rotate(theta);
 }
 
-/** @param {Context} context @param {Path2D} path @param {string} colour @param {number} width @param {number} alpha */
+/**
+ * @param {Context} context
+ * @param {Path2D} path
+ * @param {string} colour
+ * @param {number} width
+ * @param {number} alpha
+ */
 function stroke(context, path, colour, width, alpha) {
   context.strokeStyle = colour;
   context.lineWidth = width;

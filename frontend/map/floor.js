@@ -6,7 +6,10 @@ import { palette } from "../page/palette.js";
 /** Beyond this the picture is drawn straight from its source, which is then no smaller [px]. */
 const LARGEST = 2500;
 
-/** The picture of the field; kept in the size that is shown, as scaling it anew is most of a drawing's work. */
+/**
+ * The picture of the field; kept in the size that is shown, as scaling it anew is most of a
+ * drawing's work.
+ */
 export class Floor {
   /** @type {HTMLCanvasElement} */
   #scaled = document.createElement("canvas");
@@ -17,12 +20,19 @@ export class Floor {
     this.picture = picture;
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {MapView} view @param {number} ratio device pixels in a CSS pixel */
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {MapView} view
+   * @param {number} ratio device pixels in a CSS pixel
+   */
   draw(context, view, ratio) {
     const [xmin, ymin, xmax, ymax] = this.extent;
     const [left, top] = view.toScreen(xmin, ymax);
     const [right, bottom] = view.toScreen(xmax, ymin);
-    const source = this.#inSize(Math.round((right - left) * ratio), Math.round((bottom - top) * ratio));
+    const source = this.#inSize(
+      Math.round((right - left) * ratio),
+      Math.round((bottom - top) * ratio),
+    );
     context.drawImage(source, left, top, right - left, bottom - top);
     context.strokeStyle = palette.line;
     context.lineWidth = 1;

@@ -22,7 +22,13 @@ export class Gestures {
   /** @type {"none" | "pan" | "tool"} */
   #doing = "none";
 
-  /** @param {Surface} surface @param {MapView} view @param {Press} tool @param {() => void} changed @param {() => void} fit */
+  /**
+   * @param {Surface} surface
+   * @param {MapView} view
+   * @param {Press} tool
+   * @param {() => void} changed
+   * @param {() => void} fit
+   */
   constructor(surface, view, tool, changed, fit) {
     this.surface = surface;
     this.view = view;
@@ -70,13 +76,19 @@ export class Gestures {
     this.changed();
   }
 
-  /** One pointer pans; of two, each moves the middle by half and the distance zooms. @param {number} id @param {[number, number]} before @param {[number, number]} now */
+  /**
+   * One pointer pans; of two, each moves the middle by half and the distance zooms.
+   * @param {number} id
+   * @param {[number, number]} before
+   * @param {[number, number]} now
+   */
   #pinch(id, before, now) {
     const other = [...this.#pointers].find(([key]) => key !== id)?.[1];
     const share = other ? 2 : 1;
     this.view.pan((now[0] - before[0]) / share, (now[1] - before[1]) / share);
     if (!other) return;
-    const apart = (/** @type {[number, number]} */ at) => Math.hypot(at[0] - other[0], at[1] - other[1]);
+    const apart = (/** @type {[number, number]} */ at) =>
+      Math.hypot(at[0] - other[0], at[1] - other[1]);
     const middle = /** @type {const} */ ([(now[0] + other[0]) / 2, (now[1] + other[1]) / 2]);
     this.view.zoom(apart(now) / Math.max(1, apart(before)), ...middle);
   }
@@ -97,7 +109,10 @@ export class Gestures {
     this.changed();
   }
 
-  /** Plus, minus and 0 zoom, shift and arrows pan; plain arrows drive. @param {KeyboardEvent} event */
+  /**
+   * Plus, minus and 0 zoom, shift and arrows pan; plain arrows drive.
+   * @param {KeyboardEvent} event
+   */
   #key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === "+" || event.key === "=") this.zoom(1);

@@ -13,7 +13,10 @@ export class NumbersForm {
   #spread = findInput("spread-xy");
   #turn = findInput("spread-theta");
 
-  /** @param {(act: Act, pose: PoseMessage) => void} act @param {() => void} changed when the spread changes */
+  /**
+   * @param {(act: Act, pose: PoseMessage) => void} act
+   * @param {() => void} changed when the spread changes
+   */
   constructor(act, changed) {
     const form = find("numbers", HTMLFormElement);
     form.addEventListener("submit", (event) => {

@@ -9,7 +9,10 @@ const STEP_M = 0.004;
 /** Farther than this in one step is a jump, not a way. */
 const JUMP_M = 0.12;
 const MOST = 4000;
-/** Dashes and width in CSS pixels: the three differ without colour too. @type {Record<Who, {dash: number[], width: number}>} */
+/**
+ * Dashes and width in CSS pixels: the three differ without colour too.
+ * @type {Record<Who, {dash: number[], width: number}>}
+ */
 const STYLES = {
   truth: { dash: [], width: 3 },
   odometry: { dash: [7, 5], width: 2 },
@@ -66,7 +69,10 @@ export class Paths {
     for (const trail of Object.values(this.#trails)) trail.clear();
   }
 
-  /** @param {CanvasRenderingContext2D} context drawing in metres @param {number} pixel one CSS pixel [m] */
+  /**
+   * @param {CanvasRenderingContext2D} context drawing in metres
+   * @param {number} pixel one CSS pixel [m]
+   */
   draw(context, pixel) {
     context.lineJoin = "round";
     for (const who of /** @type {Who[]} */ (["truth", "odometry", "estimate"])) {

@@ -53,7 +53,12 @@ export class Undo {
   }
 }
 
-/** The pose, moved as odometry moved from one pose to another. @param {PoseMessage} pose @param {PoseMessage} from @param {PoseMessage} to */
+/**
+ * The pose, moved as odometry moved from one pose to another.
+ * @param {PoseMessage} pose
+ * @param {PoseMessage} from
+ * @param {PoseMessage} to
+ */
 function carry(pose, from, to) {
   const turn = pose.theta - from.theta;
   const [dx, dy] = [to.x - from.x, to.y - from.y];

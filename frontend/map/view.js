@@ -18,12 +18,18 @@ export class MapView {
 
   /** @param {number} x [m] @param {number} y [m] @returns {[number, number]} [CSS px] */
   toScreen(x, y) {
-    return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
+    return [
+      this.width / 2 + (x - this.x) * this.scale,
+      this.height / 2 - (y - this.y) * this.scale,
+    ];
   }
 
   /** @param {number} u [CSS px] @param {number} v [CSS px] @returns {[number, number]} [m] */
   toMap(u, v) {
-    return [this.x + (u - this.width / 2) / this.scale, this.y - (v - this.height / 2) / this.scale];
+    return [
+      this.x + (u - this.width / 2) / this.scale,
+      this.y - (v - this.height / 2) / this.scale,
+    ];
   }
 
   /** Show a rectangle whole. @param {number[]} extent xmin, ymin, xmax, ymax [m] */
@@ -40,7 +46,12 @@ export class MapView {
     this.y += dv / this.scale;
   }
 
-  /** Zoom so that the point under (u, v) stays. @param {number} factor @param {number} u @param {number} v */
+  /**
+   * Zoom so that the point under (u, v) stays.
+   * @param {number} factor
+   * @param {number} u
+   * @param {number} v
+   */
   zoom(factor, u = this.width / 2, v = this.height / 2) {
     const [x, y] = this.toMap(u, v);
     this.scale = clamp(this.scale * factor);
@@ -49,7 +60,10 @@ export class MapView {
     this.y += y - afterY;
   }
 
-  /** Draw in metres from here on; restore the context afterwards. @param {CanvasRenderingContext2D} context */
+  /**
+   * Draw in metres from here on; restore the context afterwards.
+   * @param {CanvasRenderingContext2D} context
+   */
   apply(context) {
     context.translate(this.width / 2, this.height / 2);
     context.scale(this.scale, -this.scale);

@@ -19,7 +19,11 @@ export const findButton = (id) => find(id, HTMLButtonElement);
 /** @param {string} id */
 export const findInput = (id) => find(id, HTMLInputElement);
 
-/** Write only what changed: setting the same text again costs layout. @param {Element} element @param {string} text */
+/**
+ * Write only what changed: setting the same text again costs layout.
+ * @param {Element} element
+ * @param {string} text
+ */
 export function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }

@@ -22,7 +22,11 @@ export function minutes(seconds) {
   return h ? `${h}:${rest}` : rest;
 }
 
-/** Fixed digits, a true minus sign and never "-0". @param {number} value @param {number} [digits] */
+/**
+ * Fixed digits, a true minus sign and never "-0".
+ * @param {number} value
+ * @param {number} [digits]
+ */
 export function plain(value, digits = 0) {
   const text = value.toFixed(digits);
   return Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "−");
@@ -32,7 +36,9 @@ export function plain(value, digits = 0) {
 export function brief(value) {
   if (value === 0 || !Number.isFinite(value)) return plain(value);
   const figures = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(Math.abs(value)))));
-  return plain(value, figures).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+  return plain(value, figures)
+    .replace(/(\.\d*?)0+$/, "$1")
+    .replace(/\.$/, "");
 }
 
 /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b [m] */

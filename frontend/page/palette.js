@@ -5,9 +5,23 @@
  * light in both themes.
  */
 const NAMES = /** @type {const} */ ([
-  "text", "quiet", "line", "panel", "accent", "warning",
-  "truth", "odometry", "estimate", "rays",
-  "floor-truth", "floor-odometry", "floor-estimate", "floor-rays", "floor-draft", "floor-halo",
+  "text",
+  "quiet",
+  "line",
+  "panel",
+  "accent",
+  "warning",
+  "truth",
+  "odometry",
+  "estimate",
+  "rays",
+  "floor-truth",
+  "floor-odometry",
+  "floor-estimate",
+  "floor-rays",
+  "floor-draft",
+  "floor-halo",
+  "floor-beam",
 ]);
 
 /** @typedef {typeof NAMES[number]} ColourName */

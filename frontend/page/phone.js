@@ -5,7 +5,10 @@ import { Tabs } from "./tabs.js";
 /** As in style/phone.css: one panel at a time where the screen is small either way. */
 const PHONE = matchMedia("(max-width: 640px), (max-height: 500px)");
 
-/** On a phone the panels are tabs and the bar's numbers open on demand; on a wide screen all are there. */
+/**
+ * On a phone the panels are tabs and the bar's numbers open on demand; on a wide screen all are
+ * there.
+ */
 export class PhoneTabs {
   #list = find("tabs", HTMLElement);
   #tabs = new Tabs(this.#list, (name) => (document.body.dataset.tab = name));

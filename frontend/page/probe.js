@@ -7,7 +7,8 @@
  * @property {TelemetryMessage | null} telemetry the newest
  * @property {number[]} delays of the last pictures, from exposure to drawn [ms]
  * @property {boolean} connected whether telemetry comes
- * @property {(x: number, y: number) => [number, number]} mapPixel where a point of the map [m] is on the page [CSS px]
+ * @property {(x: number, y: number) => [number, number]} mapPixel where a point of the map [m] is
+ *   on the page [CSS px]
  */
 
 const MOST_DELAYS = 300;

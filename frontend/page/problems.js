@@ -1,5 +1,5 @@
 // @ts-check
-import { getJson } from "../wire/http.js";
+import { HttpError, getJson } from "../wire/http.js";
 import { find, findButton, make, setText } from "./elements.js";
 import { minutes } from "./format.js";
 
@@ -9,6 +9,9 @@ import { minutes } from "./format.js";
 
 /** Telemetry older than this [ms] is no picture of the present. */
 const STALE_MS = 1500;
+/** So long [ms] a first connection may take without a word. */
+const PATIENCE_MS = 3000;
+/** @typedef {import("../messages").HealthMessage} HealthMessage */
 
 /** What is wrong now, in a line under the bar, and the record of what was. */
 export class Problems {
@@ -19,6 +22,11 @@ export class Problems {
   #list = find("record-items", HTMLElement);
   #known = -1;
   #heard = 0;
+  /**
+   * Why there is no news, in the program's own words; null before it was asked.
+   * @type {string | null}
+   */
+  #reason = null;
   /** @type {LinkState} */
   #link = "connecting";
   /** @type {string[]} */
@@ -35,6 +43,7 @@ export class Problems {
   /** @param {TelemetryMessage} telemetry */
   show(telemetry) {
     this.#heard = performance.now();
+    this.#reason = null;
     this.#present = telemetry.robot.connected
       ? telemetry.problems
       : ["The robot is not connected.", ...telemetry.problems];
@@ -59,7 +68,7 @@ export class Problems {
 
   #say() {
     const lines = this.#sentences();
-    setText(this.#banner, lines.join(" "));
+    setText(this.#banner, lines.join(" ").trim());
     document.body.dataset.stale = String(this.stale);
   }
 
@@ -68,9 +77,22 @@ export class Problems {
     if (this.#link === "lost") {
       return ["The connection is lost; trying again. The robot stops by itself."];
     }
-    if (this.#link === "connecting") return [];
-    if (this.stale) return ["No news from the robot: what is shown is old."];
-    return this.#present;
+    if (!this.stale) return this.#present;
+    if (this.#link === "connecting" && performance.now() < PATIENCE_MS) return [];
+    if (this.#reason === null) this.#askWhy();
+    return ["No news from the robot.", this.#reason ?? ""];
+  }
+
+  async #askWhy() {
+    this.#reason = "";
+    try {
+      /** @type {HealthMessage} */
+      const { status, detail } = await getJson("/api/health");
+      if (status !== "ok") this.#reason = detail;
+    } catch (error) {
+      // A program that has failed answers with why.
+      this.#reason = error instanceof HttpError ? error.message : "";
+    }
   }
 
   /** @param {boolean} open */
@@ -93,9 +115,11 @@ export class Problems {
     try {
       /** @type {ProblemsMessage} */
       const { problems } = await getJson("/api/problems");
-      items = problems.reverse().map(({ stamp, message }) =>
-        make("li", {}, make("time", {}, minutes(stamp)), ` ${message}`),
-      );
+      items = problems
+        .reverse()
+        .map(({ stamp, message }) =>
+          make("li", {}, make("time", {}, minutes(stamp)), ` ${message}`),
+        );
     } catch (error) {
       items = [make("li", {}, `The record could not be read: ${error}`)];
     }

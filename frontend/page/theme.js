@@ -3,7 +3,9 @@
 
 const SYSTEM = matchMedia("(prefers-color-scheme: dark)");
 
-/** Light or dark, small or large text: as the system has it until switched; kept in this browser. */
+/**
+ * Light or dark, small or large text: as the system has it until switched; kept in this browser.
+ */
 export class Appearance {
   /** @type {Set<() => void>} */
   #listeners = new Set();

@@ -13,7 +13,8 @@ export class Toasts {
 
   /** @param {string} text in plain words @param {"problem" | "note"} [kind] */
   show(text, kind = "problem") {
-    for (const old of [...this.list.children]) if (old.firstChild?.textContent === text) old.remove();
+    for (const old of [...this.list.children])
+      if (old.firstChild?.textContent === text) old.remove();
     const close = make("button", { type: "button", "aria-label": "Close this message" }, "×");
     const toast = make("li", { class: `toast ${kind}` }, make("span", {}, text), close);
     close.onclick = () => toast.remove();

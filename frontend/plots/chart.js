@@ -6,7 +6,10 @@ import { axisScale } from "./scale.js";
 /** @typedef {import("../page/surface.js").Surface} Surface */
 /** @typedef {import("./scale.js").Axis} Axis */
 /** @typedef {import("./scale.js").Scale} Scale */
-/** @typedef {{colour: string, dash: number[], xs: number[], ys: number[]}} Series NaN leaves a gap */
+/**
+ * @typedef {{colour: string, dash: number[], xs: number[], ys: number[]}} Series NaN leaves a
+ *   gap
+ */
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box */
 
 /**
@@ -30,7 +33,12 @@ export function drawChart(surface, chart) {
   const line = palette.fontSize;
   const ticks = axisScale(chart.y, 0, 1, surface.height / (line * 2.5)).ticks;
   const gutter = Math.max(...ticks.map((tick) => context.measureText(brief(tick)).width)) + 14;
-  const box = { left: gutter, top: line * 1.5, right: surface.width - 10, bottom: surface.height - line * 2 };
+  const box = {
+    left: gutter,
+    top: line * 1.5,
+    right: surface.width - 10,
+    bottom: surface.height - line * 2,
+  };
   const x = axisScale(chart.x, box.left, box.right, (box.right - box.left) / (line * 6));
   const y = axisScale(chart.y, box.bottom, box.top, surface.height / (line * 2.5));
   drawAxes(context, box, x, y, chart);
@@ -39,7 +47,13 @@ export function drawChart(surface, chart) {
   return x;
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Box} box @param {Scale} x @param {Scale} y @param {Chart} chart */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Box} box
+ * @param {Scale} x
+ * @param {Scale} y
+ * @param {Chart} chart
+ */
 function drawAxes(context, box, x, y, chart) {
   const line = palette.fontSize;
   context.strokeStyle = palette.line;
@@ -64,7 +78,13 @@ function drawAxes(context, box, x, y, chart) {
   }
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Box} box @param {Scale} x @param {Scale} y @param {Chart} chart */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Box} box
+ * @param {Scale} x
+ * @param {Scale} y
+ * @param {Chart} chart
+ */
 function drawGuides(context, box, x, y, { levels = [], marks = [], cursor = null }) {
   context.strokeStyle = palette.quiet;
   context.setLineDash([2, 4]);
@@ -81,7 +101,12 @@ function drawGuides(context, box, x, y, { levels = [], marks = [], cursor = null
   if (cursor !== null) segment(context, x.at(cursor), box.top, x.at(cursor), box.bottom);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Scale} x @param {Scale} y @param {Series} series */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {Scale} x
+ * @param {Scale} y
+ * @param {Series} series
+ */
 function drawSeries(context, x, y, { colour, dash, xs, ys }) {
   context.beginPath();
   let pen = false;
@@ -111,7 +136,13 @@ function clip(context, box, draw) {
   context.restore();
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 */
+/**
+ * @param {CanvasRenderingContext2D} context
+ * @param {number} x0
+ * @param {number} y0
+ * @param {number} x1
+ * @param {number} y1
+ */
 function segment(context, x0, y0, x1, y1) {
   context.beginPath();
   context.moveTo(Math.round(x0) + 0.5, Math.round(y0) + 0.5);

@@ -24,7 +24,11 @@ export class History {
   /** @type {Record<Quantity, number[]>} */
   values = { odometryError: [], estimateError: [], effective: [], count: [], loop: [], delay: [] };
 
-  /** @param {TelemetryMessage} telemetry @param {number | null} delay [ms] @returns {boolean} whether it was due */
+  /**
+   * @param {TelemetryMessage} telemetry
+   * @param {number | null} delay [ms]
+   * @returns {boolean} whether it was due
+   */
   add(telemetry, delay) {
     const newest = this.stamps.at(-1) ?? -Infinity;
     if (telemetry.stamp < newest) this.#drop(this.stamps.length);

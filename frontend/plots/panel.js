@@ -12,7 +12,10 @@ import { roundUp } from "./scale.js";
 /** @typedef {import("../page/palette.js").ColourName} ColourName */
 /** @typedef {import("./history.js").History} History */
 /** @typedef {import("./history.js").Quantity} Quantity */
-/** @typedef {{quantity: Quantity, name: string, unit: string, role: ColourName, dash: number[], digits: number}} Line */
+/**
+ * @typedef {{quantity: Quantity, name: string, unit: string, role: ColourName, dash: number[],
+ *   digits: number}} Line
+ */
 
 /** @type {Record<string, {label: string, floor: number, lines: Line[]}>} */
 const PLOTS = {
@@ -20,8 +23,22 @@ const PLOTS = {
     label: "mm",
     floor: 10,
     lines: [
-      { quantity: "estimateError", name: "estimate", unit: "mm", role: "estimate", dash: [], digits: 1 },
-      { quantity: "odometryError", name: "odometry", unit: "mm", role: "odometry", dash: [7, 4], digits: 1 },
+      {
+        quantity: "estimateError",
+        name: "estimate",
+        unit: "mm",
+        role: "estimate",
+        dash: [],
+        digits: 1,
+      },
+      {
+        quantity: "odometryError",
+        name: "odometry",
+        unit: "mm",
+        role: "odometry",
+        dash: [7, 4],
+        digits: 1,
+      },
     ],
   },
   particles: {
@@ -44,7 +61,10 @@ const PLOTS = {
 /** The lowest value of a logarithmic axis [mm]. */
 const LOG_FLOOR = 0.1;
 
-/** Numbers over the last half minute, one group at a time, with a value read out under the pointer. */
+/**
+ * Numbers over the last half minute, one group at a time, with a value read out under the
+ * pointer.
+ */
 export class PlotsPanel {
   #legend = find("plots-legend", HTMLElement);
   #readout = find("plots-readout", HTMLElement);
@@ -108,10 +128,17 @@ export class PlotsPanel {
     const series = this.#lines.map(({ quantity, role, dash }) => {
       return { colour: palette[role], dash, xs, ys: this.history.values[quantity] };
     });
-    const high = roundUp(Math.max(PLOTS[this.#shown].floor, ...series.flatMap(({ ys }) => ys.filter(Number.isFinite))));
+    const high = roundUp(
+      Math.max(PLOTS[this.#shown].floor, ...series.flatMap(({ ys }) => ys.filter(Number.isFinite))),
+    );
     this.#x = drawChart(this.surface, {
       x: { low: -SPAN_S, high: 0, label: "seconds" },
-      y: { low: this.#isLog ? LOG_FLOOR : 0, high, label: PLOTS[this.#shown].label, log: this.#isLog },
+      y: {
+        low: this.#isLog ? LOG_FLOOR : 0,
+        high,
+        label: PLOTS[this.#shown].label,
+        log: this.#isLog,
+      },
       series,
       cursor: this.#cursor,
     });
@@ -127,7 +154,10 @@ export class PlotsPanel {
       const text = Number.isFinite(value) ? `${plain(value, digits)} ${unit}` : "–";
       setText(this.#legend.children[i].getElementsByTagName("b")[0], text);
     });
-    setText(this.#readout, this.#cursor === null ? "last 30 s" : `${plain(-this.#cursor, 1)} s ago`);
+    setText(
+      this.#readout,
+      this.#cursor === null ? "last 30 s" : `${plain(-this.#cursor, 1)} s ago`,
+    );
   }
 
   /** @param {number} pixel */

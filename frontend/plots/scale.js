@@ -16,7 +16,9 @@
  */
 
 /**
- * @param {Axis} axis @param {number} from pixel of the low end @param {number} to pixel of the high end
+ * @param {Axis} axis
+ * @param {number} from pixel of the low end
+ * @param {number} to pixel of the high end
  * @param {number} most about so many ticks
  * @returns {Scale}
  */
@@ -36,10 +38,16 @@ export function axisScale(axis, from, to, most) {
 /** The next 1, 2 or 5 times a power of ten. @param {number} value above zero */
 export function roundUp(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
-  return (([1, 2, 5].find((one) => one * decade >= value * 0.999999) ?? 10)) * decade;
+  return ([1, 2, 5].find((one) => one * decade >= value * 0.999999) ?? 10) * decade;
 }
 
-/** Steps that end on the high end where there are such. @param {number} low @param {number} high @param {number} most @returns {number[]} */
+/**
+ * Steps that end on the high end where there are such.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} most
+ * @returns {number[]}
+ */
 function roundTicks(low, high, most) {
   const wanted = roundUp((high - low || 1) / Math.max(2, most));
   const steps = [wanted, 1.25 * wanted, 2.5 * wanted, 2 * wanted];

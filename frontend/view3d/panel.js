@@ -12,7 +12,8 @@ import { calm, findWebGl } from "./webgl.js";
 const EYE = [-0.42, -0.6, 0.62];
 const LATER_MS = 500;
 /** viser's own notices and, in a narrow frame, its controls would lie over the scene. */
-const QUIET = ".mantine-Notifications-root, #root .mantine-Paper-root { display: none !important; }";
+const QUIET =
+  ".mantine-Notifications-root, #root .mantine-Paper-root { display: none !important; }";
 
 /** viser's scene in a frame of its own, loaded when it is first seen. */
 export class View3d {
@@ -73,7 +74,8 @@ export class View3d {
 
   #load() {
     const seen = this.#box.clientWidth > 0 && this.#box.clientHeight > 0;
-    if (this.webGl === "none" || !this.#field || !seen || this.#theme === this.appearance.theme) return;
+    if (this.webGl === "none" || !this.#field || !seen || this.#theme === this.appearance.theme)
+      return;
     this.#theme = this.appearance.theme;
     this.#frame?.remove();
     this.#frame = document.createElement("iframe");
@@ -108,6 +110,9 @@ function address([xmin, ymin, xmax, ymax], dark) {
   const [x, y] = [(xmin + xmax) / 2, (ymin + ymax) / 2];
   const size = Math.max(xmax - xmin, ymax - ymin);
   const eye = [x + EYE[0] * size, y + EYE[1] * size, EYE[2] * size];
-  const words = [`initialCameraPosition=${eye.map((part) => part.toFixed(3))}`, `initialCameraLookAt=${x},${y},0`];
+  const words = [
+    `initialCameraPosition=${eye.map((part) => part.toFixed(3))}`,
+    `initialCameraLookAt=${x},${y},0`,
+  ];
   return `/view/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
 }

@@ -46,7 +46,10 @@ export function calm(target) {
   };
 }
 
-/** How long a drawing that was just asked for keeps the page from its own. @param {(cost: number) => void} told [ms] */
+/**
+ * How long a drawing that was just asked for keeps the page from its own.
+ * @param {(cost: number) => void} told [ms]
+ */
 function measure(told) {
   const start = performance.now();
   requestAnimationFrame(() => requestAnimationFrame(() => told(performance.now() - start)));

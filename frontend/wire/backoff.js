@@ -1,5 +1,8 @@
 // @ts-check
-/** Waiting times between attempts: doubling, with some chance so that viewers do not come at once. */
+/**
+ * Waiting times between attempts: doubling, with some chance so that viewers do not come at
+ * once.
+ */
 export class Backoff {
   #attempts = 0;
 

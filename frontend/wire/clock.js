@@ -2,6 +2,10 @@
 
 /** How long a measurement of the clocks counts [ms]: the robot's clock may run slower than ours. */
 const KEPT_MS = 12000;
+/** The stamp in an answer is known no better [ms]. */
+const SLACK_MS = 20;
+
+/** @typedef {{offset: number, trip: number, at: number}} Sample offset [s], trip and at [ms] */
 
 /**
  * The robot's clock seen from here, lined up by the answers to commands.
@@ -10,7 +14,7 @@ const KEPT_MS = 12000;
  * fastest bounds the error best (as NTP does): offset = stamp - (sent + received) / 2.
  */
 export class RobotClock {
-  /** @type {{offset: number, trip: number, at: number}[]} */
+  /** @type {Sample[]} */
   #samples = [];
 
   /**
@@ -19,9 +23,13 @@ export class RobotClock {
    * @param {number} stamp the robot's clock in the answer [s]
    */
   add(sent, received, stamp) {
-    const offset = stamp - (sent + received) / 2000;
-    this.#samples.push({ offset, trip: received - sent, at: received });
-    this.#samples = this.#samples.filter((sample) => received - sample.at < KEPT_MS).slice(-60);
+    const sample = {
+      offset: stamp - (sent + received) / 2000,
+      trip: received - sent,
+      at: received,
+    };
+    const kept = this.#samples.filter((old) => received - old.at < KEPT_MS && agree(old, sample));
+    this.#samples = [...kept, sample].slice(-60);
   }
 
   /** Forget all: another robot, or the same one started anew. */
@@ -38,4 +46,14 @@ export class RobotClock {
     const best = this.#samples.reduce((a, b) => (b.trip < a.trip ? b : a));
     return at / 1000 + best.offset;
   }
+}
+
+/**
+ * Whether two measurements can both be right. When not, the robot's clock has stood still in
+ * between, as a simulation does that cannot keep up, and the older one is of no use.
+ * @param {Sample} a
+ * @param {Sample} b
+ */
+function agree(a, b) {
+  return Math.abs(a.offset - b.offset) * 1000 <= (a.trip + b.trip) / 2 + SLACK_MS;
 }

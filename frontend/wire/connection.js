@@ -7,7 +7,10 @@ import { RobotClock } from "./clock.js";
 /** @typedef {import("../messages").ErrorMessage} ErrorMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {"connecting" | "open" | "lost"} LinkState */
-/** @typedef {{sent: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}} Waiting */
+/**
+ * @typedef {{sent: number, resolve: (ack: AckMessage) => void, reject: (error: Error) => void}}
+ *   Waiting
+ */
 
 const PING_EVERY_MS = 2000;
 /** After so many pings without any message the line is taken for dead. */
@@ -30,7 +33,9 @@ export class Connection {
   #backoff = new Backoff();
   #heard = 0;
   #nextId = 1;
-  /** Pings since the last message; counted, not timed, as this page itself may be busy or asleep. */
+  /**
+   * Pings since the last message; counted, not timed, as this page itself may be busy or asleep.
+   */
   #silent = 0;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #retry;

@@ -1,0 +1,105 @@
+// @ts-check
+import { palette } from "../page/palette.js";
+import { decodeCloud, drawCloud } from "./cloud.js";
+import * as drawing from "./drawing.js";
+import { Floor } from "./floor.js";
+import { Paths } from "./paths.js";
+
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").PoseMessage} PoseMessage */
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../page/surface.js").Surface} Surface */
+/** @typedef {import("./view.js").MapView} MapView */
+
+/** A pose that is being pointed out; `spread` [m] where the filter is told how sure it is. */
+/** @typedef {{pose: PoseMessage, spread: number | null}} Draft */
+
+/** Lighter hypotheses are noise. */
+const LIKELY = 0.05;
+
+/** @param {TelemetryMessage} telemetry @returns {TelemetryMessage["particles"]["hypotheses"]} */
+export function alike({ particles, filter }) {
+  return filter.ambiguous ? particles.hypotheses.filter(({ weight }) => weight >= LIKELY) : [];
+}
+
+/** What lies on the map, from the floor up. */
+export class Scene {
+  paths = new Paths();
+  /** @type {TelemetryMessage | null} */
+  telemetry = null;
+  /** @type {Floor | null} */
+  #floor = null;
+  /** @type {[number, number][]} */
+  #outline = [];
+
+  /** @param {Surface} surface @param {MapView} view */
+  constructor(surface, view) {
+    this.surface = surface;
+    this.view = view;
+  }
+
+  /** @param {FieldMessage} field @param {ImageBitmap} picture */
+  setField(field, picture) {
+    this.#floor = new Floor(field.extent, picture);
+    this.#outline = field.robot_outline;
+  }
+
+  /** @param {Draft | null} draft */
+  paint(draft) {
+    const context = this.surface.begin();
+    const pixel = 1 / this.view.scale;
+    this.#floor?.draw(context, this.view, this.surface.ratio);
+    if (this.telemetry) this.#paintBelief(context, this.telemetry, pixel);
+    if (draft) this.#paintDraft(context, draft, pixel);
+    drawing.drawScaleBar(context, this.view);
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {TelemetryMessage} telemetry
+   * @param {number} pixel [m]
+   */
+  #paintBelief(context, telemetry, pixel) {
+    this.#inMetres(context, () => {
+      drawing.drawScan(context, telemetry.scan, pixel);
+      this.paths.draw(context, pixel);
+    });
+    drawCloud(context, this.view, decodeCloud(telemetry.particles));
+    this.#inMetres(context, () => this.#paintRobots(context, telemetry, pixel));
+    drawing.drawHypotheses(context, this.view, alike(telemetry));
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {TelemetryMessage} telemetry
+   * @param {number} pixel [m]
+   */
+  #paintRobots(context, { truth, estimate }, pixel) {
+    if (estimate) drawing.drawCertainty(context, estimate, pixel);
+    const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
+    if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
+    const believed = { colour: palette["floor-estimate"], fill: 0.15 };
+    if (estimate) drawing.drawRobot(context, estimate, this.#outline, pixel, believed);
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {Draft} draft @param {number} pixel [m] */
+  #paintDraft(context, { pose, spread }, pixel) {
+    const colour = palette["floor-draft"];
+    this.#inMetres(context, () => {
+      if (spread !== null) {
+        const radii = [2 * spread, 2 * spread];
+        drawing.drawEllipse(context, pose.x, pose.y, radii, 0, colour, pixel);
+      }
+      drawing.drawRobot(context, pose, this.#outline, pixel, { colour, fill: 0.2 });
+      drawing.drawAim(context, pose, pixel, colour);
+    });
+  }
+
+  /** @param {CanvasRenderingContext2D} context @param {() => void} draw */
+  #inMetres(context, draw) {
+    context.save();
+    this.view.apply(context);
+    draw();
+    context.restore();
+  }
+}
