@@ -58,6 +58,8 @@ class Lens:
 
         They are nan where the model has none: far out, a lens may bend no ray to a pixel.
         """
+        if not len(pixels):
+            return np.empty((0, 3))
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 1000, 1e-12)
         ideal = cv2.undistortPoints(
             pixels.reshape(-1, 1, 2).astype(np.float64),
@@ -91,9 +93,10 @@ class Lens:
     def _widest_radius(self) -> float:
         """Largest r = tan(angle) up to which r (1 + k1 r^2 + k2 r^4 + k3 r^6) still grows."""
         k1, k2, _, _, k3 = self.distortion
-        roots = np.roots([7 * k3, 5 * k2, 3 * k1, 1.0])  # of the slope, in r^2
+        # Roots of the slope in 1 / r^2: so a coefficient of next to nothing does no harm.
+        roots = np.roots([1.0, 3 * k1, 5 * k2, 7 * k3])
         real = roots[np.isreal(roots) & (roots.real > 0)].real
-        return float(np.sqrt(real.min())) if len(real) else np.inf
+        return float(1 / np.sqrt(real.max())) if len(real) else np.inf
 
     @classmethod
     def from_yaml(cls, path: Path) -> Lens:

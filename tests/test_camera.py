@@ -1,0 +1,328 @@
+"""The lens maps directions to pixels one to one; the floor view maps pixels to the floor."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from robot.camera import CameraError, FloorView, Lens
+from robot.geometry import Array
+from robot.spec import SPIKE, RobotSpec
+
+VIEW = RobotSpec.load().floor_view
+LENS = VIEW.lens
+YAML = (SPIKE.parent / "pi_camera.yaml").read_text(encoding="utf-8")
+
+
+def lens_of(distortion: tuple[float, ...], focal: float = 530.0) -> Lens:
+    matrix = np.array([[focal, 0, 319.5], [0, focal * 1.01, 239.5], [0, 0, 1]])
+    return Lens(640, 480, matrix, np.array(distortion))
+
+
+def grid(lens: Lens, step: int = 16) -> Array:
+    """Pixels over the whole picture, its corners included."""
+    columns = np.append(np.arange(0, lens.width - 1, step), lens.width - 1.0)
+    rows = np.append(np.arange(0, lens.height - 1, step), lens.height - 1.0)
+    return np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+
+
+def on_plane(radii: Array, angle: float) -> Array:
+    """Points in front of the camera, by the tangent of their angle to the view."""
+    across = radii[:, None] * (math.cos(angle), math.sin(angle))
+    return np.column_stack([across, np.ones(len(radii))])
+
+
+REAL_LENSES = [
+    (0.16, -0.28, 0.0, 0.0, 0.0),
+    (0.0, 0.0, 0.0, 0.0, 0.0),
+    (-0.30, 0.10, 0.001, -0.002, 0.0),
+    (0.20, -0.50, 0.002, 0.001, 0.3),
+]
+
+
+@pytest.mark.parametrize("distortion", REAL_LENSES)
+def test_every_pixel_of_the_picture_looks_along_the_direction_that_it_shows(
+    distortion: tuple[float, ...],
+) -> None:
+    lens = lens_of(distortion)
+    pixels = grid(lens)
+    directions = lens.unproject(pixels)
+    assert directions.shape == (len(pixels), 3)
+    np.testing.assert_array_equal(directions[:, 2], 1)
+    np.testing.assert_allclose(lens.project(directions), pixels, atol=1e-6)
+    np.testing.assert_allclose(lens.project(7.0 * directions), pixels, atol=1e-6)
+
+
+@pytest.mark.parametrize("distortion", REAL_LENSES)
+def test_the_lens_bends_as_opencv_has_it(distortion: tuple[float, ...]) -> None:
+    lens = lens_of(distortion)
+    points = np.random.default_rng(1).uniform([-0.5, -0.4, 0.7], [0.5, 0.4, 1.3], (200, 3))
+    expected, _ = cv2.projectPoints(
+        points, np.zeros(3), np.zeros(3), lens.matrix, np.array(distortion)
+    )
+    np.testing.assert_allclose(lens.project(points), expected.reshape(-1, 2), atol=1e-9)
+
+
+def test_the_middle_of_the_picture_looks_straight_ahead_and_x_is_right_and_y_down() -> None:
+    middle = LENS.matrix[:2, 2]
+    np.testing.assert_allclose(LENS.project(np.array([[0, 0, 2.0]]))[0], middle)
+    right, below = LENS.project(np.array([[0.1, 0, 1], [0, 0.1, 1]]))
+    assert right[0] > middle[0] + 50 and right[1] == pytest.approx(middle[1])
+    assert below[1] > middle[1] + 50 and below[0] == pytest.approx(middle[0])
+
+
+def test_nothing_asked_is_nothing_answered() -> None:
+    assert LENS.unproject(np.empty((0, 2))).shape == (0, 3)
+    assert LENS.project(np.empty((0, 3))).shape == (0, 2)
+    assert VIEW.floor_points(np.empty((0, 2))).shape == (0, 2)
+    assert VIEW.pixels(np.empty((0, 2))).shape == (0, 2)
+
+
+@pytest.mark.parametrize("z", [0.0, -1.0, -1e-12])
+def test_what_is_not_in_front_of_the_camera_has_no_pixel(z: float) -> None:
+    assert np.isnan(LENS.project(np.array([[0.0, 0.0, z], [0.01, 0.1, z]]))).all()
+
+
+@pytest.mark.parametrize("k3", [0.0, 1e-17, -1e-17, 1e-300])
+def test_points_far_outside_never_come_back_into_the_picture(k3: float) -> None:
+    """k2 < 0: the polynomial turns back at 45 degrees and is through the middle at 65."""
+    radii = np.linspace(0, 12, 3000)
+    lens = lens_of((0.16, -0.28, 0, 0, k3))
+    for angle in np.linspace(0, 2 * math.pi, 24):
+        pixels = lens.project(on_plane(radii, angle))
+        inside = VIEW.inside(pixels)
+        reached = np.linalg.norm(pixels[inside] - lens.matrix[:2, 2], axis=1)
+        assert (np.diff(reached) > 0).all(), "further out is further out in the picture"
+        assert radii[inside].max() < 0.8
+        assert np.isnan(pixels[radii > 1.02]).all()
+
+
+@given(
+    st.tuples(
+        st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-2e-3, 2e-3), st.floats(-2e-3, 2e-3),
+        st.floats(-0.2, 0.2),
+    ),
+    st.floats(200, 800),
+    st.integers(0, 2**32 - 1),
+)  # fmt: skip
+@settings(max_examples=60)
+def test_no_two_directions_share_a_pixel(
+    distortion: tuple[float, ...], focal: float, seed: int
+) -> None:
+    """A pixel leads back to the direction that it came from, or to none, never to another."""
+    lens = lens_of(distortion, focal)
+    rng = np.random.default_rng(seed)
+    directions = np.column_stack([rng.uniform(-3, 3, (100, 2)), np.ones(100)])
+    pixels = lens.project(directions)
+    inside = FloorView(lens, np.eye(4)).inside(pixels)
+    back = lens.unproject(pixels[inside])
+    found = np.isfinite(back).all(axis=1)
+    np.testing.assert_allclose(lens.project(back[found]), pixels[inside][found], atol=0.01)
+    # Where the picture is all but folded, a hundredth of a pixel is a wide angle.
+    slack = 0.01 / steepness(lens, directions[inside][found])
+    off = np.linalg.norm(back[found] - directions[inside][found], axis=1)
+    assert (off < 10 * slack + 1e-6).all()
+
+
+def steepness(lens: Lens, directions: Array) -> Array:
+    """Pixels by tangent, the least over two ways, near directions (n, 3)."""
+    steps = np.array([[1e-4, 0, 0], [0, 1e-4, 0], [7e-5, 7e-5, 0], [7e-5, -7e-5, 0]])
+    with np.errstate(invalid="ignore"):
+        moved = [lens.project(directions + step) - lens.project(directions) for step in steps]
+    slopes = np.linalg.norm(moved, axis=2) / 1e-4
+    return np.maximum(np.nan_to_num(slopes.min(axis=0), nan=0.0), 1e-3)
+
+
+def test_a_pixel_that_the_lens_sends_no_light_to_looks_nowhere() -> None:
+    """k1 alone, -0.5: nothing arrives further out than 0.544 f."""
+    lens = lens_of((-0.5, 0, 0, 0, 0))
+    pixels = grid(lens)
+    away = np.linalg.norm((pixels - [319.5, 239.5]) / [530, 530 * 1.01], axis=1)
+    directions = lens.unproject(pixels)
+    assert np.isnan(directions[away > 0.5444]).all()
+    assert np.isfinite(directions[away < 0.52]).all()
+    view = FloorView(lens, VIEW.robot_from_camera)
+    assert np.isnan(view.floor_points(pixels[away > 0.5444])).all()
+
+
+def test_the_floor_lies_where_the_mounting_says() -> None:
+    """Without distortion and along the middle column: height / tan(pitch + angle of the row)."""
+    view = FloorView(lens_of((0, 0, 0, 0, 0)), VIEW.robot_from_camera)
+    rows = np.array([0.0, 100.0, 239.5, 479.0])
+    points = view.floor_points(np.column_stack([np.full(4, 319.5), rows]))
+    down = math.radians(35) + np.arctan((rows - 239.5) / (530 * 1.01))
+    np.testing.assert_allclose(points[:, 0], 0.060 + 0.160 / np.tan(down), atol=1e-5)
+    np.testing.assert_allclose(points[:, 1], 0, atol=1e-9)
+
+
+def test_the_left_of_the_picture_is_the_left_of_the_robot() -> None:
+    left, right = VIEW.floor_points(np.array([[100.0, 300.0], [539.0, 300.0]]))
+    assert left[1] > 0.01 and right[1] == pytest.approx(-left[1])
+
+
+def test_floor_and_picture_lead_into_each_other() -> None:
+    pixels = grid(LENS)
+    floor = VIEW.floor_points(pixels)
+    assert np.isfinite(floor).all(), "this camera sees floor everywhere"
+    np.testing.assert_allclose(VIEW.pixels(floor), pixels, atol=1e-6)
+
+
+def test_no_floor_is_seen_at_or_above_the_horizon() -> None:
+    level = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0.16], [0, 0, 0, 1.0]])
+    view = FloorView(LENS, level)
+    points = view.floor_points(np.array([[319.5, 0], [319.5, 239.5], [319.5, 240.5]]))
+    assert np.isnan(points[:2]).all()
+    assert points[2, 0] == pytest.approx(0.16 * 530, rel=1e-3)
+
+
+def test_floor_behind_the_camera_has_no_pixel() -> None:
+    assert np.isnan(VIEW.pixels(np.array([[-0.5, 0.0], [-0.05, 0.2]]))).all()
+    assert np.isfinite(VIEW.pixels(np.array([[0.3, 0.0]]))).all()
+
+
+def test_the_projective_transform_is_the_one_through_four_points() -> None:
+    floor = np.array([[0.2, 0.1], [0.2, -0.1], [0.7, 0.3], [0.6, -0.3]])
+    ideal = LENS.unproject(VIEW.pixels(floor))[:, :2]
+    expected = cv2.getPerspectiveTransform(ideal.astype(np.float32), floor.astype(np.float32))
+    found = VIEW.floor_from_picture
+    np.testing.assert_allclose(found / found[2, 2], expected / expected[2, 2], rtol=2e-5, atol=2e-5)
+
+
+def test_inside_means_between_the_middles_of_the_border_pixels() -> None:
+    pixels = np.array([[0, 0], [639, 479], [-0.1, 5], [5, 479.1], [np.nan, 5], [2.9, 9], [3, 476]])
+    assert VIEW.inside(pixels).tolist() == [True, True, False, False, False, True, True]
+    assert VIEW.inside(pixels, 3).tolist() == [False] * 6 + [True]
+
+
+def read(folder: Path, text: str | bytes) -> Lens:
+    path = folder / "lens.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return Lens.from_yaml(path)
+
+
+def changed(**values: object) -> str:
+    """The good file with keys replaced; None removes one."""
+    content = yaml.safe_load(YAML) | values
+    return yaml.safe_dump({key: value for key, value in content.items() if value is not None})
+
+
+def test_a_file_as_ros_writes_it_is_read(tmp_path: Path) -> None:
+    lens = read(tmp_path, YAML)
+    assert (lens.width, lens.height, lens.readout) == (640, 480, 0.015)
+    np.testing.assert_array_equal(lens.matrix, [[530, 0, 319.5], [0, 530, 239.5], [0, 0, 1]])
+    np.testing.assert_array_equal(lens.distortion, [0.16, -0.28, 0, 0, 0])
+
+
+def test_without_a_readout_all_rows_are_exposed_at_once(tmp_path: Path) -> None:
+    assert read(tmp_path, changed(rolling_shutter_readout=None)).readout == 0
+
+
+def test_numbers_may_have_an_exponent_without_a_point(tmp_path: Path) -> None:
+    """YAML 1.1 calls 1e-3 a text, yaml-cpp a number."""
+    text = YAML.replace("-0.28, 0.0, 0.0,", "-28e-2, 1e-3, 0,")
+    np.testing.assert_allclose(read(tmp_path, text).distortion, [0.16, -0.28, 1e-3, 0, 0])
+
+
+K = [530, 0, 319.5, 0, 530, 239.5, 0, 0, 1]
+BROKEN = {
+    "no width": (changed(image_width=None), "image_width.*missing"),
+    "no matrix": (changed(camera_matrix=None), "camera_matrix.*missing"),
+    "no coefficients": (changed(distortion_coefficients=None), "distortion_coefficients.*missing"),
+    "width 0": (changed(image_width=0), "valid is 1 to 16384"),
+    "width below 0": (changed(image_width=-640), "image_width.*whole number"),
+    "huge": (changed(image_height=10**7), "valid is 1 to 16384"),
+    "endless": (changed(image_height=10**300), "image_height"),
+    "width inf": (changed(image_width=math.inf), "image_width.*whole number"),
+    "half a pixel": (changed(image_width=640.5), "image_width.*whole number"),
+    "width is a list": (changed(image_width=[640]), "image_width.*whole number"),
+    "nan in the matrix": (changed(camera_matrix={"data": [math.nan, *K[1:]]}), "9 finite"),
+    "inf in the matrix": (changed(camera_matrix={"data": [*K[:4], math.inf, *K[5:]]}), "9 finite"),
+    "beyond floats": (changed(camera_matrix={"data": [10**400, *K[1:]]}), "9 finite"),
+    "8 numbers": (changed(camera_matrix={"data": K[:8]}), "9 finite"),
+    "10 numbers": (changed(camera_matrix={"data": [*K, 0]}), "9 finite"),
+    "nested": (changed(camera_matrix={"data": [K[:3], K[3:6], K[6:]]}), "9 finite"),
+    "no data": (changed(camera_matrix={"rows": 3}), "9 finite"),
+    "flat": (changed(camera_matrix=K), "9 finite"),
+    "words": (changed(camera_matrix={"data": ["f"] * 9}), "9 finite"),
+    "focal length 0": (changed(camera_matrix={"data": [0, *K[1:]]}), "focal lengths"),
+    "focal length below 0": (changed(camera_matrix={"data": [*K[:4], -530, *K[5:]]}), "focal"),
+    "skew": (changed(camera_matrix={"data": [530, 9, *K[2:]]}), "fx 0 cx"),
+    "last row": (changed(camera_matrix={"data": [*K[:8], 0]}), "fx 0 cx"),
+    "4 coefficients": (changed(distortion_coefficients={"data": [0, 0, 0, 0]}), "5 finite"),
+    "8 coefficients": (changed(distortion_coefficients={"data": [0] * 8}), "5 finite"),
+    "fish eye": (changed(distortion_model="equidistant"), "equidistant.*plumb_bob"),
+    "model is a map": (changed(distortion_model={"a": 1}), "plumb_bob"),
+    "readout below 0": (changed(rolling_shutter_readout=-0.01), "readout.*0 to 1"),
+    "readout of 15": (changed(rolling_shutter_readout=15), "readout.*0 to 1"),
+    "readout nan": (changed(rolling_shutter_readout=math.nan), "readout.*0 to 1"),
+    "readout a word": (changed(rolling_shutter_readout="fast"), "readout.*0 to 1"),
+    "empty": ("", "expected the keys"),
+    "a word": ("lens", "expected the keys"),
+    "a list": ("- 1\n- 2", "expected the keys"),
+    "no YAML": ("a: [", "no readable"),
+    "two documents": ("a: 1\n---\na: 2", "no readable"),
+    "no text": (b"\xff\xfe\x00\x01", "no readable"),
+    "deep": ("[" * 600, "no readable"),
+    "python": ("!!python/object/apply:os.getcwd []", "expected the keys"),
+    "impossible date": ("image_width: 2001-99-99", "image_width.*whole number"),
+    "bad tag": ("image_width: !!bool x", "image_width.*whole number"),
+}
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_a_broken_file_is_refused_with_its_name_and_the_reason(case: str, tmp_path: Path) -> None:
+    text, reason = BROKEN[case]
+    with pytest.raises(CameraError, match=rf"lens\.yaml: (?s:.*){reason}") as refused:
+        read(tmp_path, text)
+    assert isinstance(refused.value, ValueError)
+    assert len(str(refused.value)) < 600
+
+
+def test_a_few_lines_that_stand_for_billions_of_values_are_refused(tmp_path: Path) -> None:
+    lines = ["a0: &a0 [1,1,1,1,1,1,1,1,1]"]
+    for level in range(1, 12):
+        lines.append(f"a{level}: &a{level} [{','.join([f'*a{level - 1}'] * 9)}]")
+    text = "\n".join([*lines, "image_width: *a11"])
+    with pytest.raises(CameraError, match="image_width is list"):
+        read(tmp_path, text)
+    with pytest.raises(CameraError, match="camera_matrix needs"):
+        read(tmp_path, "\n".join([*lines, "image_width: 9", "image_height: 9",
+                                  "camera_matrix: {data: *a11}"]))  # fmt: skip
+
+
+def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "absent.yaml", tmp_path):
+        with pytest.raises(CameraError, match="no readable"):
+            Lens.from_yaml(path)
+
+
+SHARED_FOLDER = settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@given(st.binary(max_size=200))
+@SHARED_FOLDER
+def test_arbitrary_bytes_are_refused_as_a_camera_error(tmp_path: Path, junk: bytes) -> None:
+    with pytest.raises(CameraError):
+        read(tmp_path, junk)
+
+
+@given(st.integers(0, len(YAML) - 1), st.text(max_size=12), st.integers(0, 30))
+@SHARED_FOLDER
+def test_a_damaged_file_is_a_lens_or_a_camera_error(
+    tmp_path: Path, place: int, junk: str, lost: int
+) -> None:
+    damaged = YAML[:place] + junk + YAML[place + lost :]
+    try:
+        lens = read(tmp_path, damaged.encode("utf-8", "surrogatepass"))
+    except CameraError:
+        return
+    assert 1 <= lens.width <= 16384 and 1 <= lens.height <= 16384
+    assert np.isfinite(lens.matrix).all() and np.isfinite(lens.distortion).all()
+    assert 0 <= lens.readout < 1
