@@ -11,14 +11,14 @@ from app.config import MAPS, Config
 from app.driving import Driving
 from app.engine import Engine
 from app.localization import Localization
-from robot.differential_drive import DifferentialDrive
-from robot.drive_controller import DriveController
-from robot.field import Field
-from robot.field_loading import load_field
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.drive_controller import DriveController
+from robot.driving.odometry import Odometry
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
 from robot.interface import Robot
-from robot.line_scanner import LineScanner
-from robot.odometry import Odometry
-from robot.spec import RobotSpec
+from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections, draw

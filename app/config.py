@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
-from robot.drive_controller import DriveSettings
-from robot.line_scanner import LineScannerSettings
+from robot.driving.drive_controller import DriveSettings
+from robot.driving.odometry import OdometrySettings
 from robot.localization.parameters import LocalizationParameters
-from robot.odometry import OdometrySettings
+from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, setting
 from sim.bullet import BulletSettings
 from sim.floor_camera import CameraSettings

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from app.figure_eight import FigureEight
-from robot.drive_controller import DriveController
+from robot.driving.drive_controller import DriveController
 from robot.geometry import Twist2
 
 Mode = Literal["idle", "drive", "figure_eight"]

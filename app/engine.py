@@ -33,10 +33,10 @@ from app.messages import (
 )
 from app.problems import LOG, Problems
 from app.snapshot import LAYERS, Snapshot
-from robot.differential_drive import DifferentialDrive
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame, Placeable, Reading, Robot
-from robot.odometry import Odometry, OdometryState
 
 FRAME_OVERDUE = 0.5
 """Without a new picture for so long [s], the camera is said to have stalled."""

@@ -8,16 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from robot.field import Field
+from robot.driving.odometry import OdometryState
+from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Frame
-from robot.line_scanner import LineScan, LineScanner
 from robot.localization.entry_field import EntryField
 from robot.localization.estimate import Estimate
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.particle_filter import Cloud, ParticleFilter
 from robot.localization.sensor_models import SensorModel, sensor_model
-from robot.odometry import OdometryState
+from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.settings import SettingError, describe
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from app.messages import ProfileMessage
-from robot.line_scanner import LineScan, LineScanner
-from robot.tape_edges import Verdict
+from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.tape_edges import Verdict
 
 
 def profile(scanner: LineScanner, found: LineScan, ray: int) -> ProfileMessage:

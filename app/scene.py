@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from app.paths import Path
 from app.snapshot import Snapshot
-from robot.field import Field
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.line_scanner import LineScan
-from robot.spec import RobotSpec
+from robot.scanning.line_scanner import LineScan
 
 TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)

@@ -10,10 +10,10 @@ from app.messages import Layer
 from app.problems import Problem
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
-from robot.line_scanner import LineScan
 from robot.localization.estimate import Estimate
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.particle_filter import Cloud
+from robot.scanning.line_scanner import LineScan
 
 LAYERS: frozenset[Layer] = frozenset(get_args(Layer))
 """Everything that the 3D view can show."""

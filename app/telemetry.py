@@ -23,14 +23,14 @@ from app.messages import (
     TwistMessage,
 )
 from app.snapshot import LAYERS, Snapshot
-from robot.field import Field
+from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
-from robot.line_scanner import LineScan, LineScanner
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.particle_filter import Cloud
+from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.tape_edges import Verdict
 from robot.settings import Setting, describe
-from robot.tape_edges import Verdict
 
 MOST_PARTICLES = 2000
 """More are not sent: a map view shows no difference."""

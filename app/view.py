@@ -23,8 +23,8 @@ from app.latest import Latest
 from app.problems import LOG
 from app.scene import Scene
 from app.snapshot import Snapshot
-from robot.field import Field
-from robot.spec import RobotSpec
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
 
 UPDATES_HZ = 15
 SMALL_BUFFER = 16 * 1024

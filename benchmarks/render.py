@@ -9,9 +9,9 @@ import numpy as np
 
 from app.config import MAPS
 from benchmarks.result import Result
-from robot.field_loading import load_field
+from robot.description.spec import RobotSpec
+from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
-from robot.spec import RobotSpec
 from sim.bullet import load_pybullet
 from sim.floor_camera import CameraSettings, FloorCamera
 

@@ -11,8 +11,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2
-from robot.spec import RobotSpec
 
 
 class RobotError(RuntimeError):

@@ -45,9 +45,7 @@ def setting(
 def describe(group: Any) -> dict[str, Setting]:
     """The settings of a dataclass (or of an instance) by name."""
     return {
-        f.name: f.metadata["setting"]
-        for f in dataclasses.fields(group)
-        if "setting" in f.metadata
+        f.name: f.metadata["setting"] for f in dataclasses.fields(group) if "setting" in f.metadata
     }
 
 

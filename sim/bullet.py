@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from robot.description.rigid_bodies import RigidBody, rigid_bodies
+from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2, Twist2, heading_angles
-from robot.rigid_bodies import RigidBody, rigid_bodies
 from robot.settings import check_settings, setting
-from robot.spec import RobotSpec
 from sim.bullet_body import add_floor, add_robot, principal
 from sim.world import WorldError, check_pose, limited
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from robot.description.rigid_bodies import RigidBody
 from robot.geometry import Array
-from robot.rigid_bodies import RigidBody
 
 
 def add_floor(bullet: Any, client: int) -> None:

@@ -7,8 +7,8 @@ from collections import deque
 
 import numpy as np
 
+from robot.description.spec import RobotSpec
 from robot.geometry import Array
-from robot.spec import RobotSpec
 from sim.imperfections import Imperfections
 
 VELOCITY_SPAN = 0.1

@@ -18,7 +18,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.camera import FloorView
-from robot.field import FloorPicture
+from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 
@@ -38,7 +38,7 @@ class CameraSettings:
         0.010, "Exposure time; what moves meanwhile is blurred", unit="s", low=0, high=0.1
     )
     delay: float = setting(
-        0.015,
+        0.005,
         "Time from the last row's exposure until the picture is in memory",
         unit="s",
         low=0,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robot.description.spec import RobotSpec
 from robot.settings import check_settings, setting
-from robot.spec import RobotSpec
 
 
 @dataclass(frozen=True)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robot.differential_drive import DifferentialDrive
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Array, Pose2, Twist2
-from robot.spec import RobotSpec
 from sim.world import check_pose, limited
 
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robot.field import Field
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Frame, Reading
-from robot.spec import RobotSpec
 from sim.encoders import Encoders
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.world import World

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Protocol, runtime_checkable
 
+from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2, Twist2
-from robot.spec import RobotSpec
 
 
 class WorldError(ValueError):

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robot.field import FieldError
-from robot.svg_field import load_svg
+from robot.fields.field import FieldError
+from robot.fields.svg_field import load_svg
 
 SVG = 'xmlns="http://www.w3.org/2000/svg"'
 TAPE = 'stroke="#222" stroke-width="50" fill="none"'

@@ -11,7 +11,7 @@ import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robot.grid_map import MapError, load_map_yaml
+from robot.fields.grid_map import MapError, load_map_yaml
 
 KEYS = {
     "image": "map.pgm",

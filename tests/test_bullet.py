@@ -9,10 +9,10 @@ import sys
 import numpy as np
 import pytest
 
-from robot.differential_drive import DifferentialDrive
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError
-from robot.spec import RobotSpec
 from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
 from sim.world import WorldError
 

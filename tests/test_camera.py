@@ -13,8 +13,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from robot.camera import CameraError, FloorView, Lens
+from robot.description.spec import SPIKE, RobotSpec
 from robot.geometry import Array
-from robot.spec import SPIKE, RobotSpec
 
 VIEW = RobotSpec.load().floor_view
 LENS = VIEW.lens

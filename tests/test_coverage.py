@@ -4,8 +4,8 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robot.drawing.coverage import coverage
-from robot.edges import outline
+from robot.fields.drawing.coverage import coverage
+from robot.fields.edges import outline
 
 
 def by_clipping(area, shape):

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.differential_drive import DifferentialDrive
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Twist2
-from robot.spec import RobotSpec
 
 SPEC = RobotSpec.load()
 DRIVE = DifferentialDrive(SPEC)

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from robot.edges import cell_outline, lengths, normals, outline, sample
+from robot.fields.edges import cell_outline, lengths, normals, outline, sample
 
 EAST = np.array([[0.0, 0.0, 2.0, 0.0]])
 UNIT = shapely.box(0, 0, 1, 1)

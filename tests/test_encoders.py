@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.spec import RobotSpec
+from robot.description.spec import RobotSpec
 from sim.encoders import VELOCITY_SPAN, Encoders
 from sim.imperfections import Imperfections
 

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 import shapely
 
-from robot.edges import outline
-from robot.field import Field, FieldError
-from robot.field_loading import load_field
-from robot.floor_picture import Layer, paint
+from robot.fields.edges import outline
+from robot.fields.field import Field, FieldError
+from robot.fields.field_loading import load_field
+from robot.fields.floor_picture import Layer, paint
+from robot.fields.grid_field import field_from_grid
+from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
-from robot.grid_field import field_from_grid
-from robot.grid_map import OccupancyGrid
 
 MAPS = Path(__file__).parent.parent / "maps"
 EXTENT = (-0.5, -0.25, 0.5, 0.25)

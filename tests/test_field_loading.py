@@ -3,10 +3,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robot.field import FieldError
-from robot.field_loading import field_names, load_field
+from robot.fields.field import FieldError
+from robot.fields.field_loading import field_names, load_field
+from robot.fields.grid_map import OccupancyGrid, save_map_yaml
 from robot.geometry import Pose2
-from robot.grid_map import OccupancyGrid, save_map_yaml
 
 MAPS = Path(__file__).parent.parent / "maps"
 

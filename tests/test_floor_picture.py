@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from robot.floor_picture import MAX_PIXELS, FloorPicture, Layer, finest_resolution, paint
+from robot.fields.floor_picture import MAX_PIXELS, FloorPicture, Layer, finest_resolution, paint
 
 EXTENT = (-0.2, -0.1, 0.2, 0.1)
 LIGHT, DARK = 200.0, 40.0

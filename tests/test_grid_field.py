@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from robot.edges import lengths, sample
-from robot.field import FieldError
-from robot.field_loading import load_field
+from robot.fields.edges import lengths, sample
+from robot.fields.field import FieldError
+from robot.fields.field_loading import load_field
+from robot.fields.grid_field import field_from_grid
+from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
-from robot.grid_field import field_from_grid
-from robot.grid_map import OccupancyGrid
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "data" / "maps"
 TURNED = Pose2(2.0, 3.0, 1.0)

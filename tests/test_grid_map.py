@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
+from robot.fields.grid_map import MapError, Meaning, OccupancyGrid, load_map_yaml, save_map_yaml
 from robot.geometry import Pose2
-from robot.grid_map import MapError, Meaning, OccupancyGrid, load_map_yaml, save_map_yaml
 
 KEYS = {
     "image": "map.png",

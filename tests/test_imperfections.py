@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robot.differential_drive import DifferentialDrive
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError, describe
-from robot.spec import RobotSpec
 from sim.encoders import Encoders
 from sim.imperfections import LARGEST, Imperfections, draw
 from sim.kinematic import KinematicWorld

@@ -10,10 +10,10 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robot.description.inertia import ENTRIES, principal_moments, with_inertia
+from robot.description.spec import SPIKE
+from robot.description.urdf import Shape, SpecError, numbers
 from robot.geometry import Array
-from robot.inertia import ENTRIES, principal_moments, with_inertia
-from robot.spec import SPIKE
-from robot.urdf import Shape, SpecError, numbers
 
 lengths = st.floats(0.001, 1.0)
 BOX = '<visual><geometry><box size="0.1 0.2 0.3"/></geometry></visual>'

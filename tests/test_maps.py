@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import shapely
 
-from robot.edges import lengths
+from robot.fields.edges import lengths
+from robot.fields.svg_field import load_svg
 from robot.geometry import Pose2
-from robot.svg_field import load_svg
 
 MAPS = Path(__file__).parent.parent / "maps"
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
+from robot.fields.grid_map import MapError, load_map_yaml
 from robot.geometry import Pose2
-from robot.grid_map import MapError, load_map_yaml
 
 REAL = Path(__file__).parent.parent.parent / "shared" / "data" / "maps"
 

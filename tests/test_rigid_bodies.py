@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robot.inertia import with_inertia
-from robot.rigid_bodies import rigid_bodies
-from robot.spec import SPIKE, RobotSpec
-from robot.urdf import SpecError
+from robot.description.inertia import with_inertia
+from robot.description.rigid_bodies import rigid_bodies
+from robot.description.spec import SPIKE, RobotSpec
+from robot.description.urdf import SpecError
 
 BALL = """<link name="{name}"><inertial><mass value="{mass}"/></inertial>
   <visual><geometry><sphere radius="0.1"/></geometry></visual>

@@ -87,7 +87,10 @@ def test_frames_come_once_each_in_order_with_the_time_of_their_exposure(robot):
 
 def test_pictures_have_the_size_of_the_lens_and_cannot_be_changed(robot):
     frame = next(r.frame for r in readings(robot, 0.3) if r.frame is not None)
-    assert frame.image.shape[:2] == (robot.spec.lens.height, robot.spec.lens.width)
+    assert frame.image.shape[:2] == (
+        robot.spec.lens.height,
+        robot.spec.lens.width,
+    )
     assert frame.image.dtype == np.uint8
     with pytest.raises(ValueError, match="read-only"):
         frame.image[0, 0] = 0

@@ -4,6 +4,7 @@ import json
 import re
 import socket as sockets
 import struct
+from itertools import pairwise
 
 import cv2
 import httpx
@@ -161,7 +162,7 @@ def test_our_own_page_gets_one(server):
 
 def test_telemetry_comes_newest_first_and_is_valid(live):
     stamps = [TelemetryMessage.model_validate(telemetry(live)).stamp for _ in range(20)]
-    assert all(later > earlier for earlier, later in zip(stamps, stamps[1:], strict=False))
+    assert all(later > earlier for earlier, later in pairwise(stamps))
 
 
 def test_drive_is_answered_and_moves_the_robot(live):
@@ -309,7 +310,7 @@ def test_camera_socket_sends_stamp_and_jpeg(server, live):
     with connect(f"ws://{server.address}/api/camera", max_size=None) as camera:
         messages = [camera.recv(timeout=20) for _ in range(5)]
     stamps = [struct.unpack("<d", message[:8])[0] for message in messages]
-    assert all(later > earlier for earlier, later in zip(stamps, stamps[1:], strict=False))
+    assert all(later > earlier for earlier, later in pairwise(stamps))
     assert all(message[8:11] == b"\xff\xd8\xff" for message in messages)
     assert abs(telemetry(live)["scan"]["stamp"] - stamps[-1]) < 0.5
 

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.drive_controller import DriveSettings
-from robot.line_scanner import LineScannerSettings
+from robot.driving.drive_controller import DriveSettings
+from robot.driving.odometry import OdometrySettings
 from robot.localization.parameters import (
     FilterParameters,
     MotionParameters,
     SensorParameters,
 )
-from robot.odometry import OdometrySettings
+from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, describe, setting
 from sim.floor_camera import CameraSettings
 

@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon
 
-from robot.inertia import with_inertia
-from robot.spec import SPIKE, RobotSpec, SpecError
-from robot.urdf import origin_of, read_model, shape_of
+from robot.description.inertia import with_inertia
+from robot.description.spec import SPIKE, RobotSpec, SpecError
+from robot.description.urdf import origin_of, read_model, shape_of
 
 SPEC = RobotSpec.load()
 TEXT = SPIKE.read_text()

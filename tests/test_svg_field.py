@@ -6,8 +6,8 @@ import shapely
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from robot.edges import lengths
-from robot.svg_field import load_svg
+from robot.fields.edges import lengths
+from robot.fields.svg_field import load_svg
 
 SVG = 'xmlns="http://www.w3.org/2000/svg"'
 PAGE = f'<svg {SVG} width="2000" height="1000" viewBox="-1000 -500 2000 1000"'

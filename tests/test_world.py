@@ -9,9 +9,9 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from robot.differential_drive import DifferentialDrive
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Pose2, Twist2
-from robot.spec import RobotSpec
 from sim.bullet import BulletSettings, BulletWorld
 from sim.kinematic import KinematicWorld
 from sim.world import World, WorldError

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from robot.edges import sample
-from robot.field import Field
+from robot.fields.edges import sample
+from robot.fields.field import Field
 from robot.geometry import Array, heading_vectors
 
 DIRECTIONS = 8

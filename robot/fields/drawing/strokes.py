@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from robot.drawing.dashes import dashes
+from robot.fields.drawing.dashes import dashes
 from robot.geometry import Array
 
 _INSIDE = 0.01

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robot.differential_drive import DifferentialDrive
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Twist2
 from robot.settings import check_settings, setting
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from robot.camera import FloorView
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
-from robot.ray_table import RayTable
 from robot.scan import Scan
+from robot.scanning.ray_table import RayTable
+from robot.scanning.tape_edges import Verdict, find_pairs, judge_pairs
 from robot.settings import check_settings, setting
-from robot.tape_edges import Verdict, find_pairs, judge_pairs
 
 
 @dataclass(frozen=True)

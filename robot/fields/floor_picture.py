@@ -14,8 +14,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from robot.drawing.coverage import coverage
-from robot.edges import outline
+from robot.fields.drawing.coverage import coverage
+from robot.fields.edges import outline
 from robot.geometry import Array
 
 FINEST_M = 0.001

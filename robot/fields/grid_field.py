@@ -8,11 +8,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robot.edges import cell_outline
-from robot.field import Field, FieldError
-from robot.floor_picture import Extent, FloorPicture, finest_resolution
+from robot.fields.edges import cell_outline
+from robot.fields.field import Field, FieldError
+from robot.fields.floor_picture import Extent, FloorPicture, finest_resolution
+from robot.fields.grid_map import OCCUPIED, UNKNOWN, OccupancyGrid
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.grid_map import OCCUPIED, UNKNOWN, OccupancyGrid
 
 _TONES = np.concatenate([np.rint(np.linspace(254, 0, OCCUPIED + 1)), [205]]).astype(np.uint8)
 """Grey level by value, 0 to 100 and then -1; as map_server saves free, occupied and unknown."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2, Twist2
-from robot.spec import RobotSpec
 
 
 class DifferentialDrive:

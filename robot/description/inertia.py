@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from robot.description.urdf import Shape, SpecError, child, origin_of, parse_xml, positive, shape_of
 from robot.geometry import Array
-from robot.urdf import Shape, SpecError, child, origin_of, parse_xml, positive, shape_of
 
 ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 

@@ -15,14 +15,14 @@ from shapely import MultiPoint, Polygon
 from shapely.geometry.polygon import orient
 
 from robot.camera import CameraError, FloorView, Lens
+from robot.description.inertia import with_inertia
+from robot.description.urdf import SpecError, origin_of, parse_xml, read_model, shape_of, text_of
+from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array
-from robot.inertia import with_inertia
-from robot.urdf import SpecError, origin_of, parse_xml, read_model, shape_of, text_of
-from robot.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 
 __all__ = ["SPIKE", "JointSpec", "RobotSpec", "SpecError"]
 
-SPIKE = Path(__file__).parent / "description" / "spike.urdf"
+SPIKE = Path(__file__).parent / "spike.urdf"
 
 
 @dataclass(frozen=True, eq=False)

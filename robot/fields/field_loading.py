@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robot.field import Field, FieldError
-from robot.grid_field import field_from_grid
-from robot.grid_map import MapError, load_map_yaml
-from robot.svg_field import load_svg
+from robot.fields.field import Field, FieldError
+from robot.fields.grid_field import field_from_grid
+from robot.fields.grid_map import MapError, load_map_yaml
+from robot.fields.svg_field import load_svg
 
 
 def load_field(name: str, maps: Path) -> Field:

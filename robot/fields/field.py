@@ -10,11 +10,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from robot import edges as edge_geometry
-from robot.drawing.coverage import coverage
-from robot.floor_picture import Extent, FloorPicture
+from robot.fields import edges as edge_geometry
+from robot.fields.drawing.coverage import coverage
+from robot.fields.floor_picture import Extent, FloorPicture
+from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
 from robot.geometry import Array, Pose2
-from robot.grid_map import MAX_CELLS, OccupancyGrid
 
 __all__ = ["Field", "FieldError", "FloorPicture"]
 
@@ -35,7 +35,7 @@ class Field:
     name: str
     floor: FloorPicture
     edges: Array = field(repr=False)
-    """(n, 4) x0, y0, x1, y1 [m] in the map frame; the dark side is to the left (robot/edges.py)."""
+    """(n, 4) x0, y0, x1, y1 [m] in the map frame; the dark side is to the left (``edges``)."""
     tape_width: float | None
     """Width of the tape [m]; None if the field is no tape."""
     start: Pose2

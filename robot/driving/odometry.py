@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.differential_drive import DifferentialDrive
+from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Array, Pose2, Twist2, heading_vectors, interpolate
 from robot.interface import Reading
 from robot.settings import check_settings, setting

@@ -12,8 +12,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from robot.description.urdf import SpecError, child, numbers, origin_of, positive, shape_of, text_of
 from robot.geometry import Array
-from robot.urdf import SpecError, child, numbers, origin_of, positive, shape_of, text_of
 
 ROBOT_FRAME = "base_footprint"
 """The link on the floor under the middle of the axle: what the program calls the robot frame."""

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import svgelements
 
-from robot.drawing.curves import flatten
-from robot.drawing.strokes import Pen, Polyline
-from robot.drawing.svg_file import SvgError, SvgFile, numbers, shown
+from robot.fields.drawing.curves import flatten
+from robot.fields.drawing.strokes import Pen, Polyline
+from robot.fields.drawing.svg_file import SvgError, SvgFile, numbers, shown
 from robot.geometry import Array
 
 MAX_POINTS = 20_000

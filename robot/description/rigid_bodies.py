@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from robot.description.urdf import Shape, SpecError, read_model
 from robot.geometry import Array
-from robot.urdf import Shape, SpecError, read_model
 
 
 @dataclass(frozen=True, eq=False)

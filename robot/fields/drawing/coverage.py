@@ -12,7 +12,7 @@ def coverage(edges: Array, shape: tuple[int, int]) -> Array:
     """The covered share (h, w), 0 to 1, of each cell of a grid.
 
     Edges (n, 4) in cells form closed outlines, with the area to their left where y points up (as
-    ``robot.edges`` has them). Cell (row, column) covers column to column + 1 and row to row + 1;
+    ``edges`` has them). Cell (row, column) covers column to column + 1 and row to row + 1;
     rows count along +y. What lies outside the grid is cut off.
 
     Green's theorem by cells: cut at all grid lines, each piece of an edge lies in one cell. It

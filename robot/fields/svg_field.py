@@ -22,13 +22,13 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from robot.drawing.fills import fill_area
-from robot.drawing.strokes import stroke_area
-from robot.drawing.svg_file import SvgError, SvgFile, numbers, read_svg, shown
-from robot.drawing.svg_shapes import Ink, Page, Shape, read_page
-from robot.edges import outline
-from robot.field import Field, FieldError
-from robot.floor_picture import Extent, Layer, paint
+from robot.fields.drawing.fills import fill_area
+from robot.fields.drawing.strokes import stroke_area
+from robot.fields.drawing.svg_file import SvgError, SvgFile, numbers, read_svg, shown
+from robot.fields.drawing.svg_shapes import Ink, Page, Shape, read_page
+from robot.fields.edges import outline
+from robot.fields.field import Field, FieldError
+from robot.fields.floor_picture import Extent, Layer, paint
 from robot.geometry import Array, Pose2
 
 TOLERANCE_MM = 0.08

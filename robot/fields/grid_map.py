@@ -15,8 +15,8 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from robot.fields.map_files import MAX_PIXELS, MapError, Picture, read_map_yaml, read_picture
 from robot.geometry import Array, Pose2
-from robot.map_files import MAX_PIXELS, MapError, Picture, read_map_yaml, read_picture
 
 __all__ = ["MapError", "Meaning", "OccupancyGrid", "load_map_yaml", "save_map_yaml"]
 

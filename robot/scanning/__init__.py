@@ -1,0 +1,1 @@
+"""From a camera picture to distances, as if a laser had measured them."""

@@ -1,0 +1,346 @@
+"""Pictures show the floor where projection says, and err as a real camera does."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from robot.camera import FloorView, Lens
+from robot.description.spec import RobotSpec
+from robot.fields.field_loading import load_field
+from robot.fields.floor_picture import FloorPicture
+from robot.geometry import Array, Pose2, Twist2
+from sim.floor_camera import CameraSettings, FloorCamera
+
+SPEC = RobotSpec.load()
+MAPS = Path(__file__).parent.parent / "maps"
+STUB = load_field("stub", MAPS).floor
+SQUARE = load_field("square", MAPS).floor
+IDEAL = CameraSettings(exposure=0, blur=0, noise=0, vignetting=0)
+STILL = Twist2()
+LIGHT, DARK = 213, 34
+
+
+def view_of(
+    *, width: int = 640, bent: bool = True, readout: float = 0.0, pitched: float = 0.0
+) -> FloorView:
+    """The robot's camera with another size, lens, readout [s] or pitch [rad] more."""
+    scale = width / 640
+    lens = SPEC.lens
+    matrix = lens.matrix * scale
+    matrix[:2, 2] += (scale - 1) / 2
+    matrix[2, 2] = 1
+    distortion = lens.distortion if bent else np.zeros(5)
+    c, s = math.cos(pitched), math.sin(pitched)
+    down = np.array([[1, 0, 0, 0], [0, c, s, 0], [0, -s, c, 0], [0, 0, 0, 1]])
+    small = Lens(width, round(480 * scale), matrix, distortion, readout)
+    return FloorView(small, SPEC.robot_from_camera @ down)
+
+
+def camera_of(
+    view: FloorView, floor: FloorPicture, settings: CameraSettings, seed: int = 0
+) -> FloorCamera:
+    return FloorCamera(view, floor, settings, np.random.default_rng(seed))
+
+
+def even_floor(grey: int) -> FloorPicture:
+    return FloorPicture(np.full((400, 400), grey, dtype=np.uint8), 0.01, (-2.0, -2.0, 2.0, 2.0))
+
+
+@pytest.fixture(scope="module")
+def ideal() -> FloorCamera:
+    return camera_of(view_of(), STUB, IDEAL)
+
+
+@pytest.fixture(scope="module")
+def small() -> FloorView:
+    return view_of(width=160)
+
+
+def test_a_pixel_shows_the_mean_of_the_floor_that_it_sees(small: FloorView) -> None:
+    """Against brute force: each pixel as 16 x 16 places of the floor picture."""
+    pose = Pose2(-0.1, 0.15, 2.2)
+    picture = camera_of(small, STUB, IDEAL).picture(pose, STILL)
+    part = (np.arange(16) + 0.5) / 16 - 0.5
+    rows = (np.arange(120)[:, None] + part).ravel()
+    columns = (np.arange(160)[:, None] + part).ravel()
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
+    seen = STUB.grey_at(pose.apply(small.floor_points(pixels)))
+    mean = seen.reshape(120, 16, 160, 16).mean(axis=(1, 3))
+    off = picture - mean
+    assert abs(off.mean()) < 0.1
+    assert np.abs(off).mean() < 0.8
+    assert np.percentile(np.abs(off), 99.5) < 40
+
+
+def test_what_is_too_fine_to_be_seen_is_grey_and_not_a_pattern(small: FloorView) -> None:
+    """Stripes across the view, 2 mm dark and 2 mm light, where a pixel covers 15 mm and more."""
+    image = np.full((3000, 1000), 255, dtype=np.uint8)
+    image[:, np.arange(1000) % 4 < 2] = 0
+    floor = FloorPicture(image, 0.001, (0.0, -1.5, 1.0, 1.5))
+    picture = camera_of(small, floor, IDEAL).picture(Pose2(), STILL)
+    far = small.floor_points(np.array([[79.5, 30.0], [79.5, 31.0]]))
+    assert far[0, 0] - far[1, 0] > 0.008
+    assert picture[5:30, 60:100].std() < 25, "an alias would swing by the full 120"
+    assert picture[5:30, 60:100].mean() == pytest.approx(127.5, abs=3)
+
+
+def crossing(levels: Array) -> float:
+    """Where a row of grey levels that falls from light to dark is half way, in pixels."""
+    middle = (LIGHT + DARK) / 2
+    first = int(np.flatnonzero((levels[:-1] >= middle) & (levels[1:] < middle))[0])
+    return first + float((levels[first] - middle) / (levels[first] - levels[first + 1]))
+
+
+def seen_edge(picture: NDArray[np.uint8], columns: NDArray[np.intp]) -> Array:
+    """Row of the tape's near edge in each column, looking up from the lower border."""
+    return np.array([479 - crossing(picture[::-1, u].astype(float)) for u in columns])
+
+
+def true_edge(view: FloorView, robot: Pose2, columns: NDArray[np.intp]) -> Array:
+    """Row in which the square's edge x = 0.475 m lies in each column."""
+    y = np.linspace(-0.47, 0.47, 2000)
+    edge = robot.inverse().apply(np.column_stack([np.full_like(y, 0.475), y]))
+    pixels = view.pixels(edge)
+    pixels = pixels[np.isfinite(pixels).all(axis=1)]
+    order = np.argsort(pixels[:, 0])
+    return np.interp(columns, pixels[order, 0], pixels[order, 1])
+
+
+@pytest.mark.parametrize("ahead", [0.15, 0.25, 0.4])
+def test_an_edge_is_where_projection_says_to_a_twentieth_of_a_pixel(ahead: float) -> None:
+    view = view_of()
+    camera = camera_of(view, SQUARE, dataclasses.replace(IDEAL, blur=0.7))
+    robot, columns = Pose2(0.475 - ahead, 0.02, 0.06), np.arange(220, 420, 3)
+    off = seen_edge(camera.picture(robot, STILL), columns) - true_edge(view, robot, columns)
+    assert abs(off.mean()) < 0.05
+    assert off.std() < 0.1
+
+
+def width_of(picture: NDArray[np.uint8], column: int) -> float:
+    """Rows from 90 % to 10 % of the step from floor to tape, looking up from the border."""
+    levels = picture[::-1, column].astype(float)
+    steps = [LIGHT - part * (LIGHT - DARK) for part in (0.1, 0.9)]
+    high, low = (
+        next(
+            i + (levels[i] - step) / (levels[i] - levels[i + 1])
+            for i in range(len(levels) - 1)
+            if levels[i] >= step > levels[i + 1]
+        )
+        for step in steps
+    )
+    return low - high
+
+
+def test_motion_blur_widens_an_edge_and_does_not_move_it() -> None:
+    view = view_of()
+    robot, columns = Pose2(0.2, 0.0, 0.0), np.arange(250, 390, 5)
+    sharp = camera_of(view, SQUARE, dataclasses.replace(IDEAL, blur=0.7))
+    slow = camera_of(view, SQUARE, dataclasses.replace(IDEAL, blur=0.7, exposure=0.04))
+    still, moving = sharp.picture(robot, STILL), slow.picture(robot, Twist2(0.3, 0))
+    off = seen_edge(moving, columns) - seen_edge(still, columns)
+    assert abs(off.mean()) < 0.15, "12 mm on the way are 9 pixels"
+    near, far = (view.pixels(np.array([[x, 0.0]]))[0, 1] for x in (0.269, 0.281))
+    widening = width_of(moving, 320) - width_of(still, 320)
+    assert 0.5 * (near - far) < widening < near - far
+    assert np.array_equal(slow.picture(robot, STILL), still), "what stands is not blurred"
+
+
+def test_a_moving_picture_is_the_mean_of_still_ones_along_the_way(small: FloorView) -> None:
+    twist, robot = Twist2(0.3, 2.0), Pose2(0.1, -0.1, 0.4)
+    exposed = camera_of(small, STUB, dataclasses.replace(IDEAL, exposure=0.06))
+    at_once = camera_of(small, STUB, IDEAL)
+    times = 0.06 * ((np.arange(40) + 0.5) / 40 - 0.5)
+    stills = [at_once.picture(robot @ twist.integrate(float(t)), STILL) for t in times]
+    off = exposed.picture(robot, twist) - np.mean(stills, axis=0)
+    assert abs(off.mean()) < 0.2
+    assert np.abs(off).mean() < 1.5
+    assert np.abs(exposed.picture(robot, STILL) - np.mean(stills, axis=0)).mean() > 4
+
+
+@pytest.mark.parametrize("twist", [Twist2(0.3, 0), Twist2(0, 2.5), Twist2(-0.2, -1.5)])
+def test_each_row_is_exposed_later_than_the_one_above(twist: Twist2) -> None:
+    """A row of the moving picture is that row of a still picture from where the robot then is."""
+    view = view_of(width=320, readout=0.03)
+    camera, robot = camera_of(view, STUB, IDEAL), Pose2(0.1, 0.05, 0.3)
+    moving = camera.picture(robot, twist)
+    for row in (0, 60, 120, 200, 239):
+        late = 0.03 * (row / 239 - 0.5)
+        still = camera.picture(robot @ twist.integrate(late), STILL)
+        off = np.abs(moving[row].astype(int) - still[row])
+        assert off.mean() < 0.05 and off.max() <= 3
+    assert np.abs(moving[0].astype(int) - camera.picture(robot, STILL)[0]).max() > 20
+
+
+def test_vignetting_takes_its_share_in_the_corners_and_nothing_in_the_middle() -> None:
+    view = view_of(width=320)
+    settings = dataclasses.replace(IDEAL, vignetting=0.4)
+    picture = camera_of(view, even_floor(200), settings).picture(Pose2(), STILL)
+    np.testing.assert_allclose(picture[[0, 0, -1, -1], [0, -1, 0, -1]], 200 * 0.6, atol=1)
+    assert picture[119:121, 159:161] == pytest.approx(200, abs=1)
+    np.testing.assert_allclose(picture[[0, -1, 120, 120], [160, 160, 0, -1]], 200 * 0.8, atol=1.5)
+    np.testing.assert_array_equal(picture, picture[::-1, ::-1])
+
+
+@pytest.mark.parametrize("sd", [1.0, 3.0, 15.0])
+def test_noise_is_as_wide_as_set_and_moves_no_mean(sd: float, small: FloorView) -> None:
+    camera = camera_of(small, even_floor(128), dataclasses.replace(IDEAL, noise=sd))
+    pictures = np.array([camera.picture(Pose2(), STILL) for _ in range(10)], dtype=float)
+    assert pictures.std() == pytest.approx(math.hypot(sd, 12**-0.5), rel=0.05)
+    assert pictures.mean() == pytest.approx(128, abs=0.1 * sd)
+    rows = np.corrcoef(pictures.reshape(10, -1))
+    assert np.abs(rows[~np.eye(10, dtype=bool)]).max() < 0.05, "no two pictures share their noise"
+    one = pictures[0]
+    assert abs(np.corrcoef(one[:, 1:].ravel(), one[:, :-1].ravel())[0, 1]) < 0.05, "it is white"
+
+
+@pytest.mark.parametrize("grey", [0, 255])
+def test_noise_does_not_turn_black_into_white(grey: int, small: FloorView) -> None:
+    camera = camera_of(small, even_floor(grey), dataclasses.replace(IDEAL, noise=20))
+    assert np.abs(camera.picture(Pose2(), STILL).astype(int) - grey).max() < 120
+
+
+def test_without_noise_a_picture_is_the_same_each_time(ideal: FloorCamera) -> None:
+    first = ideal.picture(Pose2(0.1, 0, 1), Twist2(0.2, 1))
+    assert np.array_equal(first, ideal.picture(Pose2(0.1, 0, 1), Twist2(0.2, 1)))
+    assert (first.dtype, first.shape) == (np.uint8, (480, 640))
+
+
+def test_the_same_seed_gives_the_same_pictures_bit_for_bit(small: FloorView) -> None:
+    def pictures(seed: int) -> list[bytes]:
+        camera = camera_of(small, STUB, CameraSettings(), seed)
+        return [camera.picture(Pose2(0.1, 0, a), Twist2(0.2, a)).tobytes() for a in range(3)]
+
+    assert pictures(5) == pictures(5)
+    assert all(one != other for one, other in zip(pictures(5), pictures(6), strict=True))
+
+
+def test_beyond_the_floor_and_above_the_horizon_is_the_tone_of_its_border() -> None:
+    level = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0.16], [0, 0, 0, 1.0]])
+    view = FloorView(view_of(width=160).lens, level)
+    picture = camera_of(view, STUB, IDEAL).picture(Pose2(0.6, 0.6, 0.8), STILL)
+    np.testing.assert_array_equal(picture, STUB.border)
+
+
+def test_the_left_of_the_floor_is_on_the_left_and_far_is_above(ideal: FloorCamera) -> None:
+    """From the middle of the square, looking along x: dark only at the stub's place."""
+    spot = np.full((2000, 2000), LIGHT, dtype=np.uint8)
+    spot[895:905, 1345:1355] = DARK  # x = 0.35 m, y = +0.10 m
+    floor = FloorPicture(spot, 0.001, (-1.0, -1.0, 1.0, 1.0))
+    view = view_of()
+    picture = camera_of(view, floor, IDEAL).picture(Pose2(), STILL)
+    rows, columns = np.nonzero(picture < 120)
+    seen = view.floor_points(np.array([[columns.mean(), rows.mean()]]))[0]
+    np.testing.assert_allclose(seen, [0.35, 0.10], atol=5e-4)
+
+
+Renderer = Callable[[FloorView, Pose2], NDArray[np.uint8]]
+
+
+@pytest.fixture(scope="module")
+def tiny_renderer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Renderer]:
+    """pybullet's own renderer over the same floor; white beyond it. It knows no distortion."""
+    pybullet = pytest.importorskip("pybullet")
+    texture = tmp_path_factory.mktemp("floor") / "floor.png"
+    cv2.imwrite(str(texture), STUB.image)
+    xmin, ymin, xmax, ymax = STUB.extent
+    client = {"physicsClientId": pybullet.connect(pybullet.DIRECT)}
+    shape = pybullet.createVisualShape(
+        pybullet.GEOM_MESH,
+        vertices=[[xmin, ymin, 0], [xmax, ymin, 0], [xmax, ymax, 0], [xmin, ymax, 0]],
+        indices=[0, 1, 2, 0, 2, 3],
+        uvs=[[0, 0], [1, 0], [1, 1], [0, 1]],
+        normals=[[0, 0, 1]] * 4,
+        rgbaColor=[1, 1, 1, 1],
+        **client,
+    )
+    body = pybullet.createMultiBody(0, -1, shape, **client)
+    loaded = pybullet.loadTexture(str(texture), **client)
+    pybullet.changeVisualShape(body, -1, textureUniqueId=loaded, **client)
+
+    def render(view: FloorView, robot: Pose2) -> NDArray[np.uint8]:
+        lens = view.lens
+        map_from_robot = np.eye(4)
+        c, s = math.cos(robot.theta), math.sin(robot.theta)
+        map_from_robot[:2] = [[c, -s, 0, robot.x], [s, c, 0, robot.y]]
+        # OpenGL's camera looks along -z with y up.
+        from_map = np.linalg.inv(map_from_robot @ view.robot_from_camera)
+        from_map = np.diag([1, -1, -1, 1]) @ from_map
+        found = pybullet.getCameraImage(
+            lens.width,
+            lens.height,
+            from_map.T.ravel().tolist(),
+            clip_from_camera(lens).T.ravel().tolist(),
+            renderer=pybullet.ER_TINY_RENDERER,
+            shadow=0,
+            lightDirection=[0, 0, 1],
+            lightAmbientCoeff=1,
+            lightDiffuseCoeff=0,
+            lightSpecularCoeff=0,
+            **client,
+        )
+        rgba = np.asarray(found[2], dtype=np.uint8).reshape(lens.height, lens.width, 4)
+        return rgba[:, :, 0]
+
+    yield render
+    pybullet.disconnect(**client)
+
+
+def clip_from_camera(lens: Lens, near: float = 0.01, far: float = 10.0) -> Array:
+    """OpenGL's projection. TinyRenderer looks along a pixel's lower left corner, not its middle:
+    half a pixel less in x, half a pixel more in y."""
+    (fx, _, cx), (_, fy, cy), _ = lens.matrix
+    clip = np.zeros((4, 4))
+    clip[0, 0], clip[0, 2] = 2 * fx / lens.width, 1 - 2 * cx / lens.width
+    clip[1, 1], clip[1, 2] = 2 * fy / lens.height, 2 * (cy + 1) / lens.height - 1
+    clip[2, 2], clip[2, 3] = -(far + near) / (far - near), -2 * far * near / (far - near)
+    clip[3, 2] = -1
+    return clip
+
+
+def difference(
+    ours: NDArray[np.uint8], theirs: NDArray[np.uint8]
+) -> tuple[float, tuple[float, float]]:
+    """Root mean square of what differs after blurring [grey], and the shift [px] that it means.
+
+    TinyRenderer has no anti-aliasing; both are blurred so that its stairs do not count.
+    """
+    whole = cv2.erode((theirs != 255).astype(np.uint8), np.ones((17, 17)), borderValue=0) > 0
+    one, other = (cv2.GaussianBlur(p.astype(np.float64), (0, 0), 2.0) for p in (ours, theirs))
+    off = one - other
+    slope_v, slope_u = np.gradient(other)
+    slopes = np.column_stack([slope_u[whole], slope_v[whole]])
+    shift, *_ = np.linalg.lstsq(slopes, -off[whole], rcond=None)
+    return math.sqrt((off[whole] ** 2).mean()), (float(shift[0]), float(shift[1]))
+
+
+POSES = [Pose2(0.05, 0.12, -0.35), Pose2(-0.2, 0.1, 2.0), Pose2(0, 0, 0.4)]
+
+
+@pytest.mark.parametrize("robot", POSES)
+def test_another_renderer_shows_the_same_picture(
+    tiny_renderer: Renderer, straight: FloorCamera, robot: Pose2
+) -> None:
+    theirs = tiny_renderer(view_of(bent=False), robot)
+    ours = straight.picture(robot, STILL)
+    rms, shift = difference(ours, theirs)
+    assert rms < 1.0
+    assert max(map(abs, shift)) < 0.05
+    # The same measures would see a picture that is wrong.
+    assert difference(ours[:, ::-1], theirs)[0] > 20
+    assert difference(np.roll(ours, 1, axis=1), theirs)[1][0] == pytest.approx(1, abs=0.2)
+    assert difference(np.roll(ours, 1, axis=0), theirs)[1][1] == pytest.approx(1, abs=0.2)
+    pitched = tiny_renderer(view_of(bent=False, pitched=math.radians(0.2)), robot)
+    assert difference(ours, pitched)[0] > 2.5
+
+
+@pytest.fixture(scope="module")
+def straight() -> FloorCamera:
+    return camera_of(view_of(bent=False), STUB, IDEAL)
