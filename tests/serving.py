@@ -77,7 +77,8 @@ def until(socket: ClientConnection, condition, seconds: float = 20.0) -> dict:
     """Telemetry until a condition holds; fails after a time on the robot's clock."""
     first = now = telemetry(socket)
     while not condition(now):
-        assert now["stamp"] - first["stamp"] < seconds, f"never happened: {now}"
+        brief = {name: now[name] for name in ("stamp", "truth", "twist", "mode", "filter")}
+        assert now["stamp"] - first["stamp"] < seconds, f"never happened; now {brief}"
         now = telemetry(socket)
     return now
 
