@@ -106,7 +106,7 @@ class LineScanner:
             twist: the robot's velocity, which undoes the rolling shutter's skew.
 
         Raises:
-            ValueError: the picture has another size.
+            ValueError: the picture has another size, or neither one colour nor three.
         """
         image = self._checked(frame.image)
         looked_up = cv2.remap(image, *self._places, cv2.INTER_LINEAR)
@@ -148,11 +148,11 @@ class LineScanner:
         return float(np.interp(position, self._samples, self.table.distances[ray]))
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        if image.shape[:2] != self._size:
-            height, width = self._size
+        height, width = self._size
+        if image.shape not in (self._size, (*self._size, 3)):
             raise ValueError(
-                f"the picture has {image.shape[1]} x {image.shape[0]} pixels; "
-                f"the lens is described for {width} x {height}"
+                f"the picture has the shape {image.shape}; the lens is described for "
+                f"{width} x {height} pixels, grey ({height}, {width}) or BGR ({height}, {width}, 3)"
             )
         if image.ndim == 3:
             return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)

@@ -1,0 +1,159 @@
+"""One picture, one scan: what counts as tape, what does not, and what is refused."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from tape_trials import SCANNER, SQUARE, STILL, VIEW, camera_of, drawn
+
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2, Twist2
+from robot.interface import Frame
+from robot.scanning.line_scanner import LineScanner, LineScannerSettings
+from robot.scanning.tape_edges import Verdict
+from sim.floor_camera import FloorCamera
+
+SIZE = (480, 640)
+
+
+@pytest.fixture(scope="module")
+def camera() -> FloorCamera:
+    return camera_of(SQUARE)
+
+
+@pytest.mark.parametrize(("millimetres", "is_tape"), [(30, False), (50, True), (70, False)])
+def test_a_stripe_of_another_width_is_not_tape(
+    tmp_path: Path, millimetres: int, is_tape: bool
+) -> None:
+    line = f'<path d="M 400 -600 V 600" fill="none" stroke="black" stroke-width="{millimetres}"/>'
+    field = drawn(tmp_path, f"stripe{millimetres}", "", tape=line)
+    scan = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(0, 0, 0.2), STILL)))
+    assert (scan.scan.hit.sum() > 60) == is_tape
+    if not is_tape:
+        assert not scan.scan.hit.any()
+        judged = scan.verdicts[45]
+        assert judged == Verdict.WRONG_WIDTH
+        assert scan.widths[45] == pytest.approx(millimetres / 1000, abs=3e-3)
+
+
+def test_an_edge_without_the_other_side_in_view_is_no_return(tmp_path: Path) -> None:
+    """Tape that leaves the picture at its upper border."""
+    line = '<path d="M 860 -700 V 700" fill="none" stroke="black" stroke-width="50"/>'
+    path = tmp_path / "leaving.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="1500mm" '
+        f'viewBox="-750 -750 2000 1500">{line}</svg>'
+    )
+    field = load_field(str(path), tmp_path)
+    scan = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(), STILL)))
+    straight_on = np.abs(SCANNER.table.bearings) < 0.1
+    assert not scan.scan.hit[straight_on].any()
+    assert set(scan.verdicts[straight_on]) <= {int(Verdict.NO_EXIT), int(Verdict.NO_EDGE)}
+    near = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(0.1), STILL)))
+    assert set(near.verdicts[straight_on]) == {int(Verdict.COUNTED)}
+
+
+def test_what_lies_behind_something_else_is_still_found(tmp_path: Path) -> None:
+    """A blob before the tape fails the checks; the tape behind it passes them."""
+    field = drawn(tmp_path, "blob", '<circle cx="250" cy="0" r="60" fill="black"/>')
+    scan = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(), STILL)))
+    assert scan.scan.ranges[45] == pytest.approx(0.475, abs=1e-3)
+
+
+@pytest.mark.parametrize("grey", [0, 128, 255])
+def test_an_even_picture_has_no_returns_and_says_why(grey: int) -> None:
+    found = SCANNER.scan(Frame(3.5, np.full(SIZE, grey, dtype=np.uint8)))
+    assert not found.scan.hit.any()
+    assert (found.scan.ranges == np.inf).all()
+    assert (found.verdicts == Verdict.NO_EDGE).all()
+    assert np.isnan(found.edges).all() and np.isnan(found.widths).all()
+    assert found.scan.stamp == 3.5
+    assert len(found.scan.points()) == 0
+
+
+def test_pure_noise_has_no_returns() -> None:
+    rng = np.random.default_rng(0)
+    for sd in (5, 30, 80):
+        noise = np.clip(rng.normal(128, sd, SIZE), 0, 255).astype(np.uint8)
+        assert SCANNER.scan(Frame(0.0, noise)).scan.hit.mean() < 0.03
+
+
+def test_a_colour_picture_gives_what_its_grey_one_gives(camera: FloorCamera) -> None:
+    grey = camera.picture(Pose2(0.1, 0, 0.3), STILL)
+    colour = SCANNER.scan(Frame(0.0, np.dstack([grey] * 3)), Twist2(0.1, 0.2))
+    plain = SCANNER.scan(Frame(0.0, grey), Twist2(0.1, 0.2))
+    assert plain.scan.hit.any()
+    np.testing.assert_array_equal(colour.scan.ranges, plain.scan.ranges)
+
+
+def test_red_tape_is_seen_as_dark_as_it_is(camera: FloorCamera) -> None:
+    """BGR: taken as RGB, a light blue would be a dark red."""
+    grey = camera.picture(Pose2(), STILL)
+    colour = np.dstack([np.full_like(grey, 200), np.full_like(grey, 60), grey])
+    expected_grey = cv2.cvtColor(colour, cv2.COLOR_BGR2GRAY)
+    np.testing.assert_array_equal(
+        SCANNER.scan(Frame(0.0, colour)).grey, SCANNER.scan(Frame(0.0, expected_grey)).grey
+    )
+
+
+@pytest.mark.parametrize("shape", [(640, 480), (240, 320), (480, 641, 3), (0, 0), (480,)])
+def test_a_picture_of_another_size_is_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="the lens is described for 640 x 480"):
+        SCANNER.scan(Frame(0.0, np.zeros(shape, dtype=np.uint8)))
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4])
+def test_a_picture_with_another_number_of_colours_is_refused(channels: int) -> None:
+    with pytest.raises(ValueError, match=r"grey .* or BGR"):
+        SCANNER.scan(Frame(0.0, np.zeros((*SIZE, channels), dtype=np.uint8)))
+
+
+def test_the_same_picture_gives_the_same_scan(camera: FloorCamera) -> None:
+    picture = camera.picture(Pose2(0.2, 0.1, 1), STILL)
+    first, again = (SCANNER.scan(Frame(0.0, picture), Twist2(0.2, 1)) for _ in range(2))
+    np.testing.assert_array_equal(first.scan.ranges, again.scan.ranges)
+    assert first.scan.hit.any()
+
+
+@pytest.mark.parametrize("rays", [1, 2, 5])
+def test_rays_too_far_apart_support_no_line_and_say_so(rays: int, camera: FloorCamera) -> None:
+    scanner = LineScanner(VIEW, LineScannerSettings(rays=rays, field_of_view=0.5))
+    found = scanner.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
+    assert found.scan.bearings.shape == found.scan.ranges.shape == (rays,)
+    assert (found.verdicts == Verdict.TOO_SHORT).all()
+    assert not found.scan.hit.any()
+    if rays == 1:
+        assert found.scan.bearings[0] == 0
+
+
+def test_rays_out_of_sight_say_so_and_the_others_go_on(camera: FloorCamera) -> None:
+    scanner = LineScanner(VIEW, LineScannerSettings(rays=181, field_of_view=math.pi * 2))
+    found = scanner.scan(Frame(0.0, camera.picture(Pose2(), STILL)), Twist2(0.2, 1))
+    aside = np.abs(scanner.table.bearings) > math.radians(45)
+    assert (found.verdicts[aside] == Verdict.OUT_OF_SIGHT).all()
+    assert np.isnan(scanner.table.limits[aside]).all()
+    assert not found.scan.hit[aside].any()
+    assert found.scan.hit[np.abs(scanner.table.bearings) < 0.3].all()
+
+
+def test_a_scanner_whose_rays_are_all_out_of_sight_finds_nothing() -> None:
+    scanner = LineScanner(VIEW, LineScannerSettings(range_max=0.05))
+    found = scanner.scan(Frame(0.0, np.full(SIZE, 90, dtype=np.uint8)), Twist2(0.2, 1))
+    assert (found.verdicts == Verdict.OUT_OF_SIGHT).all()
+    assert not found.scan.hit.any()
+
+
+def test_a_hit_lies_in_the_picture_where_it_was_measured(camera: FloorCamera) -> None:
+    """The pixel drawn for an entry sees the floor that the range says."""
+    found = SCANNER.scan(Frame(0.0, camera.picture(Pose2(0.1, 0, 0.2), STILL)))
+    pixels = SCANNER.pixels(found.edges[:, 0])
+    hit = found.scan.hit
+    np.testing.assert_allclose(VIEW.floor_points(pixels[hit]), found.scan.points(), atol=5e-5)
+    assert np.isnan(pixels[np.isnan(found.edges[:, 0])]).all()
+    ray = int(np.flatnonzero(hit)[0])
+    position = float(found.edges[ray, 0])
+    assert SCANNER.distance(ray, position) == pytest.approx(found.scan.ranges[ray], abs=1e-9)
