@@ -98,7 +98,7 @@ class Scene:
 
         return {
             "particles": scene.add_point_cloud(
-                "/particles", point, ESTIMATE, point_size=0.006, point_shape="circle",
+                "/particles", point, ESTIMATE, point_size=0.004, point_shape="circle",
                 point_shading="flat",
             ),
             "headings": scene.add_batched_meshes_simple(

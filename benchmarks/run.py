@@ -7,13 +7,14 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import live, loop, render
+from benchmarks import live, loop, recovery, render
 from benchmarks.result import Result
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
     "loop": loop.measure,
     "live": live.measure,
+    "recovery": recovery.measure,
     "render": render.measure,
 }
 

@@ -9,7 +9,7 @@ import { calm, findWebGl } from "./webgl.js";
 /** @typedef {import("../messages").ShowCommand["layer"]} Layer */
 
 /** Where the eye stands, in sizes of the field from its middle. */
-const EYE = [-0.42, -0.6, 0.62];
+const EYE = [-0.34, -0.48, 0.52];
 const LATER_MS = 500;
 /** viser's own notices and, in a narrow frame, its controls would lie over the scene. */
 const QUIET =
