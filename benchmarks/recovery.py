@@ -21,6 +21,10 @@ SEEDS = range(12)
 WRONG = Pose2(-0.1, -0.1, 0.3)
 """How far the told pose is off, in the map's axes, as in the paper [m, m, rad]."""
 
+BEFORE = 0.1
+"""When the wrong pose is told, after the start [s]. A single wall is in sight then, which is hard:
+a second later a corner is, and the pose is right again after 0.1 s."""
+
 WATCHED = 9.0
 """Time on the figure-eight after the wrong pose [s]."""
 
@@ -40,7 +44,7 @@ class Recovery:
 def recover(seed: int) -> Recovery:
     """Tell a robot with the default imperfections a wrong pose while it drives."""
     program = assemble(Config(robot="sim", seed=seed))
-    at = _drive(program, 1.0)[-1]
+    at = _drive(program, BEFORE)[-1]
     assert at.truth is not None
     told = SetPoseCommand(
         type="set_pose",
