@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import live, loop, recovery, render
+from benchmarks import live, loop, recovery, render, start
 from benchmarks.result import Result
 from robot.settings import SettingError
 
@@ -16,6 +16,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "live": live.measure,
     "recovery": recovery.measure,
     "render": render.measure,
+    "start": start.measure,
 }
 
 

@@ -1,0 +1,57 @@
+"""From the command to the page, with everything compiled already."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import time
+import urllib.request
+
+import numpy as np
+
+from app.config import ROOT
+from benchmarks.result import Result
+
+RUNS = 3
+
+
+def measure() -> Result:
+    """Seconds from ``brickpose run`` to the first page, and to a robot that answers."""
+    pages, robots = zip(*(_start() for _ in range(RUNS)), strict=True)
+    return Result(
+        unit="s to the first page",
+        brickpose=float(np.median(pages)),
+        more={"to the first telemetry [s]": float(np.median(robots))},
+    )
+
+
+def _start() -> tuple[float, float]:
+    start = time.perf_counter()
+    command = [sys.executable, "-m", "app", "run", "--port", "0"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            found = re.search(r"http://\S+", line)
+            if found is None:
+                raise RuntimeError(f"the server did not start: {line!r}")
+            _wait_for(found[0] + "/")
+            page = time.perf_counter() - start
+            _wait_for(found[0] + "/api/state")
+            return page, time.perf_counter() - start
+        finally:
+            process.terminate()
+
+
+def _wait_for(address: str) -> None:
+    deadline = time.perf_counter() + 120
+    while True:
+        try:
+            with urllib.request.urlopen(address, timeout=120):
+                return
+        except OSError:
+            # Not listening yet, or 503 before the first tick.
+            if time.perf_counter() > deadline:
+                raise
+            time.sleep(0.02)
