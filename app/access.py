@@ -37,14 +37,14 @@ class SameOriginOnly:
         if not self._is_ours(host):
             return f"This server does not go by the name {host!r}; open it by its address."
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
+        if origin is not None and _place(origin) != host.lower():
             return f"Pages of {origin} may not talk to this robot."
         return None
 
     def _is_ours(self, host: str) -> bool:
         try:
             name = urlsplit(f"//{host}").hostname or ""
-        except ValueError:
+        except ValueError:  # brackets that are no IPv6 address
             return False
         # A page cannot choose which number stands in its address, only which name.
         return name.lower() in self._names or _is_address(name)
@@ -54,6 +54,14 @@ def own_names(host: str) -> frozenset[str]:
     """The names of this machine, and the one that it was told to listen on."""
     machine = socket.gethostname().lower()
     return frozenset({"localhost", host.lower(), machine, f"{machine}.local"})
+
+
+def _place(origin: str) -> str:
+    """Host and port of an origin; empty if it is none."""
+    try:
+        return urlsplit(origin).netloc.lower()
+    except ValueError:
+        return ""
 
 
 def _is_address(name: str) -> bool:

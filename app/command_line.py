@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -103,6 +104,8 @@ def _run(parsed: argparse.Namespace) -> int:
     from app.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
+    # Until the server has its own: a program told to end while it starts ends as by Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     config, missing = settle_robot(config_from(parsed))
     listening = listen(config.host, config.port)
     if missing:

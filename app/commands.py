@@ -5,13 +5,25 @@ from __future__ import annotations
 from pydantic import ValidationError
 
 from app.assembly import Program
+from app.engine import Engine
 from app.localization import changed
-from app.messages import COMMAND, Command, PlaceCommand, SetParametersCommand, SetPoseCommand
+from app.messages import (
+    COMMAND,
+    Command,
+    PingCommand,
+    PlaceCommand,
+    SetParametersCommand,
+    SetPoseCommand,
+    StopCommand,
+)
 from robot.geometry import Pose2
 from robot.interface import Placeable
 
 LONGEST = 64 * 1024
 """A longer text is no command [characters]."""
+
+MOST_WAITING = 1000
+"""Commands that may wait for the engine; a flood must not fill the memory of one that hangs."""
 
 
 class CommandError(ValueError):
@@ -38,6 +50,7 @@ def check(command: Command, program: Program) -> None:
     Raises:
         CommandError: says why.
     """
+    _check_engine(command, program.engine)
     match command:
         case SetPoseCommand() | PlaceCommand():
             pose = Pose2(command.x, command.y, command.theta)
@@ -56,6 +69,15 @@ def check(command: Command, program: Program) -> None:
                 changed(now, command.values)
             except ValueError as error:
                 raise CommandError(str(error)) from error
+
+
+def _check_engine(command: Command, engine: Engine) -> None:
+    if isinstance(command, PingCommand):
+        return
+    if engine.failure is not None:
+        raise CommandError(engine.failure)
+    if engine.commands.qsize() >= MOST_WAITING and not isinstance(command, StopCommand):
+        raise CommandError(f"{MOST_WAITING} commands wait already; send fewer, or wait for answers")
 
 
 def _in_words(error: ValidationError) -> str:

@@ -41,6 +41,9 @@ from robot.interface import Frame, Placeable, Reading, Robot
 FRAME_OVERDUE = 0.5
 """Without a new picture for so long [s], the camera is said to have stalled."""
 
+MOST_COMMANDS = 100
+"""Taken in one tick, so that a flood of commands does not hold the robot up."""
+
 
 class Engine:
     """Owns the robot, the odometry, the filter and who drives; one thread calls it."""
@@ -62,6 +65,7 @@ class Engine:
         self._kinematics = DifferentialDrive(robot.spec)
         self._map_from_odom = start
         self._frame: Frame | None = None
+        self._odom_from_scan: Pose2 | None = None
         self._problems = Problems()
         self._meter = LoopMeter()
         self._layers: frozenset[Layer] = LAYERS
@@ -104,16 +108,25 @@ class Engine:
         if reading.frame is not None:
             self._frame = reading.frame
             self._meter.frame(reading.frame.stamp)
-            then = self._odometry.at(reading.frame.stamp)
-            self._localization.measure(reading.frame, then)
+            self._measure(reading.frame, reading.stamp)
         last = self._frame.stamp if self._frame else 0.0
         overdue = reading.stamp - last > FRAME_OVERDUE
         self._problems.report(
             "camera", reading.stamp, "The camera sends no pictures." if overdue else None
         )
 
+    def _measure(self, frame: Frame, now: float) -> None:
+        try:
+            then = self._odometry.at(frame.stamp)
+        except LookupError as error:
+            self._problems.report("delay", now, f"A picture came too late to be used: {error}.")
+            return
+        self._problems.report("delay", now, None)
+        self._odom_from_scan = then.odom_from_robot
+        self._localization.measure(frame, then)
+
     def _take_commands(self, stamp: float, odometry: OdometryState) -> None:
-        while True:
+        for _ in range(MOST_COMMANDS):
             try:
                 command = self.commands.get_nowait()
             except queue.Empty:
@@ -167,8 +180,9 @@ class Engine:
         belief = localization.belief
         scan = localization.line_scan
         scan_pose = None
-        if belief is not None and scan is not None:
-            scan_pose = belief.pose(self._odometry.at(scan.scan.stamp).odom_from_robot)
+        # Kept, not asked for by stamp: the odometry of a camera that stalls is forgotten in time.
+        if belief is not None and self._odom_from_scan is not None:
+            scan_pose = belief.pose(self._odom_from_scan)
         return Snapshot(
             stamp=reading.stamp,
             published=time.monotonic(),

@@ -29,14 +29,19 @@ class Live:
 
     def __init__(self, program: Program) -> None:
         self.program = program
+        self.drove: dict[_Viewer, float] = {}
+        """When each viewer that drives last said so, on the computer's clock [s]."""
         self._writer = TelemetryWriter(program.field, program.robot, program.scanner)
         self._written: tuple[Snapshot, str] | None = None
 
     def text(self, snapshot: Snapshot) -> str:
         """The telemetry of a snapshot as JSON; written once, however many viewers there are."""
-        if self._written is None or self._written[0] is not snapshot:
-            self._written = (snapshot, self._writer.message(snapshot).model_dump_json())
-        return self._written[1]
+        # Kept in one variable: other threads ask, too, perhaps for another snapshot.
+        written = self._written
+        if written is None or written[0] is not snapshot:
+            text = self._writer.message(snapshot).model_dump_json()
+            self._written = written = (snapshot, text)
+        return written[1]
 
     async def serve(self, socket: WebSocket) -> None:
         """Talk to one viewer until it leaves; then nothing that it drove goes on."""
@@ -57,7 +62,6 @@ class _Viewer:
         self._engine = live.program.engine
         self._socket = socket
         self._sending = anyio.Lock()
-        self._drives = False
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot whenever the last one has gone out."""
@@ -76,8 +80,10 @@ class _Viewer:
                 return
 
     def leave(self) -> None:
-        """Stop the robot if this viewer was driving it."""
-        if self._drives:
+        """Stop the robot if this viewer was driving it, and nobody else is."""
+        drives = self._live.drove.pop(self, None) is not None
+        recent = time.monotonic() - self._live.program.config.drive.cmd_vel_timeout
+        if drives and all(last < recent for last in self._live.drove.values()):
             self._engine.commands.put(StopCommand(type="stop"))
 
     def _answer(self, text: str) -> str:
@@ -94,9 +100,9 @@ class _Viewer:
             return
         self._engine.commands.put(command)
         if isinstance(command, (DriveCommand, FigureEightCommand)):
-            self._drives = True
+            self._live.drove[self] = time.monotonic()
         elif isinstance(command, StopCommand):
-            self._drives = False
+            self._live.drove.clear()
 
     def _robot_time(self) -> float | None:
         """The robot's clock now: the newest stamp and the time since it was published."""
@@ -118,7 +124,9 @@ def _id_of(text: str) -> int | str | None:
     """The id of a refused command, as far as it can be read."""
     try:
         content: Any = json.loads(text)
+        found = content.get("id") if isinstance(content, dict) else None
+        # Half a surrogate pair is valid JSON, but no text that could be sent back.
+        str(found).encode()
     except (ValueError, RecursionError):
         return None
-    found = content.get("id") if isinstance(content, dict) else None
     return found if type(found) in (int, str) and len(str(found)) <= 200 else None

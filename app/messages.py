@@ -149,7 +149,9 @@ class TelemetryMessage(Message):
 
 
 class CommandMessage(Message):
-    """What all commands share."""
+    """What all commands share; a number must be one, not a text or a truth value that could be."""
+
+    model_config = ConfigDict(strict=True)
 
     id: int | str | None = None
     """Repeated in the answer."""

@@ -75,10 +75,15 @@ class Server:
 
 def serve(program: Program, listening: socket.socket) -> None:
     """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
-    # uvicorn raises the signal again when it has ended; by then all is done.
-    for name in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(name, lambda number, frame: None)
-    Server(program).run([listening])
+    try:
+        server = Server(program)
+        # uvicorn raises the signal again when it has ended; by then all is done.
+        for name in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(name, lambda number, frame: None)
+        server.run([listening])
+    finally:
+        # The engine has done so, unless it never began.
+        program.robot.close()
 
 
 class _StopsTheRobotFirst(uvicorn.Server):

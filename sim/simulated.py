@@ -18,8 +18,9 @@ from sim.world import World
 PERIOD = 0.02
 """Time between two readings [s]: control at 50 Hz."""
 
-HISTORY = 1.0
-"""How long true poses are kept for frames that are still under way [s]."""
+HISTORY = 1.2
+"""How long true poses are kept for frames that are still under way [s]: the longest delay, half of
+the longest exposure and half of a readout."""
 
 
 def no_wait(stamp: float) -> None:
@@ -102,17 +103,21 @@ class SimulatedRobot:
             self._past.popleft()
 
     def _frame(self) -> Frame | None:
-        """The next picture, if it has been exposed, read out and handed over by now."""
-        exposed = self._frames / self._settings.frame_rate
+        """The newest picture, if one has been exposed, read out and handed over by now."""
         until_here = self._settings.exposure / 2 + self.spec.lens.readout / 2
-        if exposed + until_here + self._settings.delay > self.stamp + 1e-9:
+        newest = self.stamp + 1e-9 - until_here - self._settings.delay
+        exposed = None
+        # A camera that is quicker than the readings: only the newest picture is handed out.
+        while self._frames / self._settings.frame_rate <= newest:
+            exposed = self._frames / self._settings.frame_rate
+            self._frames += 1
+        if exposed is None:
             return None
-        self._frames += 1
         pose, twist = self._at(exposed)
         return Frame(exposed, self._camera.picture(pose, twist))
 
     def _at(self, stamp: float) -> tuple[Pose2, Twist2]:
-        """True pose and twist at a moment of the last second."""
+        """True pose and twist at a moment that is still remembered."""
         start = self._past[0]
         for end in self._past:
             if end[0] >= stamp:

@@ -78,6 +78,15 @@ def test_a_signal_stops_the_robot_and_ends_with_0(sent):
         assert "Traceback" not in err
 
 
+@pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_while_it_starts_ends_it_with_0(sent):
+    command = [sys.executable, "-m", "app", "run", "--robot", "kinematic", "--port", "0"]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as starting:
+        assert "BrickPose is at" in starting.stdout.readline()
+        starting.send_signal(sent)
+        assert starting.wait(timeout=15) == 0
+
+
 def test_without_pybullet_the_kinematic_robot_drives_and_says_why():
     code = (
         "import sys; sys.modules['pybullet'] = None\n"

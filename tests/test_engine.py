@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 from app.assembly import Program, assemble
+from app.commands import MOST_WAITING, CommandError, check
 from app.config import Config
+from app.engine import MOST_COMMANDS
 from app.messages import (
     DriveCommand,
     FigureEightCommand,
     PauseCommand,
+    PingCommand,
     PlaceCommand,
     ResetCommand,
     ResumeCommand,
@@ -24,8 +27,10 @@ from app.messages import (
 )
 from app.snapshot import Snapshot
 from benchmarks.recovery import SEEDS, recover
+from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2
 from robot.interface import RobotError
+from sim.floor_camera import CameraSettings
 from sim.simulated import PERIOD
 
 EIGHT = FigureEightCommand(type="figure_eight")
@@ -229,6 +234,58 @@ def test_a_camera_that_stalls_is_said_to():
     assert shown[-1].problem_count == 1
     program.robot.read = read
     assert run(program, 0.2)[-1].problems == ()
+
+
+def test_a_camera_that_stalls_for_long_stops_nothing():
+    program = kinematic()
+    last = run(program, 0.5)[-1]
+    read = program.robot.read
+    program.robot.read = lambda: _without_frame(read())
+    shown = run(program, 5.0, drive(v=0.1))[-1]
+    assert shown.truth.x > 0.4
+    # The scan is still drawn from where it was made.
+    assert shown.scan_pose == last.scan_pose
+
+
+def test_a_picture_that_comes_too_late_is_told_and_not_used():
+    program = kinematic(odometry=OdometrySettings(history=0.05), camera=CameraSettings(delay=0.5))
+    last = run(program, 2.0, drive(v=0.1))[-1]
+    assert any("too late" in problem for problem in last.problems)
+    assert last.problem_count <= 2
+    assert last.truth.x > 0.1
+
+
+@pytest.mark.parametrize("frame_rate", [50, 60, 120])
+def test_a_quick_camera_does_not_lag_behind(frame_rate):
+    program = kinematic(camera=CameraSettings(frame_rate=frame_rate))
+    last = run(program, 5.0, drive(v=0.05))[-1]
+    assert last.problems == ()
+    assert last.stamp - last.frame.stamp <= PERIOD + 0.03
+
+
+def test_a_flood_of_commands_holds_no_tick_up():
+    program = kinematic()
+    for _ in range(10 * MOST_COMMANDS):
+        program.engine.commands.put(drive(v=0.1))
+    program.engine.step()
+    assert program.engine.commands.qsize() == 9 * MOST_COMMANDS
+
+
+def test_what_cannot_be_done_any_more_is_refused():
+    program = kinematic()
+    program.engine.failure = "The robot stopped: the cable is out"
+    with pytest.raises(CommandError, match="cable"):
+        check(drive(v=0.1), program)
+    check(PingCommand(type="ping"), program)
+
+
+def test_only_stop_may_wait_behind_a_flood():
+    program = kinematic()
+    for _ in range(MOST_WAITING):
+        program.engine.commands.put(drive())
+    with pytest.raises(CommandError, match="wait"):
+        check(drive(v=0.1), program)
+    check(StopCommand(type="stop"), program)
 
 
 def _without_frame(reading):

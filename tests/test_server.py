@@ -139,7 +139,15 @@ def test_nothing_else_is_served(server, path):
 
 
 @pytest.mark.parametrize(
-    "headers", [{"Host": "evil.example"}, {"Origin": "http://evil.example"}, {"Origin": "null"}]
+    "headers",
+    [
+        {"Host": "evil.example"},
+        {"Host": "[::1"},
+        {"Origin": "http://evil.example"},
+        {"Origin": "http://[::1"},
+        {"Origin": "null"},
+        {"Origin": ""},
+    ],
 )
 def test_other_origins_and_names_are_refused(server, headers):
     assert get(server, "/api/state", **headers).status_code == 403
@@ -199,6 +207,13 @@ def test_a_viewer_that_does_not_drive_may_leave(server, live):
     assert telemetry(live)["twist"]["v"] > 0
 
 
+def test_one_of_two_drivers_may_leave(server, live):
+    with server.live() as other:
+        ask(other, type="figure_eight")
+        ask(live, type="figure_eight")
+    assert {telemetry(live)["mode"] for _ in range(10)} == {"figure_eight"}
+
+
 def test_set_pose_and_place(live):
     ask(live, type="place", x=0.1, y=0.1, theta=1.0)
     placed = until(live, lambda t: abs(t["truth"]["x"] - 0.1) < 1e-6)
@@ -222,7 +237,10 @@ def test_set_pose_and_place(live):
         ('{"type": "drive", "v": NaN, "omega": 0}', "finite"),
         ('{"type": "drive", "v": 1e999, "omega": 0}', "finite"),
         ('{"type": "drive", "v": "fast", "omega": 0}', "v"),
+        ('{"type": "drive", "v": true, "omega": 0}', "v: .*number"),
+        ('{"type": "drive", "v": "1", "omega": 0}', "v: .*number"),
         ('{"type": "drive", "v": 1, "omega": 0, "speed": 3}', "speed"),
+        ('{"type": "stop", "id": "\\ud800"}', "JSON"),
         ('{"type": "set_pose", "x": 5, "y": 0, "theta": 0}', "off the map"),
         ('{"type": "set_pose", "x": 0, "y": 0, "theta": 0, "sd_xy": -1}', "sd_xy"),
         ('{"type": "place", "x": 0, "y": -9, "theta": 0}', "off the map"),
@@ -258,22 +276,18 @@ def until_error(live) -> str:
             return message["message"]
 
 
-@settings(
-    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(
-    st.one_of(
-        st.text(max_size=50),
-        st.recursive(
-            st.none() | st.booleans() | st.floats() | st.text(max_size=5),
-            lambda inner: (
-                st.lists(inner, max_size=3)
-                | st.dictionaries(st.sampled_from(["type", "v", "omega", "x", "id"]), inner)
-            ),
-            max_leaves=8,
-        ).map(json.dumps),
+SCALARS = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5)
+COMMANDS = st.dictionaries(
+    st.sampled_from(["v", "omega", "x", "y", "theta", "values", "id"]), SCALARS
+).flatmap(
+    lambda rest: st.sampled_from(["drive", "set_pose", "place", "set_parameters", "show"]).map(
+        lambda kind: json.dumps({"type": kind, **rest})
     )
 )
+
+
+@settings(max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.text(max_size=50) | COMMANDS | st.lists(SCALARS).map(json.dumps))
 def test_whatever_is_sent_is_answered(live, text):
     live.send(text)
     while json.loads(live.recv(timeout=20))["type"] not in ("ack", "error"):
