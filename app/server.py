@@ -10,13 +10,14 @@ import anyio
 import cv2
 import numpy as np
 from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
-from fastapi.responses import FileResponse
+from fastapi.responses import FileResponse, HTMLResponse
 from starlette.staticfiles import StaticFiles
 
 from app.access import SameOriginOnly, own_names
 from app.assembly import Program
 from app.camera_stream import CameraStream
 from app.config import FRONTEND
+from app.docs_page import docs_page
 from app.engine_thread import EngineThread
 from app.live import Live
 from app.messages import (
@@ -52,7 +53,8 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
             thread.stop()
             view.close()
 
-    app = FastAPI(title="BrickPose", lifespan=lifespan)
+    # FastAPI's own page of documentation fetches its scripts from the internet.
+    app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
     _add_page(app)
     _add_state(app, program, thread, view)
@@ -64,7 +66,14 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
 def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
     def index() -> FileResponse:
-        return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
+        # A page of another site must not hold ours in a frame and lead clicks and keys to it.
+        framing = "frame-ancestors 'self'"
+        headers = {"Cache-Control": "no-cache", "Content-Security-Policy": framing}
+        return FileResponse(FRONTEND / "index.html", headers=headers)
+
+    @app.get("/docs", include_in_schema=False)
+    def docs() -> HTMLResponse:
+        return HTMLResponse(docs_page(app.openapi()))
 
     app.mount("/static", _Revalidated(directory=FRONTEND), name="static")
 

@@ -123,6 +123,10 @@ def test_pages_are_there(server, path):
     assert get(server, path).status_code == 200
 
 
+def test_other_pages_cannot_hold_it_in_a_frame(server):
+    assert get(server, "/").headers["Content-Security-Policy"] == "frame-ancestors 'self'"
+
+
 def test_the_3d_page_is_not_sent_twice(server):
     tag = get(server, "/view/").headers["etag"]
     assert get(server, "/view/", **{"If-None-Match": tag}).status_code == 304
