@@ -10,6 +10,7 @@ import io
 import math
 from typing import Any
 
+import cv2
 import numpy as np
 import viser
 import yourdfpy
@@ -26,6 +27,8 @@ TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)
 HEADINGS = 150
 """Particles that are drawn with their heading."""
+LARGEST_FLOOR_PX = 1536
+"""Longer side of the floor's texture: larger ones take a viewer long to load."""
 RAY_STEP = 3
 """Of so many rays one is drawn: all of them would hide the floor."""
 LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "estimate": 0.006}
@@ -71,8 +74,10 @@ class Scene:
 
     def _floor(self, field: Field) -> None:
         xmin, ymin, xmax, ymax = field.floor.extent
-        step = max(1, math.ceil(max(field.floor.image.shape) / 1024))
-        grey = field.floor.image[::step, ::step]
+        shrink = min(1.0, LARGEST_FLOOR_PX / max(field.floor.image.shape))
+        grey = cv2.resize(
+            field.floor.image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA
+        )
         self._server.scene.add_image(
             "/floor",
             np.repeat(grey[:, :, None], 3, axis=2),
