@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import threading
 from collections.abc import AsyncIterator
 
 import anyio
@@ -17,13 +18,16 @@ from robot.interface import Frame
 
 QUALITY = 75
 BOUNDARY = "frame"
+LONGEST_WAIT_S = 0.2
+"""Between two looks at whether the program ends [s]."""
 
 
 class CameraStream:
     """Encodes each picture once, however many look at it."""
 
-    def __init__(self, latest: Latest[Snapshot]) -> None:
+    def __init__(self, latest: Latest[Snapshot], stopping: threading.Event) -> None:
         self._latest = latest
+        self._stopping = stopping
         self._encoded: tuple[Frame, bytes] | None = None
         self._lock = anyio.Lock()
 
@@ -70,8 +74,11 @@ class CameraStream:
     async def _frames(self) -> AsyncIterator[Frame]:
         with self._latest.subscribe() as subscription:
             shown = None
-            while True:
-                frame = (await subscription.next()).frame
+            while not self._stopping.is_set():
+                frame = None
+                # Not for ever: a stream that waits would hold up the end of the program.
+                with anyio.move_on_after(LONGEST_WAIT_S):
+                    frame = (await subscription.next()).frame
                 if frame is not None and frame is not shown:
                     shown = frame
                     yield frame

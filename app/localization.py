@@ -78,8 +78,9 @@ class Localization:
         self.line_scan = self.scanner.scan(frame, odometry.twist)
         pose = odometry.odom_from_robot
         if self.paused and not self._once:
-            self._filter.predict(pose)
-            self._believe(self._filter.estimate(frame.stamp), pose)
+            # A cloud that has not moved is an answer of before, tied to the odometry of then.
+            if self._filter.predict(pose) or self.belief is None:
+                self._believe(self._filter.estimate(frame.stamp), pose)
             return
         self._once = False
         found = self._filter.update(pose, self.line_scan.scan)

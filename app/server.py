@@ -59,7 +59,7 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
     _add_page(app)
     _add_state(app, program, thread, view)
     _add_field(app, program)
-    _add_streams(app, program, view)
+    _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
     return app
 
 
@@ -184,9 +184,7 @@ def _add_field(app: FastAPI, program: Program) -> None:
             raise HTTPException(404, str(error)) from error
 
 
-def _add_streams(app: FastAPI, program: Program, view: View) -> None:
-    camera = CameraStream(program.engine.latest)
-
+def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
     @app.get("/camera.jpg", response_class=Response)
     async def picture() -> Response:
         """One picture of the robot's camera."""

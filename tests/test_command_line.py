@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import urllib.request
 
 import pytest
 from serving import ROOT, ask, serving, telemetry
@@ -76,6 +77,16 @@ def test_a_signal_stops_the_robot_and_ends_with_0(sent):
             _, err = server.process.communicate(timeout=15)
         assert server.process.returncode == 0
         assert "Traceback" not in err
+
+
+def test_an_open_stream_does_not_hold_up_the_end():
+    with serving("--robot", "kinematic") as server:
+        stream = urllib.request.urlopen(f"{server.url}/camera.mjpg", timeout=20)
+        with stream:
+            assert stream.read(100)
+            server.process.send_signal(signal.SIGTERM)
+            _, err = server.process.communicate(timeout=15)
+    assert (server.process.returncode, err) == (0, "")
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])

@@ -186,6 +186,34 @@ def test_paused_the_cloud_follows_odometry_alone():
     assert run(program, 1.0, drive(v=0.1))[-1].updates > paused[-1].updates + 10
 
 
+def test_paused_the_estimate_follows_odometry_however_rarely_the_cloud_is_moved():
+    program = kinematic()
+    run(program, 0.4, drive(v=0.1))
+    program.engine.commands.put(
+        SetParametersCommand(type="set_parameters", values={"update_min_d": 10})
+    )
+    program.engine.commands.put(PauseCommand(type="pause"))
+    first = run(program, 0.1, drive(v=0.1))[-1]
+    last = run(program, 2.0, drive(v=0.1))[-1]
+    assert first.pose.distance_to(last.pose) == pytest.approx(0.2, abs=0.01)
+
+
+def test_a_told_pose_is_not_moved_by_what_was_driven_before():
+    program = kinematic()
+    run(program, 0.4)
+    program.engine.commands.put(
+        SetParametersCommand(type="set_parameters", values={"update_min_d": 10})
+    )
+    told = run(program, 2.0, drive(v=0.1))[-1].truth
+    program.engine.commands.put(StopCommand(type="stop"))
+    program.engine.commands.put(
+        SetPoseCommand(
+            type="set_pose", x=told.x, y=told.y, theta=told.theta, sd_xy=0.001, sd_theta=0.001
+        )
+    )
+    assert run(program, 0.2)[-1].pose.distance_to(told) < 0.01
+
+
 def test_parameters_change_live_and_reset_brings_them_back():
     program = kinematic()
     values = {"min_particles": 123, "sigma_hit": 0.01, "laser_model_type": "beam"}

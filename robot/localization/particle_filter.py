@@ -81,23 +81,29 @@ class ParticleFilter:
         self.cloud = self.weighed = Cloud.even(poses)
         self._clusters = self._cluster()
         self.updates = 0
+        # They are where the robot is now: what it drove before is in them already.
+        self._odometry = None
         self._forced = True
 
     def force_update(self) -> None:
         """Let the next measurement count, however little the robot moves."""
         self._forced = True
 
-    def predict(self, odometry: Pose2) -> None:
+    def predict(self, odometry: Pose2) -> bool:
         """Move the cloud by odometry alone: while measurements are paused.
+
+        Returns whether it moved; it stays while the robot has hardly moved since the last time.
 
         Args:
             odometry: the robot in the odom frame.
         """
         moved = self._moved(odometry)
-        if self._is_due(moved):
+        due = self._is_due(moved)
+        if due:
             self._propagate(odometry, moved)
             self._clusters = self._cluster()
             self.weighed = self.cloud
+        return due
 
     def update(self, odometry: Pose2, scan: Scan) -> Estimate | None:
         """One step of the filter; None while the robot has hardly moved since the last one.
