@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.config import MAPS, Config
-from app.driving import Driving
-from app.engine import Engine
-from app.localization import Localization
+from app.engine.driving import Driving
+from app.engine.engine import Engine
+from app.engine.localization import Localization
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController

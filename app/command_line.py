@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 import logging
 import signal
+import socket
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from app.config import ROBOTS, Config, load_config
+from robot.fields.field import FieldError
 from robot.settings import SettingError
 
 
@@ -20,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = _parser().parse_args(arguments)
     try:
         return int(parsed.command(parsed))
-    except SettingError as error:
+    except (SettingError, FieldError) as error:
         return _complain(error, 2)
     except (OSError, ValueError, ImportError, RuntimeError) as error:
         return _complain(error, 1)
@@ -101,7 +103,7 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def _run(parsed: argparse.Namespace) -> int:
     # Imported here, so that a wrong argument is answered at once.
     from app.assembly import assemble, settle_robot  # noqa: PLC0415
-    from app.serving import listen, serve  # noqa: PLC0415
+    from app.web.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     # Until the server has its own: a program told to end while it starts ends as by Ctrl-C.
@@ -112,6 +114,8 @@ def _run(parsed: argparse.Namespace) -> int:
         _say(f"The kinematic robot drives, with perfect wheels: {missing}")
     program = assemble(config, RealTime())
     host, port = listening.getsockname()[:2]
+    if host in ("0.0.0.0", "::"):
+        host = socket.gethostname()  # nobody can open "all addresses"
     shown = f"[{host}]" if ":" in host else host
     _say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
     serve(program, listening)

@@ -57,7 +57,7 @@ def _valid(known: Setting, value: object) -> str:
         return "true, false"
     if isinstance(value, str) or math.isinf(known.low) or math.isinf(known.high):
         return ""
-    return f"{known.low:g} to {known.high:g}"
+    return f"{known.low:.10g} to {known.high:.10g}"
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.assembly import assemble
 from app.config import Config
-from app.messages import FigureEightCommand, SetParametersCommand
+from app.messages.commands import FigureEightCommand, SetParametersCommand
 
 
 def _sensor(model: str) -> SetParametersCommand:

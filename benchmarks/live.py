@@ -12,7 +12,7 @@ import numpy as np
 
 from app.assembly import assemble
 from app.config import ROOT, Config
-from app.serving import Server, listen
+from app.web.serving import Server, listen
 from benchmarks.result import Result
 from sim.real_time import RealTime
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from app.assembly import Program, assemble
 from app.config import Config
-from app.messages import FigureEightCommand
+from app.messages.commands import FigureEightCommand
 from benchmarks.result import Result
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings

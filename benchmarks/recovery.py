@@ -10,8 +10,8 @@ import numpy as np
 
 from app.assembly import Program, assemble
 from app.config import Config
-from app.messages import FigureEightCommand, SetPoseCommand
-from app.snapshot import Snapshot
+from app.engine.snapshot import Snapshot
+from app.messages.commands import FigureEightCommand, SetPoseCommand
 from benchmarks.result import Result
 from robot.geometry import Pose2
 

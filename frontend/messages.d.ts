@@ -1,4 +1,4 @@
-// Made from app/messages.py by `python -m app.typescript`; change it there.
+// Made from app/messages/ by `python -m app.messages.typescript`; change it there.
 
 export type Command =
   | DriveCommand

@@ -78,7 +78,12 @@ def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
 
 def _range(known: Setting) -> str:
     if math.isinf(known.high):
-        return f"{known.low:g} or more"
+        return f"{_number(known.low)} or more"
     if math.isinf(known.low):
-        return f"{known.high:g} or less"
-    return f"{known.low:g} to {known.high:g}"
+        return f"{_number(known.high)} or less"
+    return f"{_number(known.low)} to {_number(known.high)}"
+
+
+def _number(value: float) -> str:
+    """A limit as it was written: whole numbers with all their digits."""
+    return str(value) if isinstance(value, int) else f"{value:g}"

@@ -45,9 +45,9 @@ def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(arguments, told):
     assert "Traceback" not in done.stderr
 
 
-def test_an_unknown_field_ends_with_1_and_lists_the_known_ones():
+def test_an_unknown_field_ends_with_2_and_lists_the_known_ones():
     done = brickpose("run", "--map", "moon", "--port", "0")
-    assert done.returncode == 1
+    assert done.returncode == 2
     assert "square, stub, tee, town" in done.stderr
     assert "Traceback" not in done.stderr
 

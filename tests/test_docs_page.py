@@ -5,8 +5,9 @@ import re
 import pytest
 from fastapi import FastAPI
 
-from app.docs_page import docs_page
-from app.messages import CommandMessage, TelemetryMessage
+from app.messages.commands import CommandMessage
+from app.messages.telemetry import TelemetryMessage
+from app.web.docs_page import docs_page
 
 
 @pytest.fixture(scope="module")

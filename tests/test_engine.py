@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from app.assembly import Program, assemble
-from app.commands import MOST_WAITING, CommandError, check
 from app.config import Config
-from app.engine import MOST_COMMANDS
-from app.messages import (
+from app.engine.engine import MOST_COMMANDS
+from app.engine.snapshot import Snapshot
+from app.messages.commands import (
     DriveCommand,
     FigureEightCommand,
     PauseCommand,
@@ -25,7 +25,7 @@ from app.messages import (
     StopCommand,
     UpdateCommand,
 )
-from app.snapshot import Snapshot
+from app.web.commands import MOST_WAITING, CommandError, check
 from benchmarks.recovery import SEEDS, recover
 from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2

@@ -127,10 +127,19 @@ def test_before_any_reading_there_is_nothing_to_be_asked() -> None:
         Odometry(DRIVE, OdometrySettings()).at(0.0)
 
 
-def test_what_is_long_forgotten_is_refused_and_the_limits_are_named() -> None:
+@pytest.mark.parametrize("stamp", [3.9, 3.0, 0.0, -5.0])
+def test_what_is_forgotten_is_refused_and_the_limits_are_named(stamp: float) -> None:
+    """The oldest that is left would be wrong by the way driven since."""
     odometry, _ = driven(Twist2(0.2, 0), 5.0)
-    with pytest.raises(LookupError, match=r"at 2\.900 s .*kept from (3\.98|4\.00)0 to 5\.000 s"):
-        odometry.at(2.9)
+    with pytest.raises(LookupError, match=rf"at {stamp:.3f} s .*kept from 3\.980 to 5\.000 s"):
+        odometry.at(stamp)
+
+
+def test_a_picture_from_long_before_the_first_reading_is_refused() -> None:
+    odometry = Odometry(DRIVE, OdometrySettings())
+    odometry.update(reading(10.0, np.zeros(2)))
+    with pytest.raises(LookupError, match=r"at 8\.900 s"):
+        odometry.at(8.9)
 
 
 @pytest.mark.parametrize("history", [0.05, 0.5, 1.0])

@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 from serving import Server, ask, serving, telemetry, until
 from websockets.sync.client import connect
 
-from app.messages import (
+from app.messages.answers import (
     FieldMessage,
     HealthMessage,
     ParameterMessage,
     ProblemsMessage,
     ProfileMessage,
-    TelemetryMessage,
 )
+from app.messages.telemetry import TelemetryMessage
 
 
 @pytest.fixture(scope="module")
@@ -146,6 +146,7 @@ def test_nothing_else_is_served(server, path):
     "headers",
     [
         {"Host": "evil.example"},
+        {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"},
         {"Host": "[::1"},
         {"Origin": "http://evil.example"},
         {"Origin": "http://[::1"},

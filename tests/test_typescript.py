@@ -9,12 +9,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.messages import schema
-from app.typescript import PRIMITIVES, TARGET, SchemaError, interface, main, render, type_of
+from app.messages.schema import schema
+from app.messages.typescript import (
+    PRIMITIVES,
+    TARGET,
+    SchemaError,
+    interface,
+    main,
+    render,
+    type_of,
+)
 
 
 def test_the_types_in_the_repository_are_current() -> None:
-    assert main(["--check"]) == 0, "run python -m app.typescript"
+    assert main(["--check"]) == 0, "run python -m app.messages.typescript"
 
 
 @pytest.mark.parametrize(

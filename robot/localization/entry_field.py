@@ -23,10 +23,10 @@ from robot.geometry import Array, heading_vectors
 
 DIRECTIONS = 8
 SAMPLE_M = 0.002
-"""Distance of the points that stand for an edge [m]."""
+"""Distance of the points that stand for an edge [m]; farther apart where cells are larger."""
 SIGNED_CELLS = 2.0
 """The distance has a sign up to so many cells from an edge; farther it would jump."""
-MOST_CELLS = 4_000_000
+MOST_CELLS = 500_000
 """Largest table for one direction; fields that would need more get coarser cells."""
 
 
@@ -48,10 +48,11 @@ class EntryField:
     @classmethod
     def build(cls, of: Field, *, resolution: float, max_distance: float) -> EntryField:
         """Work out the table of a field."""
-        points, normals = sample(of.edges, SAMPLE_M)
-        low = points.min(axis=0) - max_distance
-        high = points.max(axis=0) + max_distance
+        low = of.edges.reshape(-1, 2).min(axis=0) - max_distance
+        high = of.edges.reshape(-1, 2).max(axis=0) + max_distance
         cell = max(resolution, math.sqrt(float(np.prod(high - low)) / MOST_CELLS))
+        step = max(SAMPLE_M, cell / 3)
+        points, normals = sample(of.edges, step)
         width, height = np.ceil((high - low) / cell).astype(int) + 1
         x = low[0] + cell * np.arange(width)
         y = low[1] + cell * np.arange(height)
@@ -64,24 +65,25 @@ class EntryField:
         for direction, toward in enumerate(turns):
             facing = normals @ toward < grazing
             if facing.any():
-                signed = _distances(cells, points[facing], normals[facing], max_distance, cell)
+                tree = cKDTree(points[facing])
+                signed = _distances(cells, tree, normals[facing], max_distance, cell, step)
                 table[direction] = signed.reshape(height, width)
         return cls(table, (float(low[0]), float(low[1])), cell, max_distance, resolution)
 
 
 def _distances(
-    cells: Array, points: Array, normals: Array, max_distance: float, cell: float
+    cells: Array, tree: cKDTree, normals: Array, max_distance: float, cell: float, step: float
 ) -> Array:
-    """Distance [m] of each cell from edges given as points (p, 2) with normals."""
-    _, index = cKDTree(points).query(cells, distance_upper_bound=max_distance)
+    """Distance [m] of cells (c, 2) from edges given as points in a tree, with normals (p, 2)."""
+    _, index = tree.query(cells, distance_upper_bound=max_distance, workers=-1)
     nearest = np.asarray(index)
-    found = nearest < len(points)
-    away = cells[found] - points[nearest[found]]
+    found = nearest < tree.n
+    away = cells[found] - tree.data[nearest[found]]
     normal = normals[nearest[found]]
     across = (away * normal).sum(axis=1)
     along = np.abs(away[:, 0] * normal[:, 1] - away[:, 1] * normal[:, 0])
     # A point stands for the piece of edge half a step to either side.
-    past_end = np.maximum(along - SAMPLE_M / 2, 0.0)
+    past_end = np.maximum(along - step / 2, 0.0)
     exact = np.hypot(across, past_end)
     near = exact < SIGNED_CELLS * cell
     result = np.full(len(cells), max_distance)

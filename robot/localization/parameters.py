@@ -78,10 +78,10 @@ class SensorParameters:
     )
     laser_max_range: float = setting(1.0, "Longest range", unit="m", low=0.05, high=100)
     laser_likelihood_max_dist: float = setting(
-        0.15, "Ends farther from an edge than this count alike", unit="m", low=0.01, high=5
+        0.15, "Ends farther from an edge than this count alike", unit="m", low=0.01, high=2
     )
     field_resolution: float = setting(
-        0.005, "Cell of the table of distances", unit="m", low=0.001, high=0.5
+        0.005, "Cell of the table of distances", unit="m", low=0.002, high=0.5
     )
 
     def __post_init__(self) -> None:
@@ -92,8 +92,10 @@ class SensorParameters:
 class FilterParameters:
     """How the cloud is kept."""
 
-    min_particles: int = setting(500, "Fewest particles", low=10, high=100_000)
-    max_particles: int = setting(4000, "Most particles", low=10, high=100_000)
+    min_particles: int = setting(500, "Fewest particles", low=10, high=20_000)
+    max_particles: int = setting(
+        4000, "Most particles; no fewer than the fewest", low=10, high=20_000
+    )
     pf_err: float = setting(
         0.05, "Greatest distance between the true and the sampled distribution", low=0.001, high=1
     )
@@ -133,8 +135,11 @@ class FilterParameters:
 
     def __post_init__(self) -> None:
         check_settings(self)
-        if self.min_particles > self.max_particles:
-            object.__setattr__(self, "max_particles", self.min_particles)
+
+    @property
+    def most_particles(self) -> int:
+        """``max_particles``, but never fewer than ``min_particles``."""
+        return max(self.max_particles, self.min_particles)
 
 
 @dataclass(frozen=True)

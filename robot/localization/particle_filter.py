@@ -68,7 +68,7 @@ class ParticleFilter:
         self, pose: Pose2, sd_xy: float | None = None, sd_theta: float | None = None
     ) -> None:
         """Start anew around a pose in the map, spread by standard deviations [m] and [rad]."""
-        count = self.parameters.max_particles
+        count = self.parameters.most_particles
         spread_xy = self.parameters.initial_sd_xy if sd_xy is None else sd_xy
         spread_theta = self.parameters.initial_sd_theta if sd_theta is None else sd_theta
         noise = self._rng.standard_normal((count, 3)) * (spread_xy, spread_xy, spread_theta)
@@ -178,7 +178,7 @@ class ParticleFilter:
         return few or not self.parameters.selective_resampling
 
     def _resample(self) -> None:
-        most = self.parameters.max_particles
+        most = self.parameters.most_particles
         drawn = low_variance(self.cloud.weights, most, self._rng)
         occupied = self._cells().occupied(self.cloud.poses[drawn])
         wanted = kld_sample_size(occupied, self.parameters.pf_err, self.parameters.pf_z)

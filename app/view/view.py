@@ -19,10 +19,10 @@ from starlette.responses import Response
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import connect
 
-from app.latest import Latest
-from app.problems import LOG
-from app.scene import Scene
-from app.snapshot import Snapshot
+from app.engine.latest import Latest
+from app.engine.problems import LOG
+from app.engine.snapshot import Snapshot
+from app.view.scene import Scene
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 

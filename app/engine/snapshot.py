@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import get_args
 
-from app.driving import Mode
-from app.messages import Layer
-from app.problems import Problem
+from app.engine.driving import Mode
+from app.engine.problems import Problem
+from app.messages.message import Layer
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate

@@ -10,8 +10,8 @@ import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from app.assembly import Program
-from app.commands import CommandError, check, parse
-from app.messages import (
+from app.engine.snapshot import Snapshot
+from app.messages.commands import (
     AckMessage,
     Command,
     DriveCommand,
@@ -20,8 +20,8 @@ from app.messages import (
     PingCommand,
     StopCommand,
 )
-from app.snapshot import Snapshot
-from app.telemetry import TelemetryWriter
+from app.web.commands import CommandError, check, parse
+from app.web.telemetry import TelemetryWriter
 
 
 class Live:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pydantic import ValidationError
 
 from app.assembly import Program
-from app.engine import Engine
-from app.localization import changed
-from app.messages import (
+from app.engine.engine import Engine
+from app.engine.localization import changed
+from app.messages.commands import (
     COMMAND,
     Command,
     PingCommand,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from app.figure_eight import FigureEight
+from app.engine.figure_eight import FigureEight
 from robot.driving.drive_controller import DriveController
 from robot.geometry import Twist2
 

@@ -39,6 +39,9 @@ class SameOriginOnly:
         origin = headers.get("origin")
         if origin is not None and _place(origin) != host.lower():
             return f"Pages of {origin} may not talk to this robot."
+        site = headers.get("sec-fetch-site", "none")
+        if site not in ("same-origin", "none") and headers.get("sec-fetch-mode") != "navigate":
+            return "Pages of other sites may not show this robot's pictures."
         return None
 
     def _is_ours(self, host: str) -> bool:

@@ -13,25 +13,25 @@ from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.staticfiles import StaticFiles
 
-from app.access import SameOriginOnly, own_names
 from app.assembly import Program
-from app.camera_stream import CameraStream
 from app.config import FRONTEND
-from app.docs_page import docs_page
-from app.engine_thread import EngineThread
-from app.live import Live
-from app.messages import (
+from app.engine.engine_thread import EngineThread
+from app.messages.answers import (
     FieldMessage,
     HealthMessage,
     ParameterMessage,
     ProblemMessage,
     ProblemsMessage,
     ProfileMessage,
-    TelemetryMessage,
 )
-from app.profile import profile
-from app.telemetry import field_message, parameter_messages
-from app.view import View
+from app.messages.telemetry import TelemetryMessage
+from app.view.view import View
+from app.web.access import SameOriginOnly, own_names
+from app.web.camera_stream import CameraStream
+from app.web.docs_page import docs_page
+from app.web.live import Live
+from app.web.profile import profile
+from app.web.telemetry import field_message, parameter_messages
 
 STALE_S = 2.0
 """Without a tick for so long [s], the engine is said to hang."""

@@ -1,7 +1,7 @@
 """TypeScript types of the wire messages, written from their JSON schema.
 
-``python -m app.typescript`` writes ``frontend/messages.d.ts``; with ``--check`` it fails when
-that file is stale. The page needs no build step: editors read the file through JSDoc.
+``python -m app.messages.typescript`` writes ``frontend/messages.d.ts``; with ``--check`` it fails
+when that file is stale. The page needs no build step: editors read the file through JSDoc.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from app.messages import schema
+from app.messages.schema import schema
 
-TARGET = Path(__file__).parent.parent / "frontend" / "messages.d.ts"
-HEADER = "// Made from app/messages.py by `python -m app.typescript`; change it there.\n"
+TARGET = Path(__file__).parents[2] / "frontend" / "messages.d.ts"
+HEADER = "// Made from app/messages/ by `python -m app.messages.typescript`; change it there.\n"
 PRIMITIVES = {
     "string": "string",
     "number": "number",
@@ -105,7 +105,7 @@ def render(definitions: Mapping[str, Mapping[str, Any]]) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Write the file, or with ``--check`` only compare it; 1 when it is stale."""
-    parser = argparse.ArgumentParser(prog="python -m app.typescript", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m app.messages.typescript", description=__doc__)
     parser.add_argument("--check", action="store_true", help="fail when the file is stale")
     parser.add_argument("--target", type=Path, default=TARGET, help="default: %(default)s")
     options = parser.parse_args(arguments)
@@ -116,7 +116,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     if target.is_file() and target.read_text(encoding="utf-8") == text:
         return 0
-    sys.stderr.write(f"{target} is stale: run python -m app.typescript\n")
+    sys.stderr.write(f"{target} is stale: run python -m app.messages.typescript\n")
     return 1
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.messages import ProfileMessage
+from app.messages.answers import ProfileMessage
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 

@@ -10,9 +10,9 @@ from types import FrameType
 import uvicorn
 
 from app.assembly import Program
-from app.engine_thread import EngineThread
-from app.server import create_app
-from app.view import SMALL_BUFFER
+from app.engine.engine_thread import EngineThread
+from app.view.view import SMALL_BUFFER
+from app.web.server import create_app
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""

@@ -49,7 +49,8 @@ class Localization:
         self.paused = False
         self.belief: Belief | None = None
         self.line_scan: LineScan | None = None
-        self._configured = parameters
+        self.configured = parameters
+        """Those of the start, which ``reset`` brings back."""
         self._field = field
         self._rng = rng
         self._entries: EntryField | None = None
@@ -94,7 +95,7 @@ class Localization:
 
     def scatter(self) -> None:
         """The robot may be anywhere on the field."""
-        count = self.parameters.filter.max_particles
+        count = self.parameters.filter.most_particles
         self._filter.set_particles(self._field.free_poses(self._rng, count))
         self.belief = None
 
@@ -105,9 +106,17 @@ class Localization:
 
     def reset(self) -> None:
         """Parameters as configured, and the cloud at the field's start."""
-        self.use(self._configured)
-        self.paused = False
+        self.use(self.configured)
+        self.paused = self._once = False
         self.set_pose(self._field.start, None, None)
+
+    def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
+        """Whether other parameters take up to some seconds, for a new table of distances."""
+        wanted, made = parameters.sensor, self._entries
+        return made is None or (made.wanted_resolution, made.max_distance) != (
+            wanted.field_resolution,
+            wanted.laser_likelihood_max_dist,
+        )
 
     def use(self, parameters: LocalizationParameters) -> None:
         """Go on with other parameters; the cloud stays."""
@@ -122,17 +131,13 @@ class Localization:
 
     def _sensor(self) -> SensorModel:
         wanted = self.parameters.sensor
-        entries = self._entries
-        if entries is None or (entries.wanted_resolution, entries.max_distance) != (
-            wanted.field_resolution,
-            wanted.laser_likelihood_max_dist,
-        ):
-            self._entries = entries = EntryField.build(
+        if self._entries is None or self.is_slow_to_use(self.parameters):
+            self._entries = EntryField.build(
                 self._field,
                 resolution=wanted.field_resolution,
                 max_distance=wanted.laser_likelihood_max_dist,
             )
-        return sensor_model(wanted, entries, self._field.edges)
+        return sensor_model(wanted, self._entries, self._field.edges)
 
 
 def changed(parameters: LocalizationParameters, values: dict[str, Any]) -> LocalizationParameters:

@@ -11,15 +11,18 @@ import threading
 import time
 from dataclasses import replace
 
-from app.driving import Driving
-from app.latest import Latest
-from app.localization import Localization, changed
-from app.loop_statistics import LoopMeter
-from app.messages import (
+import numpy as np
+
+from app.engine.driving import Driving
+from app.engine.latest import Latest
+from app.engine.localization import Localization, changed
+from app.engine.loop_statistics import LoopMeter
+from app.engine.problems import LOG, Problems
+from app.engine.snapshot import LAYERS, Snapshot
+from app.messages.commands import (
     Command,
     DriveCommand,
     FigureEightCommand,
-    Layer,
     PauseCommand,
     PlaceCommand,
     ResetCommand,
@@ -31,15 +34,15 @@ from app.messages import (
     StopCommand,
     UpdateCommand,
 )
-from app.problems import LOG, Problems
-from app.snapshot import LAYERS, Snapshot
+from app.messages.message import Layer
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame, Placeable, Reading, Robot
+from robot.localization.parameters import LocalizationParameters
 
 FRAME_OVERDUE = 0.5
-"""Without a new picture for so long [s], the camera is said to have stalled."""
+"""Without a new picture for so long [s] (or three usual periods), the camera has stalled."""
 
 MOST_COMMANDS = 100
 """Taken in one tick, so that a flood of commands does not hold the robot up."""
@@ -110,7 +113,7 @@ class Engine:
             self._meter.frame(reading.frame.stamp)
             self._measure(reading.frame, reading.stamp)
         last = self._frame.stamp if self._frame else 0.0
-        overdue = reading.stamp - last > FRAME_OVERDUE
+        overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
         self._problems.report(
             "camera", reading.stamp, "The camera sends no pictures." if overdue else None
         )
@@ -164,9 +167,18 @@ class Engine:
             case UpdateCommand():
                 localization.update_once()
             case ResetCommand():
+                self._stand_if_slow(localization.configured)
                 localization.reset()
             case SetParametersCommand():
-                localization.use(changed(localization.parameters, command.values))
+                wanted = changed(localization.parameters, command.values)
+                self._stand_if_slow(wanted)
+                localization.use(wanted)
+
+    def _stand_if_slow(self, wanted: LocalizationParameters) -> None:
+        """Stop the robot before something that takes longer than a step."""
+        if self._localization.is_slow_to_use(wanted):
+            self._driving.stop()
+            self.robot.write(np.zeros(len(self.robot.spec.joints)))
 
     def _place(self, pose: Pose2, odometry: OdometryState) -> None:
         assert isinstance(self.robot, Placeable)

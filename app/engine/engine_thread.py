@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import threading
 
-from app.engine import Engine
-from app.problems import LOG
+from app.engine.engine import Engine
+from app.engine.problems import LOG
 
 JOIN_S = 3.0
 

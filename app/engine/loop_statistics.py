@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from app.snapshot import LoopStatistics
+from app.engine.snapshot import LoopStatistics
 
 SMOOTHING = 0.05
 """Weight of the newest value in the running means."""
@@ -17,7 +17,8 @@ class LoopMeter:
         self._begun = 0.0
         self._period = 0.0
         self._work = 0.0
-        self._frame_period = 0.0
+        self.frame_period = 0.0
+        """Usual time between two pictures [s]; 0 before the second."""
         self._frame_stamp: float | None = None
 
     def begin(self) -> None:
@@ -30,7 +31,7 @@ class LoopMeter:
     def frame(self, stamp: float) -> None:
         """A picture came, exposed at a stamp [s]."""
         if self._frame_stamp is not None and stamp > self._frame_stamp:
-            self._frame_period = _smooth(self._frame_period, stamp - self._frame_stamp)
+            self.frame_period = _smooth(self.frame_period, stamp - self._frame_stamp)
         self._frame_stamp = stamp
 
     def end(self, stamp: float) -> LoopStatistics:
@@ -40,7 +41,7 @@ class LoopMeter:
         return LoopStatistics(
             step_hz=_rate(self._period),
             step_ms=1e3 * self._work,
-            frame_hz=_rate(self._frame_period),
+            frame_hz=_rate(self.frame_period),
             latency_ms=0.0 if seen is None else 1e3 * (stamp - seen),
         )
 

@@ -12,8 +12,8 @@ import cv2
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from app.latest import Latest
-from app.snapshot import Snapshot
+from app.engine.latest import Latest
+from app.engine.snapshot import Snapshot
 from robot.interface import Frame
 
 QUALITY = 75

@@ -8,13 +8,13 @@ import math
 
 import numpy as np
 
-from app.messages import (
+from app.engine.snapshot import LAYERS, Snapshot
+from app.messages.answers import FieldMessage, ParameterMessage
+from app.messages.telemetry import (
     EstimateMessage,
-    FieldMessage,
     FilterMessage,
     HypothesisMessage,
     LoopMessage,
-    ParameterMessage,
     ParticlesMessage,
     PoseMessage,
     RobotMessage,
@@ -22,7 +22,6 @@ from app.messages import (
     TelemetryMessage,
     TwistMessage,
 )
-from app.snapshot import LAYERS, Snapshot
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
@@ -201,7 +200,7 @@ def _packed(cloud: Cloud, extent: tuple[float, float, float, float]) -> str:
         len(poses), dtype=[("x", "<u2"), ("y", "<u2"), ("t", "<i2"), ("w", "u1"), ("zero", "u1")]
     )
     packed["x"], packed["y"] = np.rint(np.clip(part, 0, 1) * 65535).T
-    packed["t"] = np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767)
+    packed["t"] = np.rint(np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767))
     packed["w"] = np.rint(weights * (255 / weights.max()))
     return base64.b64encode(packed.tobytes()).decode("ascii")
 

@@ -16,8 +16,8 @@ import viser
 import yourdfpy
 from numpy.typing import NDArray
 
-from app.paths import Path
-from app.snapshot import Snapshot
+from app.engine.snapshot import Snapshot
+from app.view.paths import Path
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, heading_vectors

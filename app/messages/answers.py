@@ -1,0 +1,88 @@
+"""Answers over HTTP."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from app.messages.message import Message
+from app.messages.telemetry import PoseMessage
+
+
+class HealthMessage(Message):
+    """Whether the program does its job."""
+
+    status: Literal["ok", "degraded", "failed"]
+    detail: str
+    robot: str
+    uptime_s: float
+    step_hz: float
+
+
+class FieldMessage(Message):
+    """The field and the robot on it: what a map view needs once."""
+
+    name: str
+    extent: list[float]
+    """xmin, ymin, xmax, ymax [m] of ``/api/field.png``."""
+    start: PoseMessage
+    robot_outline: list[tuple[float, float]]
+    """The robot's outline on the floor [m], in the robot frame."""
+    max_v: float
+    max_omega: float
+    image_width: int
+    image_height: int
+    """Size of the camera's picture [px]."""
+    rays_px: list[list[tuple[float, float]]]
+    """Each ray as a line of pixels, from its start to its end in the picture."""
+
+
+class ParameterMessage(Message):
+    """One parameter of the filter, with its meaning."""
+
+    name: str
+    group: Literal["motion", "sensor", "filter"]
+    value: float | str | bool
+    default: float | str | bool
+    meaning: str
+    unit: str
+    low: float | None
+    high: float | None
+    choices: list[str]
+    integer: bool = False
+    """Whether only whole numbers are valid."""
+
+
+class ProfileMessage(Message):
+    """What the scanner saw along one ray of the newest frame."""
+
+    stamp: float
+    ray: int
+    bearing: float
+    distances: list[float]
+    """Floor distance of each sample from the rays' centre [m]."""
+    grey: list[float]
+    """Brightness, 0 to 255."""
+    response: list[float]
+    """Answer of the edge kernel, in grey levels; negative where it gets darker."""
+    threshold: float
+    entry: float | None
+    """Distance of the entry edge [m]."""
+    exit: float | None
+    width: float | None
+    """Measured across the line [m]."""
+    counted: bool
+    why: str
+    """Why it counted or not, in plain words."""
+
+
+class ProblemMessage(Message):
+    """One entry of the record of errors."""
+
+    stamp: float
+    message: str
+
+
+class ProblemsMessage(Message):
+    """The record of errors, newest last; at most the last hundred."""
+
+    problems: list[ProblemMessage]

@@ -1,0 +1,145 @@
+"""What may be asked of the robot and of the filter, and how it is answered."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import ConfigDict, Field, TypeAdapter
+
+from app.messages.message import Layer, Message, Metres, Radians
+
+
+class CommandMessage(Message):
+    """What all commands share; a number must be one, not a text or a truth value that could be."""
+
+    model_config = ConfigDict(strict=True)
+
+    id: int | str | None = None
+    """Repeated in the answer."""
+
+
+class DriveCommand(CommandMessage):
+    """Drive; holds for 0.5 s, so it is renewed. Beyond the limits it is limited."""
+
+    type: Literal["drive"]
+    v: Annotated[float, Field(ge=-10, le=10)]
+    omega: Annotated[float, Field(ge=-100, le=100)]
+
+
+class StopCommand(CommandMessage):
+    """Stand still at once, whatever drives."""
+
+    type: Literal["stop"]
+
+
+class FigureEightCommand(CommandMessage):
+    """Drive the open-loop figure-eight; holds for 0.5 s like drive, and goes on when renewed."""
+
+    type: Literal["figure_eight"]
+
+
+class SetPoseCommand(CommandMessage):
+    """Tell the filter where the robot is, and how sure that is."""
+
+    type: Literal["set_pose"]
+    x: Metres
+    y: Metres
+    theta: Radians
+    sd_xy: Annotated[float, Field(gt=0, le=100)] | None = None
+    sd_theta: Annotated[float, Field(gt=0, le=10)] | None = None
+
+
+class ScatterCommand(CommandMessage):
+    """Spread the cloud over the whole field: the robot may be anywhere."""
+
+    type: Literal["scatter"]
+
+
+class PlaceCommand(CommandMessage):
+    """Put the simulated robot itself elsewhere; the filter is not told."""
+
+    type: Literal["place"]
+    x: Metres
+    y: Metres
+    theta: Radians
+
+
+class PauseCommand(CommandMessage):
+    """Stop updating the filter by measurements; odometry goes on moving the cloud."""
+
+    type: Literal["pause"]
+
+
+class ResumeCommand(CommandMessage):
+    """Update the filter again."""
+
+    type: Literal["resume"]
+
+
+class UpdateCommand(CommandMessage):
+    """One measurement update with the next frame, even paused or standing still."""
+
+    type: Literal["update"]
+
+
+class ResetCommand(CommandMessage):
+    """The filter's parameters as configured at the start, and the cloud at the start pose."""
+
+    type: Literal["reset"]
+
+
+class SetParametersCommand(CommandMessage):
+    """Change parameters of the filter; all or none, names as ``/api/parameters`` lists them."""
+
+    type: Literal["set_parameters"]
+    values: Annotated[dict[str, float | str | bool], Field(min_length=1, max_length=64)]
+
+
+class ShowCommand(CommandMessage):
+    """Switch a layer of the 3D view on or off; all viewers share that view."""
+
+    type: Literal["show"]
+    layer: Layer
+    visible: bool
+
+
+class PingCommand(CommandMessage):
+    """Do nothing; the answer's stamp lines up the clocks."""
+
+    type: Literal["ping"]
+
+
+Command = Annotated[
+    DriveCommand
+    | StopCommand
+    | FigureEightCommand
+    | SetPoseCommand
+    | ScatterCommand
+    | PlaceCommand
+    | PauseCommand
+    | ResumeCommand
+    | UpdateCommand
+    | ResetCommand
+    | SetParametersCommand
+    | ShowCommand
+    | PingCommand,
+    Field(discriminator="type"),
+]
+COMMAND: TypeAdapter[Command] = TypeAdapter(Command)
+
+
+class AckMessage(Message):
+    """The command was taken."""
+
+    type: Literal["ack"] = "ack"
+    id: int | str | None
+    stamp: float | None
+    """The robot's clock when the answer was written, to line up the clocks [s]."""
+
+
+class ErrorMessage(Message):
+    """The command was refused, and why."""
+
+    type: Literal["error"] = "error"
+    id: int | str | None
+    message: str

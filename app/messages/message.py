@@ -1,0 +1,19 @@
+"""What all messages share."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+Layer = Literal["particles", "headings", "rays", "covariance", "paths", "truth"]
+Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
+Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
+
+
+class Message(BaseModel):
+    """What all messages share: frozen, finite, and no key that is not listed."""
+
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
+    )

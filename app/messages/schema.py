@@ -1,0 +1,29 @@
+"""The JSON schema of every message, for the frontend's types."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from app.messages.answers import (
+    FieldMessage,
+    HealthMessage,
+    ParameterMessage,
+    ProblemsMessage,
+    ProfileMessage,
+)
+from app.messages.commands import AckMessage, Command, ErrorMessage
+from app.messages.telemetry import TelemetryMessage
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of every message, for the frontend's types."""
+    adapters: list[Any] = [
+        TelemetryMessage, Command, AckMessage, ErrorMessage, HealthMessage, FieldMessage,
+        ParameterMessage, ProfileMessage, ProblemsMessage,
+    ]  # fmt: skip
+    _, definitions = TypeAdapter.json_schemas(
+        [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]
+    )
+    return definitions

@@ -1,0 +1,125 @@
+"""What one tick shows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from app.messages.message import Layer, Message
+
+
+class PoseMessage(Message):
+    """A pose in the map [m, m, rad]."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class EstimateMessage(PoseMessage):
+    """Where the filter believes the robot is, carried forward to the telemetry's stamp."""
+
+    covariance: list[float]
+    """9 numbers by rows [m^2, m rad, rad^2]."""
+
+
+class TwistMessage(Message):
+    """A velocity [m/s, rad/s], as applied after limits."""
+
+    v: float
+    omega: float
+
+
+class HypothesisMessage(PoseMessage):
+    """One cluster of particles."""
+
+    weight: float
+
+
+class ParticlesMessage(Message):
+    """The cloud."""
+
+    count: int
+    effective: float
+    """Effective sample size, 1 to count."""
+    hypotheses: list[HypothesisMessage]
+    """Clusters, heaviest first; at most eight."""
+    extent: list[float]
+    """xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span."""
+    cloud: str
+    """base64 of 8 bytes a particle, little-endian: uint16 x, uint16 y over the extent (0 to 65535),
+    int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most 2,000."""
+
+
+class ScanMessage(Message):
+    """The newest scan, and where it was found in the picture."""
+
+    stamp: float
+    """Exposure of the frame it comes from [s]."""
+    bearings: list[float]
+    ranges: list[float | None]
+    """[m]; no return is null."""
+    robot_from_scan: PoseMessage
+    """Where the rays start, in the robot frame."""
+    robot: PoseMessage | None
+    """The estimate at the scan's stamp, to draw the scan from."""
+    entry_px: list[tuple[float, float] | None]
+    """Pixel (u, v) where the ray enters the tape, a ray each; null where none counted."""
+    exit_px: list[tuple[float, float] | None]
+    tape_width: float | None
+    """Median width measured over the rays that counted [m]."""
+
+
+class RobotMessage(Message):
+    """The robot itself."""
+
+    name: str
+    connected: bool
+    battery_v: float | None
+    can_be_placed: bool
+
+
+class LoopMessage(Message):
+    """How the engine keeps up."""
+
+    step_hz: float
+    step_ms: float
+    """Work of one step, smoothed."""
+    frame_hz: float
+    latency_ms: float
+    """From the exposure of the newest frame to this telemetry, on the robot's clock."""
+
+
+class FilterMessage(Message):
+    """What the filter does."""
+
+    paused: bool
+    updates: int
+    """Measurement updates since the last set_pose, scatter or reset."""
+    ambiguous: bool
+    """Whether a second hypothesis has at least a fifth of the weight."""
+
+
+class TelemetryMessage(Message):
+    """Everything that one tick shows."""
+
+    type: Literal["telemetry"] = "telemetry"
+    stamp: float
+    """The robot's clock [s]."""
+    map: str
+    truth: PoseMessage | None
+    odometry: PoseMessage | None
+    """Dead reckoning since the start (or the last place), in the map."""
+    estimate: EstimateMessage | None
+    twist: TwistMessage
+    mode: Literal["idle", "drive", "figure_eight"]
+    particles: ParticlesMessage
+    scan: ScanMessage
+    robot: RobotMessage
+    loop: LoopMessage
+    filter: FilterMessage
+    problems: list[str]
+    """What is wrong now, in plain words; empty when all is well."""
+    error_count: int
+    """Problems since the start; ``/api/problems`` lists them."""
+    hidden_layers: list[Layer] | None = None
+    """Layers of the 3D view that are switched off, for all viewers; null where there is none."""

@@ -1,0 +1,1 @@
+"""The 3D view: viser behind our own port."""

@@ -1,0 +1,1 @@
+"""The page's other side: HTTP, sockets, who may talk, and what is said."""
