@@ -51,6 +51,8 @@ class Odometry:
         self._settings = settings
         self._positions: Array | None = None
         self._history: deque[OdometryState] = deque()
+        self._began = 0.0
+        """Stamp of the first reading."""
 
     def update(self, reading: Reading) -> OdometryState:
         """Take one reading of the joints.
@@ -59,6 +61,7 @@ class Odometry:
             ValueError: the stamp is not later than the one before.
         """
         if self._positions is None:
+            self._began = reading.stamp
             state = OdometryState(reading.stamp, Pose2(), Twist2(), np.zeros((3, 3)))
         else:
             state = self._advance(self._history[-1], reading, reading.positions - self._positions)
@@ -71,14 +74,19 @@ class Odometry:
         return state
 
     def at(self, stamp: float) -> OdometryState:
-        """The state at a stamp, interpolated between two readings; the nearest end outside them.
+        """The state at a stamp, interpolated between two readings.
+
+        After the last reading it is the last; shortly before the first of all it is the first.
 
         Raises:
             LookupError: nothing was read yet, or the stamp is older than what is remembered.
         """
         if not self._history:
             raise LookupError("no wheel reading has come yet")
-        if stamp < self._history[0].stamp - self._settings.history:
+        earliest = self._history[0].stamp
+        if earliest == self._began:
+            earliest -= self._settings.history  # nothing is forgotten yet
+        if stamp < earliest:
             raise LookupError(
                 f"odometry at {stamp:.3f} s was asked; it is kept from "
                 f"{self._history[0].stamp:.3f} to {self._history[-1].stamp:.3f} s"
