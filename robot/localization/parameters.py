@@ -117,7 +117,7 @@ class FilterParameters:
         high=0.9,
     )
     regularization: float = setting(
-        0.35, "How far copies of a particle are spread, by the cluster's own spread", low=0, high=2
+        0.7, "How far copies of a particle are spread, by the cluster's own spread", low=0, high=2
     )
     cell_xy: float = setting(
         0.05, "Cell in which particles are alike, for counting and clusters", unit="m",

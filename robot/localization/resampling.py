@@ -86,7 +86,9 @@ def regularize(
     Copies of few particles die out at random along a direction that the scans say nothing of, as
     along a single wall, and the filter would be sure of what it never measured. The noise has the
     cluster's covariance times the squared bandwidth h = scale (4 / (n (d + 2)))^(1 / (d + 4)) with
-    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001).
+    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). Before, the copies move
+    toward the mean by the factor sqrt(1 - h^2), so that the cluster keeps its covariance (West
+    1993): else it would grow with every scan wherever none holds it, without end.
 
     Args:
         poses: (n, 3) resampled particles.
@@ -100,10 +102,12 @@ def regularize(
         members = np.flatnonzero(labels == place)
         if len(members) == 0:
             continue
-        bandwidth = scale * (4 / (5 * len(members))) ** (1 / 7)
+        bandwidth = min(scale * (4 / (5 * len(members))) ** (1 / 7), 1.0)
         values, axes = np.linalg.eigh(one.covariance)
         sd = np.sqrt(np.maximum(values, 0.0))
         noise = rng.standard_normal((len(members), 3)) * (bandwidth * sd) @ axes.T
-        spread[members] += noise
+        offsets = poses[members] - one.pose.to_array()
+        offsets[:, 2] = wrap_angle(offsets[:, 2])
+        spread[members] += noise - (1 - math.sqrt(1 - bandwidth**2)) * offsets
     spread[:, 2] = wrap_angle(spread[:, 2])
     return spread
