@@ -1,0 +1,183 @@
+"""Particles in cells that touch are one cluster; what is far apart takes no memory."""
+
+from __future__ import annotations
+
+import math
+import tracemalloc
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robot.geometry import Array
+from robot.localization.clusters import Cells, find_clusters
+
+CELLS = Cells(0.05, 36)
+
+
+def rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+def even(poses: Array) -> Array:
+    return np.full(len(poses), 1 / len(poses))
+
+
+def blob(x: float, y: float, theta: float, count: int = 200) -> Array:
+    poses = rng(count).normal([x, y, theta], [0.02, 0.02, 0.05], (count, 3))
+    poses[:, 2] = (poses[:, 2] + math.pi) % (2 * math.pi) - math.pi
+    return poses
+
+
+def in_cells(*cells: tuple[int, int, int], turns: int = 36) -> Array:
+    """Particles in the middles of cells; theta counts from -pi."""
+    index = np.array(cells, dtype=float) + 0.5
+    index[:, :2] *= 0.05
+    index[:, 2] = index[:, 2] * (2 * math.pi / turns) - math.pi
+    return index
+
+
+def test_two_blobs_are_two_clusters_with_their_weights_means_and_spreads() -> None:
+    light, heavy = blob(0, 0, 1.0), blob(1, 0.5, -1.0, 300)
+    poses = np.vstack([light, heavy])
+    weights = np.concatenate([np.full(200, 0.3 / 200), np.full(300, 0.7 / 300)])
+    found = find_clusters(poses, weights, CELLS)
+    assert [h.weight for h in found.hypotheses] == pytest.approx([0.7, 0.3])
+    assert (found.labels == np.repeat([1, 0], [200, 300])).all()
+    first, second = found.hypotheses
+    assert (first.pose.x, first.pose.y) == pytest.approx((1, 0.5), abs=0.01)
+    assert (second.pose.x, second.pose.theta) == pytest.approx((0, 1.0), abs=0.02)
+    np.testing.assert_allclose(second.covariance, np.cov(light.T, bias=True), atol=1e-9)
+
+
+def test_one_blob_is_one_cluster_with_all_the_weight() -> None:
+    found = find_clusters(blob(0.3, 0.2, 0.1), even(blob(0, 0, 0)), CELLS)
+    assert len(found.hypotheses) == 1
+    assert found.hypotheses[0].weight == pytest.approx(1)
+
+
+def test_a_blob_across_half_a_turn_is_one() -> None:
+    poses = blob(0, 0, math.pi)
+    found = find_clusters(poses, even(poses), CELLS)
+    assert len(found.hypotheses) == 1
+    assert abs(abs(found.hypotheses[0].pose.theta) - math.pi) < 0.02
+    assert found.hypotheses[0].covariance[2, 2] == pytest.approx(0.05**2, rel=0.3)
+
+
+def count(poses: Array, cells: Cells = CELLS) -> int:
+    found = find_clusters(poses, even(poses), cells, most=len(poses))
+    assert found.labels.min() == 0 and found.labels.max() == len(found.hypotheses) - 1
+    return len(found.hypotheses)
+
+
+@pytest.mark.parametrize("step", [(1, 0, 0), (0, -1, 0), (0, 0, 1), (1, 1, 0), (1, -1, 1),
+                                  (-1, -1, -1), (-1, 1, 1)])  # fmt: skip
+def test_cells_that_touch_also_by_a_corner_are_one_cluster(step: tuple[int, int, int]) -> None:
+    beside = (5 + step[0], 5 + step[1], 5 + step[2])
+    assert count(in_cells((5, 5, 5), beside)) == 1
+    apart = (5 + 2 * step[0], 5 + 2 * step[1], 5 + 2 * step[2])
+    assert count(in_cells((5, 5, 5), apart)) == 2
+
+
+@pytest.mark.parametrize("turns", [1, 2, 3, 36])
+def test_the_last_cell_of_a_turn_touches_the_first(turns: int) -> None:
+    cells = Cells(0.05, turns)
+    assert count(in_cells((0, 0, 0), (0, 0, turns - 1), turns=turns), cells) == 1
+    assert count(in_cells((0, 0, 0), (1, 1, turns - 1), turns=turns), cells) == 1
+    assert count(in_cells((0, 0, 0), (2, 0, turns - 1), turns=turns), cells) == 2
+
+
+def test_the_first_column_does_not_touch_the_last() -> None:
+    assert count(in_cells((0, 0, 0), (3, 0, 0), (0, 3, 0))) == 3
+    assert count(in_cells((0, 4, 0), (1, 0, 0), (2, 4, 0), (3, 0, 0))) == 4
+
+
+def test_a_ring_of_cells_all_the_way_round_is_one_cluster() -> None:
+    assert count(in_cells(*[(i // 4, 0, i) for i in range(36)])) == 1
+    assert count(in_cells(*[(i // 4, 0, i) for i in range(36) if i not in (9, 10, 27, 28)])) == 2
+
+
+@given(
+    st.lists(
+        st.tuples(st.integers(0, 6), st.integers(0, 6), st.integers(0, 5)),
+        min_size=1,
+        max_size=40,
+    )
+)
+def test_clusters_are_those_of_plain_flood_fill(cells: list[tuple[int, int, int]]) -> None:
+    poses = in_cells(*cells, turns=6)
+    found = find_clusters(poses, even(poses), Cells(0.05, 6), most=40)
+    left, groups = set(cells), []
+    while left:
+        front, group = [left.pop()], set()
+        while front:
+            x, y, t = front.pop()
+            group.add((x, y, t))
+            near = {c for c in left if abs(c[0] - x) < 2 and abs(c[1] - y) < 2
+                    and (c[2] - t) % 6 in (0, 1, 5)}  # fmt: skip
+            left -= near
+            front += near
+        groups.append(group)
+    expected = sorted((sum(c in g for c in cells) for g in groups), reverse=True)
+    assert sorted(np.bincount(found.labels), reverse=True) == expected
+    for group in groups:
+        labels = {int(found.labels[i]) for i, c in enumerate(cells) if c in group}
+        assert len(labels) == 1
+
+
+def test_of_many_clusters_the_heaviest_are_described() -> None:
+    """Twelve places, their weights rising; the four lightest are only numbered."""
+    places = rng().permutation(12)
+    poses = np.vstack([blob(float(place), 0, 0, 20) for place in places])
+    weights = np.repeat(places + 1.0, 20) / (20 * 78)
+    found = find_clusters(poses, weights, CELLS, most=8)
+    assert len(found.hypotheses) == 8
+    assert [h.weight for h in found.hypotheses] == pytest.approx(np.arange(12, 4, -1) / 78)
+    assert [round(h.pose.x) for h in found.hypotheses] == list(range(11, 3, -1))
+    assert set(found.labels) == set(range(12))
+    np.testing.assert_array_equal(found.labels, np.repeat(11 - places, 20))
+
+
+def test_a_cluster_without_weight_is_no_hypothesis() -> None:
+    poses = np.vstack([blob(0, 0, 0, 10), blob(1, 1, 1, 10)])
+    weights = np.repeat([0.1, 0.0], 10)
+    found = find_clusters(poses, weights, CELLS)
+    assert len(found.hypotheses) == 1
+    assert (found.labels[10:] == 1).all()
+
+
+def test_a_single_particle_is_a_cluster_without_spread() -> None:
+    found = find_clusters(np.array([[3.0, -2.0, 0.5]]), np.ones(1), CELLS)
+    assert found.hypotheses[0].pose.to_array() == pytest.approx([3, -2, 0.5])
+    np.testing.assert_array_equal(found.hypotheses[0].covariance, np.zeros((3, 3)))
+
+
+def test_particles_scattered_over_a_city_take_no_more_memory_than_on_a_table() -> None:
+    poses = rng().uniform([-5e3, -5e3, -math.pi], [5e3, 5e3, math.pi], (4000, 3))
+    tracemalloc.start()
+    found = find_clusters(poses, even(poses), CELLS)
+    most = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert most < 20e6
+    assert len(found.hypotheses) == 8
+    assert CELLS.occupied(poses) == 4000
+
+
+# --- cells
+
+
+def test_cells_are_boxes_of_their_size_counted_from_the_lowest() -> None:
+    cells = Cells(0.5, 4)
+    poses = np.array([
+        [0.0, -0.1, -math.pi], [0.49, 0.4, -math.pi / 2 + 1e-9], [0.51, 0.51, 0.1], [-0.01, 0, 3.1]
+    ])  # fmt: skip
+    np.testing.assert_array_equal(cells.of(poses), [[1, 0, 0], [1, 1, 1], [2, 2, 2], [0, 1, 3]])
+    assert cells.occupied(poses) == 4
+    assert cells.occupied(np.repeat(poses, 5, axis=0)) == 4
+
+
+def test_a_heading_of_just_under_pi_is_in_the_last_cell() -> None:
+    heading = np.array([[0, 0, math.nextafter(math.pi, 0)]])
+    assert CELLS.of(heading)[0, 2] in (35, 0), "rounding may take it to the turn's beginning"
+    assert count(np.vstack([heading, [[0, 0, -math.pi]]])) == 1
