@@ -66,7 +66,8 @@ export class MapPanel {
   setField(field, picture) {
     this.#field = field;
     this.scene.setField(field, picture);
-    this.numbers.pose = field.start;
+    // A form that is open may have been written in already.
+    if (find("numbers", HTMLElement).hidden) this.numbers.pose = field.start;
     this.#fit();
   }
 
