@@ -161,3 +161,10 @@ def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
     offsets[:, 2] = wrap_angle(offsets[:, 2])
     covariance: Array = (offsets * (weights / weights.sum())[:, None]).T @ offsets
     return covariance
+
+
+def covariance_root(covariance: Array) -> Array:
+    """A matrix (3, 3) whose product with its transpose is the covariance, which may be singular."""
+    values, axes = np.linalg.eigh(covariance)
+    root: Array = axes * np.sqrt(np.maximum(values, 0.0))
+    return root

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.geometry import Array, Pose2, heading_vectors
 
@@ -35,3 +36,8 @@ class Scan:
         hit = self.hit
         local = heading_vectors(self.bearings[hit]) * self.ranges[hit, None]
         return self.robot_from_scan.apply(local)
+
+
+def evenly(count: int, most: int) -> NDArray[np.intp]:
+    """At most so many indices, evenly spread over 0 to count - 1: the rays that are used."""
+    return np.linspace(0, count - 1, min(count, most)).astype(np.intp)

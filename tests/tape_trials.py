@@ -15,7 +15,7 @@ from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
-from robot.localization.ray_casting import cast_ray
+from robot.localization.models.ray_casting import cast_ray
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
 from sim.floor_camera import CameraSettings, FloorCamera
 

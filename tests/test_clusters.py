@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.geometry import Array
-from robot.localization.clusters import Cells, find_clusters
+from robot.localization.particles.clusters import Cells, find_clusters
 
 CELLS = Cells(0.05, 36)
 
@@ -48,7 +48,7 @@ def test_two_blobs_are_two_clusters_with_their_weights_means_and_spreads() -> No
     first, second = found.hypotheses
     assert (first.pose.x, first.pose.y) == pytest.approx((1, 0.5), abs=0.01)
     assert (second.pose.x, second.pose.theta) == pytest.approx((0, 1.0), abs=0.02)
-    np.testing.assert_allclose(second.covariance, np.cov(light.T, bias=True), atol=1e-9)
+    np.testing.assert_allclose(second.covariance, np.cov(light.T), atol=1e-9)
 
 
 def test_one_blob_is_one_cluster_with_all_the_weight() -> None:
@@ -139,6 +139,17 @@ def test_of_many_clusters_the_heaviest_are_described() -> None:
     assert [round(h.pose.x) for h in found.hypotheses] == list(range(11, 3, -1))
     assert set(found.labels) == set(range(12))
     np.testing.assert_array_equal(found.labels, np.repeat(11 - places, 20))
+
+
+def test_the_covariance_of_few_heavy_particles_is_not_too_small() -> None:
+    """On average it is the true one, though the mean is taken from the same particles."""
+    chance, found = rng(), []
+    for _ in range(4000):
+        poses = chance.normal(0, [0.01, 0.02, 0.03], (6, 3))
+        weights = chance.uniform(0.1, 1, 6)
+        one = find_clusters(poses, weights / weights.sum(), Cells(100.0, 1)).hypotheses[0]
+        found.append(np.diag(one.covariance))
+    np.testing.assert_allclose(np.mean(found, axis=0), [1e-4, 4e-4, 9e-4], rtol=0.04)
 
 
 def test_a_cluster_without_weight_is_no_hypothesis() -> None:

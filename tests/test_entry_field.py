@@ -14,8 +14,8 @@ from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.localization.entry_field import DIRECTIONS, MOST_CELLS, EntryField
-from robot.localization.ray_casting import cast_rays
+from robot.localization.models.entry_field import DIRECTIONS, MOST_CELLS, EntryField
+from robot.localization.models.ray_casting import cast_rays
 
 MAPS = Path(__file__).parent.parent / "maps"
 FARTHEST = 0.15

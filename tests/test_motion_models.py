@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
-from robot.localization.motion_models import (
+from robot.localization.models.motion_models import (
     STANDING_M,
     DifferentialMotion,
     MotionModel,

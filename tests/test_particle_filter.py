@@ -14,13 +14,15 @@ import shapely
 from robot.fields.edges import outline
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, Twist2
-from robot.localization.entry_field import EntryField
 from robot.localization.estimate import Estimate
-from robot.localization.motion_models import DifferentialMotion
+from robot.localization.filter import Cloud
+from robot.localization.localizer import Localizer
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.motion_models import DifferentialMotion
+from robot.localization.models.ray_casting import cast_rays
+from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import SENSOR_MODELS, FilterParameters, LocalizationParameters
-from robot.localization.particle_filter import Cloud, ParticleFilter
-from robot.localization.ray_casting import cast_rays
-from robot.localization.sensor_models import SensorModel, sensor_model
+from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan
 
 STUB = load_field("stub", Path(__file__).parent.parent / "maps")
@@ -38,16 +40,33 @@ def sensor_of(edges_of: object = STUB, name: str = "likelihood_field") -> Sensor
     return sensor_model(parameters, ENTRIES[id(edges_of)], edges_of.edges)  # type: ignore[attr-defined]
 
 
+class Tracker(Localizer):
+    """A particle filter fed by odometry and scans, with its particles at hand."""
+
+    filter: ParticleFilter
+
+    @property
+    def cloud(self) -> Cloud:
+        """After resampling."""
+        return self.filter._particles
+
+    def told(self, pose: Pose2, sd_xy: float, sd_theta: float) -> None:
+        self.set_pose(pose, np.diag(np.square([sd_xy, sd_xy, sd_theta])))
+
+
 def filter_of(
     edges_of: object = STUB, seed: int = 0, name: str = "likelihood_field", **changes: float
-) -> ParticleFilter:
-    return ParticleFilter(
+) -> Tracker:
+    parameters = replace(DEFAULTS.filter, **changes)
+    made = ParticleFilter(
         DEFAULTS.motion.model(),
         sensor_of(edges_of, name),
-        replace(DEFAULTS.filter, **changes),
+        STUB,
+        parameters,
         np.random.default_rng(seed),
         likelihood_weight=DEFAULTS.sensor.likelihood_weight,
     )
+    return Tracker(made, parameters)
 
 
 def scan_at(pose: Pose2, stamp: float, edges: Array, rng: np.random.Generator) -> Scan:
@@ -81,7 +100,7 @@ def eight(seconds: float) -> Iterator[Twist2]:
         yield Twist2(0.15, 0.79 if (tick * PERIOD) % 15.9 < 7.95 else -0.79)
 
 
-def follow(f: ParticleFilter, drive: Drive, seconds: float) -> list[tuple[Estimate, float, float]]:
+def follow(f: Tracker, drive: Drive, seconds: float) -> list[tuple[Estimate, float, float]]:
     """Estimates along the figure-eight, and how far they are off [m] and [rad]."""
     found = []
     for twist in eight(seconds):
@@ -99,7 +118,7 @@ def follow(f: ParticleFilter, drive: Drive, seconds: float) -> list[tuple[Estima
 @pytest.mark.parametrize("name", SENSOR_MODELS)
 def test_it_stays_on_the_robot_for_a_lap(name: str) -> None:
     f, drive = filter_of(name=name), Drive(Pose2())
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     found = follow(f, drive, 8.0)
     errors = np.array([(d, a) for _, d, a in found[30:]])
     assert errors[:, 0].mean() < 0.002 and errors[:, 0].max() < 0.01
@@ -119,7 +138,7 @@ def test_told_a_wrong_pose_it_finds_the_right_one(seed: int) -> None:
 def test_its_covariance_is_about_as_wide_as_its_error() -> None:
     """Neither a tenth of it nor ten times it, over a lap; told a little wrong."""
     f, drive = filter_of(), Drive(Pose2())
-    f.set_pose(Pose2(0.02, 0.01, 0.05), 0.03, 0.1)
+    f.told(Pose2(0.02, 0.01, 0.05), 0.03, 0.1)
     found = follow(f, drive, 6.0)[30:]
     claimed = np.sqrt(np.mean([e.covariance[0, 0] + e.covariance[1, 1] for e, _, _ in found]))
     made = np.sqrt(np.mean([d**2 for _, d, _ in found]))
@@ -128,7 +147,7 @@ def test_its_covariance_is_about_as_wide_as_its_error() -> None:
 
 def test_an_estimate_is_the_heaviest_cluster_and_has_its_stamp() -> None:
     f, drive = filter_of(), Drive(Pose2())
-    f.set_pose(drive.true, 0.05, 0.1)
+    f.told(drive.true, 0.05, 0.1)
     for estimate, _, _ in follow(f, drive, 0.5):
         weights = [h.weight for h in estimate.hypotheses]
         assert weights == sorted(weights, reverse=True)
@@ -143,7 +162,7 @@ def test_two_places_that_look_alike_are_two_hypotheses() -> None:
     """Particles at the robot and at its mirror image; the map is the same in both."""
     f = filter_of()
     square = replace(STUB, edges=load_field("square", Path(__file__).parent.parent / "maps").edges)
-    f.sensor = sensor_model(
+    f.filter.sensor = sensor_model(
         DEFAULTS.sensor, EntryField.build(square, resolution=0.005, max_distance=0.15), square.edges
     )
     true = Pose2(0.1, 0.2, 0.4)
@@ -151,7 +170,7 @@ def test_two_places_that_look_alike_are_two_hypotheses() -> None:
     here = true.to_array() + rng.normal(0, [0.01, 0.01, 0.02], (1000, 3))
     turned = Pose2(0, 0, math.pi / 2) @ true
     there = turned.to_array() + rng.normal(0, [0.01, 0.01, 0.02], (1000, 3))
-    f.set_particles(np.vstack([here, there]))
+    f.set_cloud(Cloud.even(np.vstack([here, there])))
     drive = Drive(true, edges=square.edges)
     estimate = f.update(drive.odometry, drive.step(Twist2()))
     assert estimate is not None and len(estimate.hypotheses) >= 2
@@ -165,7 +184,7 @@ def test_two_places_that_look_alike_are_two_hypotheses() -> None:
 
 def test_a_told_pose_is_spread_as_told() -> None:
     f = filter_of()
-    f.set_pose(Pose2(0.1, 0.2, math.pi), 0.05, 0.2)
+    f.told(Pose2(0.1, 0.2, math.pi), 0.05, 0.2)
     poses = f.cloud.poses
     assert len(poses) == DEFAULTS.filter.max_particles
     assert ((poses[:, 2] >= -math.pi) & (poses[:, 2] < math.pi)).all()
@@ -189,19 +208,19 @@ def test_without_a_spread_the_one_set_is_taken() -> None:
 def test_given_particles_are_taken_as_they_are() -> None:
     f = filter_of()
     poses = STUB.free_poses(np.random.default_rng(0), 700)
-    f.set_particles(poses)
+    f.set_cloud(Cloud.even(poses))
     np.testing.assert_array_equal(f.cloud.poses, poses)
     assert f.updates == 0
 
 
 def test_what_was_driven_before_a_pose_is_told_is_not_driven_again() -> None:
     f, drive = filter_of(update_min_d=5.0, update_min_a=6.0), Drive(Pose2())
-    f.set_pose(drive.true, 0.01, 0.01)
+    f.told(drive.true, 0.01, 0.01)
     f.update(drive.odometry, drive.step(Twist2()))
     for twist in eight(3.0):
         drive.step(twist)
     f.update(drive.odometry, drive.step(Twist2()))
-    f.set_pose(drive.true, 0.01, 0.01)
+    f.told(drive.true, 0.01, 0.01)
     estimate = f.update(drive.odometry, drive.step(Twist2()))
     assert estimate is not None
     assert estimate.pose.distance_to(drive.true) < 0.01
@@ -210,21 +229,21 @@ def test_what_was_driven_before_a_pose_is_told_is_not_driven_again() -> None:
 # --- when a measurement counts
 
 
-def still(f: ParticleFilter, odometry: Pose2 = Pose2()) -> Estimate | None:
+def still(f: Tracker, odometry: Pose2 = Pose2()) -> Estimate | None:
     """A scan from the origin, with odometry that says something or nothing."""
     return f.update(odometry, scan_at(Pose2(), 0.0, STUB.edges, np.random.default_rng(0)))
 
 
 @pytest.fixture
-def standing() -> ParticleFilter:
+def standing() -> Tracker:
     """It has taken its first scan."""
     f = filter_of()
-    f.set_pose(Pose2(), 0.02, 0.05)
+    f.told(Pose2(), 0.02, 0.05)
     assert still(f) is not None
     return f
 
 
-def test_the_first_scan_counts_and_then_none_while_it_stands(standing: ParticleFilter) -> None:
+def test_the_first_scan_counts_and_then_none_while_it_stands(standing: Tracker) -> None:
     before = standing.cloud
     for _ in range(5):
         assert still(standing) is None
@@ -244,29 +263,29 @@ def test_the_first_scan_counts_and_then_none_while_it_stands(standing: ParticleF
     ],
 )
 def test_enough_travel_or_turn_makes_a_scan_count(
-    standing: ParticleFilter, moved: Pose2, counts: bool
+    standing: Tracker, moved: Pose2, counts: bool
 ) -> None:
     assert (still(standing, moved) is not None) == counts
 
 
 def test_small_steps_add_up_until_they_count_and_none_is_lost() -> None:
     f = filter_of(update_min_d=0.01)
-    f.motion = DifferentialMotion(0, 0, 0, 0)
-    f.set_particles(np.zeros((50, 3)))
+    f.filter.motion = DifferentialMotion(0, 0, 0, 0)
+    f.set_cloud(Cloud.even(np.zeros((50, 3))))
     f.predict(Pose2())
     counted = [f.predict(Pose2(0.003 * tick)) for tick in range(1, 12)]
     assert [tick for tick, c in enumerate(counted, start=1) if c] == [4, 8]
     np.testing.assert_allclose(f.cloud.poses[:, 0], 0.024)
 
 
-def test_a_forced_update_counts_once_though_it_stands(standing: ParticleFilter) -> None:
+def test_a_forced_update_counts_once_though_it_stands(standing: Tracker) -> None:
     standing.force_update()
     assert still(standing) is not None
     assert still(standing) is None
 
 
-def test_a_told_pose_makes_the_next_scan_count(standing: ParticleFilter) -> None:
-    standing.set_pose(Pose2(), 0.02, 0.05)
+def test_a_told_pose_makes_the_next_scan_count(standing: Tracker) -> None:
+    standing.told(Pose2(), 0.02, 0.05)
     assert still(standing) is not None
 
 
@@ -275,7 +294,7 @@ def test_a_told_pose_makes_the_next_scan_count(standing: ParticleFilter) -> None
 
 def test_paused_the_cloud_follows_odometry_and_spreads() -> None:
     f, drive = filter_of(), Drive(Pose2(0.1, 0, 0.5))
-    f.set_pose(drive.true, 0.005, 0.01)
+    f.told(drive.true, 0.005, 0.01)
     f.predict(drive.odometry)
     narrow = f.estimate(0.0).covariance.trace()
     for twist in eight(2.0):
@@ -286,7 +305,7 @@ def test_paused_the_cloud_follows_odometry_and_spreads() -> None:
     assert estimate.pose.distance_to(there) < 0.01
     assert estimate.covariance.trace() > 2 * narrow
     assert f.updates == 0
-    assert f.weighed is f.cloud
+    assert f.filter.cloud is f.cloud
 
 
 # --- how many particles there are
@@ -302,7 +321,7 @@ def test_with_certainty_the_number_of_particles_falls() -> None:
 
 def test_scattered_over_the_field_it_keeps_as_many_as_it_may() -> None:
     f = filter_of(max_particles=3000)
-    f.set_particles(STUB.free_poses(np.random.default_rng(0), 3000))
+    f.set_cloud(Cloud.even(STUB.free_poses(np.random.default_rng(0), 3000)))
     still(f)
     assert len(f.cloud.poses) > 2000
 
@@ -317,7 +336,7 @@ def test_limits_of_the_number_hold_whatever_the_formula_wants() -> None:
 
 def test_it_resamples_as_often_as_asked() -> None:
     f, drive = filter_of(resample_interval=5), Drive(Pose2())
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     even = []
     for twist in eight(0.4):
         f.update(drive.odometry, drive.step(twist))
@@ -327,11 +346,11 @@ def test_it_resamples_as_often_as_asked() -> None:
 
 def test_selective_it_resamples_only_when_few_particles_count() -> None:
     f, drive = filter_of(selective_resampling=True), Drive(Pose2())
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     kept = 0
     for twist in eight(2.0):
         f.update(drive.odometry, drive.step(twist))
-        few = (1 / np.square(f.weighed.weights).sum()) < 0.5 * len(f.weighed.weights)
+        few = (1 / np.square(f.filter.cloud.weights).sum()) < 0.5 * len(f.filter.cloud.weights)
         assert few == (np.ptp(f.cloud.weights) == 0)
         kept += not few
     assert kept > 10
@@ -353,7 +372,7 @@ def test_the_same_seed_gives_the_same_estimates_bit_for_bit() -> None:
 @pytest.mark.parametrize("name", SENSOR_MODELS)
 def test_without_a_return_it_follows_odometry_and_stays_finite(name: str) -> None:
     f, drive = filter_of(name=name), Drive(Pose2())
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     for twist in eight(2.0):
         drive.step(twist)
         blind = Scan(drive.stamp, BEARINGS, np.full(61, np.inf))
@@ -362,15 +381,15 @@ def test_without_a_return_it_follows_odometry_and_stays_finite(name: str) -> Non
         assert estimate.pose.is_finite() and np.isfinite(estimate.covariance).all()
         assert np.isfinite(f.cloud.poses).all() and np.isfinite(f.cloud.weights).all()
     assert estimate.pose.distance_to(drive.odometry) < 0.03
-    np.testing.assert_allclose(f.weighed.weights, 1 / len(f.weighed.weights))
+    np.testing.assert_allclose(f.filter.cloud.weights, 1 / len(f.filter.cloud.weights))
 
 
 def test_weights_always_sum_to_one_also_far_off_the_field() -> None:
     f, drive = filter_of(), Drive(Pose2())
-    f.set_pose(Pose2(50, 50, 1), 0.5, 1.0)
+    f.told(Pose2(50, 50, 1), 0.5, 1.0)
     for twist in eight(0.5):
         f.update(drive.odometry, drive.step(twist))
-        for cloud in (f.cloud, f.weighed):
+        for cloud in (f.cloud, f.filter.cloud):
             assert cloud.weights.sum() == pytest.approx(1)
             assert len(cloud.weights) == len(cloud.poses)
             assert np.isfinite(cloud.poses).all()
@@ -379,7 +398,7 @@ def test_weights_always_sum_to_one_also_far_off_the_field() -> None:
 def test_one_sharp_scan_does_not_leave_one_particle() -> None:
     """A wide cloud under a likelihood much narrower than the gaps between its particles."""
     f = filter_of(min_effective=0.05)
-    f.set_pose(Pose2(0.05, 0.05, 0.1), 0.3, 1.0)
+    f.told(Pose2(0.05, 0.05, 0.1), 0.3, 1.0)
     estimate = still(f)
     assert estimate is not None
     assert estimate.effective >= 0.05 * DEFAULTS.filter.max_particles - 1e-6
@@ -387,7 +406,7 @@ def test_one_sharp_scan_does_not_leave_one_particle() -> None:
 
 def test_a_cloud_spread_a_hundred_metres_wide_is_no_burden() -> None:
     f = filter_of()
-    f.set_pose(Pose2(), 100.0, 3.0)
+    f.told(Pose2(), 100.0, 3.0)
     estimate = still(f)
     assert estimate is not None and estimate.pose.is_finite()
 
@@ -395,10 +414,10 @@ def test_a_cloud_spread_a_hundred_metres_wide_is_no_burden() -> None:
 # --- what it cannot know
 
 
-def along_a_wall(seconds: float, seed: int, **changes: float) -> ParticleFilter:
+def along_a_wall(seconds: float, seed: int, **changes: float) -> Tracker:
     """Turned to and fro before a single wall along x, which says nothing of x."""
     f, drive = filter_of(WALL, seed, **changes), Drive(Pose2(0, 0, math.pi / 2), edges=WALL.edges)
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     for tick in range(round(seconds / PERIOD)):
         f.update(drive.odometry, drive.step(Twist2(0, 0.6 * math.cos(2 * tick * PERIOD))))
     return f
@@ -411,10 +430,10 @@ def spread(cloud: Cloud) -> Array:
 
 def test_parameters_can_change_while_it_runs() -> None:
     f, drive = filter_of(), Drive(Pose2())
-    f.set_pose(drive.true, 0.02, 0.05)
+    f.told(drive.true, 0.02, 0.05)
     follow(f, drive, 0.5)
-    f.parameters = FilterParameters(min_particles=900, max_particles=1000, cell_xy=0.01)
-    f.sensor = sensor_of(name="beam")
+    f.filter.parameters = FilterParameters(min_particles=900, max_particles=1000, cell_xy=0.01)
+    f.filter.sensor = sensor_of(name="beam")
     found = follow(f, drive, 1.0)
     assert 900 <= len(f.cloud.poses) <= 1000
     assert found[-1][1] < 0.01

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from robot.fields.edges import normals, outline
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, heading_vectors
-from robot.localization.ray_casting import cast_ray, cast_rays
+from robot.localization.models.ray_casting import cast_ray, cast_rays
 
 STUB = load_field("stub", Path(__file__).parent.parent / "maps")
 WALL = np.array([[1.0, 1.0, 1.0, -1.0]])

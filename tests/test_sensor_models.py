@@ -13,10 +13,10 @@ import shapely
 from robot.fields.edges import normals
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.localization.entry_field import EntryField
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.ray_casting import cast_rays
+from robot.localization.models.sensor_models import Beam, LikelihoodField, SensorModel, sensor_model
 from robot.localization.parameters import SENSOR_MODELS, SensorParameters
-from robot.localization.ray_casting import cast_rays
-from robot.localization.sensor_models import Beam, LikelihoodField, SensorModel, sensor_model
 from robot.scan import Scan
 
 FIELD = load_field("stub", Path(__file__).parent.parent / "maps")

@@ -12,11 +12,13 @@ from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Frame
-from robot.localization.entry_field import EntryField
 from robot.localization.estimate import Estimate
+from robot.localization.filter import Cloud
+from robot.localization.localizer import Localizer
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.particle_filter import Cloud, ParticleFilter
-from robot.localization.sensor_models import SensorModel, sensor_model
+from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.settings import SettingError, describe
 
@@ -58,21 +60,22 @@ class Localization:
         self._filter = ParticleFilter(
             parameters.motion.model(),
             self._sensor(),
+            field,
             parameters.filter,
             rng,
             likelihood_weight=parameters.sensor.likelihood_weight,
         )
-        self._filter.set_pose(field.start)
+        self._localizer = Localizer(self._filter, parameters.filter)
 
     @property
     def cloud(self) -> Cloud:
         """The particles as last weighed."""
-        return self._filter.weighed
+        return self._localizer.filter.cloud
 
     @property
     def updates(self) -> int:
         """Measurements since the cloud was last made anew."""
-        return self._filter.updates
+        return self._localizer.updates
 
     def measure(self, frame: Frame, odometry: OdometryState) -> None:
         """Scan a picture and update the filter, with the odometry at the picture's stamp."""
@@ -80,29 +83,29 @@ class Localization:
         pose = odometry.odom_from_robot
         if self.paused and not self._once:
             # A cloud that has not moved is an answer of before, tied to the odometry of then.
-            if self._filter.predict(pose) or self.belief is None:
-                self._believe(self._filter.estimate(frame.stamp), pose)
+            if self._localizer.predict(pose) or self.belief is None:
+                self._believe(self._localizer.estimate(frame.stamp), pose)
             return
         self._once = False
-        found = self._filter.update(pose, self.line_scan.scan)
-        if found is not None:
-            self._believe(found, pose)
+        self._believe(self._localizer.update(pose, self.line_scan.scan), pose)
 
     def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
-        """Tell the filter where the robot is."""
-        self._filter.set_pose(pose, sd_xy, sd_theta)
+        """Tell the filter where the robot is, with standard deviations [m] and [rad]."""
+        told = self.parameters.filter
+        xy = told.initial_sd_xy if sd_xy is None else sd_xy
+        theta = told.initial_sd_theta if sd_theta is None else sd_theta
+        self._localizer.set_pose(pose, np.diag(np.square([xy, xy, theta])))
         self.belief = None
 
     def scatter(self) -> None:
         """The robot may be anywhere on the field."""
-        count = self.parameters.filter.most_particles
-        self._filter.set_particles(self._field.free_poses(self._rng, count))
+        self._localizer.scatter()
         self.belief = None
 
     def update_once(self) -> None:
         """Let the next picture count, even paused or standing."""
         self._once = True
-        self._filter.force_update()
+        self._localizer.force_update()
 
     def reset(self) -> None:
         """Parameters as configured, and the cloud at the field's start."""
@@ -123,11 +126,12 @@ class Localization:
         self.parameters = parameters
         self._filter.motion = parameters.motion.model()
         self._filter.sensor = self._sensor()
-        self._filter.parameters = parameters.filter
+        self._filter.parameters = self._localizer.parameters = parameters.filter
         self._filter.likelihood_weight = parameters.sensor.likelihood_weight
 
-    def _believe(self, estimate: Estimate, pose: Pose2) -> None:
-        self.belief = Belief(estimate, pose)
+    def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
+        if estimate is not None:
+            self.belief = Belief(estimate, pose)
 
     def _sensor(self) -> SensorModel:
         wanted = self.parameters.sensor

@@ -11,8 +11,8 @@ from app.messages.message import Layer
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate
+from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.particle_filter import Cloud
 from robot.scanning.line_scanner import LineScan
 
 LAYERS: frozenset[Layer] = frozenset(get_args(Layer))

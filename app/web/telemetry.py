@@ -25,8 +25,8 @@ from app.messages.telemetry import (
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
+from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.particle_filter import Cloud
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 from robot.settings import Setting, describe

@@ -7,7 +7,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robot.localization.motion_models import DifferentialMotion, MotionModel, StationaryMotion
+import numpy as np
+
+from robot.geometry import Array
+from robot.localization.models.motion_models import (
+    DifferentialMotion,
+    MotionModel,
+    StationaryMotion,
+)
 from robot.settings import check_settings, setting
 
 MOTION_MODELS = ("differential", "stationary")
@@ -117,7 +124,7 @@ class FilterParameters:
         high=0.9,
     )
     regularization: float = setting(
-        0.7, "How far copies of a particle are spread, by the cluster's own spread", low=0, high=2
+        1.0, "How far copies of a particle are spread, by the cluster's own spread", low=0, high=2
     )
     cell_xy: float = setting(
         0.05, "Cell in which particles are alike, for counting and clusters", unit="m",
@@ -135,6 +142,11 @@ class FilterParameters:
 
     def __post_init__(self) -> None:
         check_settings(self)
+
+    @property
+    def initial_covariance(self) -> Array:
+        """Covariance (3, 3) [m, m, rad] of a pose told without one."""
+        return np.diag(np.square([self.initial_sd_xy, self.initial_sd_xy, self.initial_sd_theta]))
 
     @property
     def most_particles(self) -> int:

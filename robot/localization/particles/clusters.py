@@ -68,7 +68,10 @@ def find_clusters(poses: Array, weights: Array, cells: Cells, most: int = 8) -> 
 
 def _describe(poses: Array, weights: Array) -> Hypothesis:
     mean = mean_pose(poses, weights)
-    return Hypothesis(float(weights.sum()), mean, pose_covariance(poses, weights, mean))
+    covariance = pose_covariance(poses, weights, mean)
+    # The mean is the particles' own: fewer of them lie closer to it than to the true one.
+    independent = 1 - float(np.square(weights / weights.sum()).sum())
+    return Hypothesis(float(weights.sum()), mean, covariance / max(independent, 0.5))
 
 
 def _connected(index: NDArray[np.int64], turns: int) -> tuple[NDArray[np.int64], int]:

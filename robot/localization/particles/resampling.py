@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.geometry import Array, wrap_angle
-from robot.localization.clusters import Clusters
+from robot.localization.estimate import Hypothesis
+from robot.localization.particles.clusters import Clusters
 
 
 def low_variance(weights: Array, count: int, rng: np.random.Generator) -> NDArray[np.intp]:
@@ -86,9 +87,9 @@ def regularize(
     Copies of few particles die out at random along a direction that the scans say nothing of, as
     along a single wall, and the filter would be sure of what it never measured. The noise has the
     cluster's covariance times the squared bandwidth h = scale (4 / (n (d + 2)))^(1 / (d + 4)) with
-    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). Before, the copies move
-    toward the mean by the factor sqrt(1 - h^2), so that the cluster keeps its covariance (West
-    1993): else it would grow with every scan wherever none holds it, without end.
+    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). Before, the copies are
+    scaled about their mean so that with the noise they are as wide as the cluster was (shrinkage;
+    West 1993): else it would grow with every scan wherever none holds it, without end.
 
     Args:
         poses: (n, 3) resampled particles.
@@ -98,16 +99,31 @@ def regularize(
         rng: the only source of chance.
     """
     spread = poses.copy()
+    if scale == 0:
+        return spread
     for place, one in enumerate(clusters.hypotheses):
         members = np.flatnonzero(labels == place)
-        if len(members) == 0:
-            continue
-        bandwidth = min(scale * (4 / (5 * len(members))) ** (1 / 7), 1.0)
-        values, axes = np.linalg.eigh(one.covariance)
-        sd = np.sqrt(np.maximum(values, 0.0))
-        noise = rng.standard_normal((len(members), 3)) * (bandwidth * sd) @ axes.T
-        offsets = poses[members] - one.pose.to_array()
-        offsets[:, 2] = wrap_angle(offsets[:, 2])
-        spread[members] += noise - (1 - math.sqrt(1 - bandwidth**2)) * offsets
-    spread[:, 2] = wrap_angle(spread[:, 2])
+        if len(members) > 1:
+            noise = rng.standard_normal((len(members), 3))
+            spread[members] = _spread(poses[members], one, scale, noise)
     return spread
+
+
+MOST_STRETCH = 1.5
+"""Copies that happen to lie close together are scaled by no more than this."""
+
+
+def _spread(poses: Array, of: Hypothesis, scale: float, noise: Array) -> Array:
+    bandwidth = min(scale * (4 / (5 * len(poses))) ** (1 / 7), 1.0)
+    variances, axes = np.linalg.eigh(of.covariance)
+    sd = np.sqrt(np.maximum(variances, 0.0))
+    offsets = poses - of.pose.to_array()
+    offsets[:, 2] = wrap_angle(offsets[:, 2])
+    along = offsets @ axes
+    middle, now = along.mean(axis=0), along.std(axis=0)
+    wanted = math.sqrt(1 - bandwidth**2) * sd
+    stretch = np.minimum(wanted / np.maximum(now, 1e-12), MOST_STRETCH)
+    moved = middle + stretch * (along - middle) + bandwidth * sd * noise
+    result: Array = of.pose.to_array() + moved @ axes.T
+    result[:, 2] = wrap_angle(result[:, 2])
+    return result

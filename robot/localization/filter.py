@@ -1,0 +1,69 @@
+"""What any filter offers: a belief about the pose that follows odometry and scans."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Hypothesis
+from robot.scan import Scan
+
+
+@dataclass(frozen=True, slots=True)
+class Cloud:
+    """Weighted poses that stand for a belief: what is shown of any filter."""
+
+    poses: Array = field(repr=False)
+    """(n, 3) [m, m, rad] in the map."""
+    weights: Array = field(repr=False)
+    """(n,), summing to one."""
+
+    @classmethod
+    def even(cls, poses: Array) -> Cloud:
+        """Poses that all weigh the same."""
+        return cls(poses, np.full(len(poses), 1.0 / len(poses)))
+
+
+class Filter(Protocol):
+    """A Bayes filter (Probabilistic Robotics, Table 2.1): predict with motion, correct by scans.
+
+    When to do so is decided elsewhere (``Localizer``).
+    """
+
+    @property
+    def cloud(self) -> Cloud:
+        """The belief after the last scan or start, before any resampling."""
+        ...
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """Where the robot may be, heaviest first; none while nothing can be said."""
+        ...
+
+    @property
+    def effective(self) -> float:
+        """How many equally heavy particles the cloud is worth."""
+        ...
+
+    def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        ...
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        """Start anew from given weighted poses."""
+        ...
+
+    def scatter(self) -> None:
+        """Start anew: the robot may be anywhere on the field."""
+        ...
+
+    def predict(self, moved: Pose2) -> None:
+        """Follow a step by odometry, seen from its start."""
+        ...
+
+    def correct(self, scan: Scan) -> None:
+        """Weigh the belief by a scan."""
+        ...

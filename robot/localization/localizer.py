@@ -1,0 +1,97 @@
+"""When a filter is asked: it follows odometry, and takes a scan once the robot has moved."""
+
+from __future__ import annotations
+
+import math
+
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Estimate
+from robot.localization.filter import Cloud, Filter
+from robot.localization.parameters import FilterParameters
+from robot.scan import Scan
+
+
+class Localizer:
+    """A filter, fed as nav2_amcl feeds it."""
+
+    def __init__(self, belief: Filter, parameters: FilterParameters) -> None:
+        self.filter = belief
+        self.parameters = parameters
+        self.updates = 0
+        """Scans taken since the belief was last made anew."""
+        self._odometry: Pose2 | None = None
+        self._forced = True
+
+    def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
+        """Start anew around a pose in the map; without a covariance (3, 3), the one set."""
+        self.filter.set_pose(
+            pose, self.parameters.initial_covariance if covariance is None else covariance
+        )
+        self._restart()
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        """Start anew from given weighted poses."""
+        self.filter.set_cloud(cloud)
+        self._restart()
+
+    def scatter(self) -> None:
+        """Start anew: the robot may be anywhere on the field."""
+        self.filter.scatter()
+        self._restart()
+
+    def force_update(self) -> None:
+        """Let the next scan count, however little the robot moves."""
+        self._forced = True
+
+    def predict(self, odometry: Pose2) -> bool:
+        """Follow odometry alone: while scans are paused.
+
+        Returns whether it moved; it stays while the robot has hardly moved since the last time.
+
+        Args:
+            odometry: the robot in the odom frame.
+        """
+        moved = self._moved(odometry)
+        due = self._is_due(moved)
+        if due:
+            self._odometry = odometry
+            self.filter.predict(moved)
+        return due
+
+    def update(self, odometry: Pose2, scan: Scan) -> Estimate | None:
+        """Take a scan; None while the robot has hardly moved since the last, or nothing is known.
+
+        Args:
+            odometry: the robot in the odom frame, at the scan's stamp.
+            scan: the measurement.
+        """
+        moved = self._moved(odometry)
+        if not (self._forced or self._is_due(moved)):
+            return None
+        self._forced = False
+        # The window of odometry advances only here, so no motion is lost between updates.
+        self._odometry = odometry
+        self.filter.predict(moved)
+        self.filter.correct(scan)
+        self.updates += 1
+        return self.estimate(scan.stamp)
+
+    def estimate(self, stamp: float) -> Estimate | None:
+        """What the filter says now; None while it cannot say anything."""
+        found = self.filter.hypotheses
+        return Estimate(stamp, found, self.filter.effective) if found else None
+
+    def _restart(self) -> None:
+        self.updates = 0
+        # The belief is about the robot where it is now: what it drove before is in it already.
+        self._odometry = None
+        self._forced = True
+
+    def _moved(self, odometry: Pose2) -> Pose2:
+        if self._odometry is None:
+            self._odometry = odometry
+        return self._odometry.inverse() @ odometry
+
+    def _is_due(self, moved: Pose2) -> bool:
+        far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d
+        return far or abs(moved.theta) >= self.parameters.update_min_a

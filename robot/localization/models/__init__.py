@@ -1,0 +1,1 @@
+"""How odometry and scans err: motion models and sensor models."""

@@ -1,0 +1,48 @@
+"""Sensor models: how well does a scan fit a pose?
+
+A sensor model has ``log_likelihood``; a student's own is the same thing. What depends on the scan
+alone is done once, before the work that is done for each particle.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from robot.geometry import Array
+from robot.localization.models.beam import Beam
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.likelihood_field import LikelihoodField
+from robot.localization.parameters import SensorParameters
+from robot.scan import Scan
+
+
+class SensorModel(Protocol):
+    """What any sensor model offers."""
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        ...
+
+
+def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:
+    """The model that the parameters ask for."""
+    if parameters.laser_model_type == "beam":
+        return Beam(
+            edges,
+            parameters.sigma_hit,
+            parameters.z_hit,
+            parameters.z_short,
+            parameters.z_max,
+            parameters.z_rand,
+            parameters.lambda_short,
+            parameters.laser_max_range,
+            parameters.max_beams,
+        )
+    return LikelihoodField(
+        entries,
+        parameters.sigma_hit,
+        parameters.z_hit,
+        parameters.z_rand,
+        parameters.laser_max_range,
+        parameters.max_beams,
+    )

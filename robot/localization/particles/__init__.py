@@ -1,0 +1,1 @@
+"""The particle filter and what it is made of."""
