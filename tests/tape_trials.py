@@ -11,11 +11,12 @@ import shapely
 from numpy.typing import NDArray
 
 from robot.description.spec import RobotSpec
+from robot.fields.edge_index import index_edges
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
+from robot.fields.ray_casting import cast_ray
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
-from robot.localization.models.ray_casting import cast_ray
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
 from sim.floor_camera import CameraSettings, FloorCamera
 
@@ -51,18 +52,18 @@ def expected(field: Field, robot: Pose2, scanner: LineScanner = SCANNER) -> tupl
     start = robot @ Pose2(float(scanner.table.centre[0]))
     begins = np.full(len(scanner.table.bearings), np.inf)
     ends = begins.copy()
-    leaving = field.edges[:, [2, 3, 0, 1]]
+    leaving = index_edges(field.edges[:, [2, 3, 0, 1]])
     for ray, (near, _) in enumerate(scanner.table.limits):
         if np.isnan(near):
             continue
         heading = start.theta + scanner.table.bearings[ray]
         c, s = math.cos(heading), math.sin(heading)
         x, y = start.x + near * c, start.y + near * s
-        begins[ray] = near + cast_ray(x, y, heading, field.edges, 2.0)
+        begins[ray] = near + cast_ray(x, y, heading, field.edge_index, 2.0)[0]
         if np.isfinite(begins[ray]):
             at = begins[ray] + 1e-6
             x, y = start.x + at * c, start.y + at * s
-            ends[ray] = at + cast_ray(x, y, heading, leaving, 2.0)
+            ends[ray] = at + cast_ray(x, y, heading, leaving, 2.0)[0]
     return begins, ends
 
 

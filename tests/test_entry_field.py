@@ -13,9 +13,9 @@ from robot.fields.edges import outline
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.fields.floor_picture import FloorPicture
+from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.models.entry_field import DIRECTIONS, MOST_CELLS, EntryField
-from robot.localization.models.ray_casting import cast_rays
 
 MAPS = Path(__file__).parent.parent / "maps"
 FARTHEST = 0.15
@@ -100,7 +100,7 @@ def test_the_end_of_every_exact_ray_lies_on_an_edge(name: str) -> None:
     poses = field.free_poses(np.random.default_rng(0), 300)
     bearings = np.linspace(-math.pi, math.pi, 60)
     ranges = np.empty((300, 60))
-    cast_rays(poses, bearings, field.edges, 1.0, ranges)
+    cast_rays(poses, bearings, field.edge_index, 1.0, ranges)
     headings = poses[:, 2:] + bearings
     hit = np.isfinite(ranges)
     ends = poses[:, None, :2] + ranges[..., None] * heading_vectors(headings)

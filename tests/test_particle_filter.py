@@ -11,15 +11,16 @@ import numpy as np
 import pytest
 import shapely
 
+from robot.fields.edge_index import index_edges
 from robot.fields.edges import outline
 from robot.fields.field_loading import load_field
+from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import DifferentialMotion
-from robot.localization.models.ray_casting import cast_rays
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import SENSOR_MODELS, FilterParameters, LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
@@ -71,7 +72,7 @@ def filter_of(
 
 def scan_at(pose: Pose2, stamp: float, edges: Array, rng: np.random.Generator) -> Scan:
     ranges = np.empty((1, len(BEARINGS)))
-    cast_rays(pose.to_array()[None], BEARINGS, edges, 1.0, ranges)
+    cast_rays(pose.to_array()[None], BEARINGS, index_edges(edges), 1.0, ranges)
     return Scan(stamp, BEARINGS, ranges[0] + 0.0003 * rng.standard_normal(len(BEARINGS)))
 
 

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 import shapely
 
+from robot.fields.edge_index import index_edges
 from robot.fields.edges import normals
 from robot.fields.field_loading import load_field
+from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.ray_casting import cast_rays
 from robot.localization.models.sensor_models import Beam, LikelihoodField, SensorModel, sensor_model
 from robot.localization.parameters import SENSOR_MODELS, SensorParameters
 from robot.scan import Scan
@@ -40,7 +41,8 @@ def scan_at(
     """The scan that a perfect scanner (or one with noise [m]) makes at a pose."""
     ranges = np.empty((1, len(bearings)))
     start = pose @ Pose2(ahead)
-    cast_rays(start.to_array()[None], bearings, FIELD.edges, PARAMETERS.laser_max_range, ranges)
+    reach = PARAMETERS.laser_max_range
+    cast_rays(start.to_array()[None], bearings, FIELD.edge_index, reach, ranges)
     noise = sd * np.random.default_rng(1).standard_normal(len(bearings))
     return Scan(0.0, bearings, ranges[0] + noise, Pose2(ahead))
 
@@ -260,7 +262,7 @@ def beam_likelihood(z: float, expected: float, extra_sd: float = 0.0) -> float:
     """Of one ray, by the beam model, in front of a wall at a distance [m]; inf is none."""
     wall = np.array([[expected, 9.0, expected, -9.0]]) if math.isfinite(expected) else FAR_AWAY
     assert isinstance(BEAM, Beam)
-    model = replace(BEAM, edges=wall)
+    model = replace(BEAM, edges=index_edges(wall))
     return at(model, Pose2(), Scan(0.0, np.zeros(1), np.array([z]), extra_sd=extra_sd))
 
 
@@ -296,7 +298,8 @@ def test_the_beam_knows_that_an_edge_hides_what_lies_behind() -> None:
     scan = Scan(0.0, np.linspace(-0.2, 0.2, 9), 0.6 / np.cos(np.linspace(-0.2, 0.2, 9)))
     assert isinstance(BEAM, Beam)
     open_view, hidden = (
-        at(replace(BEAM, edges=edges), Pose2(), scan) for edges in (far, np.vstack([near, far]))
+        at(replace(BEAM, edges=index_edges(edges)), Pose2(), scan)
+        for edges in (far, np.vstack([near, far]))
     )
     assert hidden < open_view - 30
 

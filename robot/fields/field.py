@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from robot.fields import edges as edge_geometry
 from robot.fields.drawing.coverage import coverage
+from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.floor_picture import Extent, FloorPicture
 from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
 from robot.geometry import Array, Pose2
@@ -55,6 +56,11 @@ class Field:
     def normals(self) -> Array:
         """Unit vectors (n, 2) across the edges, to the light side."""
         return edge_geometry.normals(self.edges)
+
+    @cached_property
+    def edge_index(self) -> EdgeIndex:
+        """The edges by place, for casting rays."""
+        return index_edges(self.edges)
 
     @property
     def extent(self) -> Extent:

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot.fields.edge_index import EdgeIndex
+from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, compose
-from robot.localization.models.ray_casting import cast_rays
 from robot.scan import Scan, evenly
 
 
@@ -21,8 +22,8 @@ class Beam:
     behind it, and that a ray that should have returned did not.
     """
 
-    edges: Array = field(repr=False)
-    """(n, 4) edges of the field [m]."""
+    edges: EdgeIndex = field(repr=False)
+    """Of the field."""
     sigma_hit: float
     """[m]"""
     z_hit: float

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from robot.fields.edge_index import index_edges
 from robot.geometry import Array
 from robot.localization.models.beam import Beam
 from robot.localization.models.entry_field import EntryField
@@ -28,7 +29,7 @@ def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array
     """The model that the parameters ask for."""
     if parameters.laser_model_type == "beam":
         return Beam(
-            edges,
+            index_edges(edges),
             parameters.sigma_hit,
             parameters.z_hit,
             parameters.z_short,
