@@ -11,6 +11,7 @@ from app.config import MAPS, Config
 from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
+from app.own_models.own_models import OwnChoice, OwnModels
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
@@ -35,6 +36,8 @@ class Program:
     field: Field
     scanner: LineScanner
     config: Config
+    given: OwnChoice
+    """Models of the user's own at the start."""
 
 
 def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program:
@@ -56,14 +59,22 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
     robot = build_robot(config, spec, field, for_robot, wait)
     kinematics = DifferentialDrive(spec)
     scanner = LineScanner(spec.floor_view, config.scanner)
+    own = own_models(config, field)
     engine = Engine(
         robot,
         Odometry(kinematics, config.odometry),
-        Localization(scanner, field, config.localization, for_filter),
+        Localization(scanner, field, config.localization, for_filter, own),
         Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
         field.start,
     )
-    return Program(engine, robot, field, scanner, config)
+    return Program(engine, robot, field, scanner, config, own.choice)
+
+
+def own_models(config: Config, field: Field) -> OwnModels:
+    """The models of the user's own that the configuration names."""
+    return OwnModels(
+        field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
+    )
 
 
 def build_robot(

@@ -15,6 +15,11 @@ from app.config import ROBOTS, Config, load_config
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
+OPTIONS = (
+    "robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models",
+)  # fmt: skip
+"""Options that are settings of the same name."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns 0 when it did its job, 2 on a wrong argument, 1 on another failure."""
@@ -88,7 +93,24 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         default=argparse.SUPPRESS,
         help="settings; the options above win",
     )
+    _add_models(run)
     run.set_defaults(command=_run)
+
+
+def _add_models(run: argparse.ArgumentParser) -> None:
+    for kind in ("sensor", "motion"):
+        run.add_argument(
+            f"--{kind}-model",
+            metavar="FILE.py:CLASS",
+            default=argparse.SUPPRESS,
+            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
+        )
+    run.add_argument(
+        "--models",
+        metavar="DIR",
+        default=argparse.SUPPRESS,
+        help="a folder of models of your own, which the page offers",
+    )
 
 
 def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -132,7 +154,7 @@ def config_from(parsed: argparse.Namespace) -> Config:
     """The configuration file, if there is one, with the command line's options over it."""
     given = vars(parsed)
     config = load_config(given["config"]) if "config" in given else Config()
-    over = {name: given[name] for name in ("robot", "map", "host", "port", "seed") if name in given}
+    over = {name: given[name] for name in OPTIONS if name in given}
     return replace(config, **over)
 
 

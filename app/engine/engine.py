@@ -15,7 +15,7 @@ import numpy as np
 
 from app.engine.driving import Driving
 from app.engine.latest import Latest
-from app.engine.localization import Localization, changed
+from app.engine.localization import Localization, changed_with_own
 from app.engine.loop_statistics import LoopMeter
 from app.engine.problems import LOG, Problems
 from app.engine.snapshot import LAYERS, Snapshot
@@ -40,6 +40,7 @@ from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame, Placeable, Reading, Robot
 from robot.localization.parameters import LocalizationParameters
+from robot.settings import SettingError
 
 FRAME_OVERDUE = 0.5
 """Without a new picture for so long [s] (or three usual periods), the camera has stalled."""
@@ -84,8 +85,10 @@ class Engine:
         reading = self.robot.read()
         self._meter.begin()
         odometry = self._odometry.update(reading)
+        self._mind_own_models(reading.stamp)
         self._take_commands(reading.stamp, odometry)
         self._localize(reading)
+        self._stand_while_faulty(reading.stamp)
         twist = self._driving.update(reading.stamp)
         wheels = self.robot.write(self._kinematics.wheels(twist))
         applied = self._kinematics.twist(wheels)
@@ -106,6 +109,23 @@ class Engine:
             self._publish_failure(f"The robot stopped: {error}")
         finally:
             self.robot.close()
+
+    def _mind_own_models(self, stamp: float) -> None:
+        """Take the user's own models anew when they were saved, with the motors at rest."""
+        if self._localization.own.saved(stamp):
+            self._rest()
+            self._localization.reload()
+
+    def _stand_while_faulty(self, stamp: float) -> None:
+        """Stand still while a model of the user's own is broken, and say where."""
+        own = self._localization.own
+        broken = own.fault
+        if broken is not None:
+            self._driving.stop()
+            broken = f"The robot stands still: {broken}"
+        self._problems.report("own models", stamp, broken)
+        self._problems.report("slow models", stamp, own.slow)
+        self._problems.report("models on offer", stamp, " ".join(own.complaints) or None)
 
     def _localize(self, reading: Reading) -> None:
         if reading.frame is not None:
@@ -135,7 +155,7 @@ class Engine:
             except queue.Empty:
                 return
             self._drive_command(command, stamp)
-            self._filter_command(command)
+            self._filter_command(command, stamp)
             match command:
                 case PlaceCommand() if isinstance(self.robot, Placeable):
                     self._place(Pose2(command.x, command.y, command.theta), odometry)
@@ -152,7 +172,7 @@ class Engine:
             case StopCommand():
                 self._driving.stop()
 
-    def _filter_command(self, command: Command) -> None:
+    def _filter_command(self, command: Command, stamp: float) -> None:
         localization = self._localization
         match command:
             case SetPoseCommand():
@@ -168,17 +188,35 @@ class Engine:
                 localization.update_once()
             case ResetCommand():
                 self._stand_if_slow(localization.configured)
+                self._rest()
                 localization.reset()
             case SetParametersCommand():
-                wanted = changed(localization.parameters, command.values)
-                self._stand_if_slow(wanted)
-                localization.use(wanted)
+                self._set_parameters(command, stamp)
+
+    def _set_parameters(self, command: SetParametersCommand, stamp: float) -> None:
+        localization = self._localization
+        choice = localization.own.choice
+        try:
+            wanted, own = changed_with_own(localization.parameters, choice, command.values)
+        except SettingError as error:
+            # It was valid when it was sent; a model's file can vanish since.
+            self._problems.report("settings", stamp, f"A change was not taken: {error}.")
+            return
+        self._problems.report("settings", stamp, None)
+        if own != choice:
+            self._rest()
+        self._stand_if_slow(wanted)
+        localization.choose(own, wanted)
 
     def _stand_if_slow(self, wanted: LocalizationParameters) -> None:
         """Stop the robot before something that takes longer than a step."""
         if self._localization.is_slow_to_use(wanted):
             self._driving.stop()
-            self.robot.write(np.zeros(len(self.robot.spec.joints)))
+            self._rest()
+
+    def _rest(self) -> None:
+        """Halt the motors for what may take long; the next step lets them go on."""
+        self.robot.write(np.zeros(len(self.robot.spec.joints)))
 
     def _place(self, pose: Pose2, odometry: OdometryState) -> None:
         assert isinstance(self.robot, Placeable)
@@ -211,6 +249,8 @@ class Engine:
             paused=localization.paused,
             updates=localization.updates,
             parameters=localization.parameters,
+            own=localization.own.choice,
+            fault=localization.fault,
             loop=self._meter.end(reading.stamp),
             connected=True,
             battery_v=reading.battery_v,

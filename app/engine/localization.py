@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from app.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Pose2
@@ -16,6 +17,7 @@ from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
+from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
@@ -45,8 +47,12 @@ class Localization:
         field: Field,
         parameters: LocalizationParameters,
         rng: np.random.Generator,
+        own: OwnModels | None = None,
     ) -> None:
         self.scanner = scanner
+        self.own = own or OwnModels(field)
+        """Models in files of the user's own."""
+        self.own.load(parameters)
         self.parameters = parameters
         self.paused = False
         self.belief: Belief | None = None
@@ -58,7 +64,7 @@ class Localization:
         self._entries: EntryField | None = None
         self._once = False
         self._filter = ParticleFilter(
-            parameters.motion.model(),
+            self._motion(),
             self._sensor(),
             field,
             parameters.filter,
@@ -77,11 +83,16 @@ class Localization:
         """Measurements since the cloud was last made anew."""
         return self._localizer.updates
 
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with a model of the user's own; the filter pauses until it is mended."""
+        return self.own.fault
+
     def measure(self, frame: Frame, odometry: OdometryState) -> None:
         """Scan a picture and update the filter, with the odometry at the picture's stamp."""
         self.line_scan = self.scanner.scan(frame, odometry.twist)
         pose = odometry.odom_from_robot
-        if self.paused and not self._once:
+        if self.fault or (self.paused and not self._once):
             # A cloud that has not moved is an answer of before, tied to the odometry of then.
             if self._localizer.predict(pose) or self.belief is None:
                 self._believe(self._localizer.estimate(frame.stamp), pose)
@@ -108,7 +119,9 @@ class Localization:
         self._localizer.force_update()
 
     def reset(self) -> None:
-        """Parameters as configured, and the cloud at the field's start."""
+        """Parameters and models as configured, and the cloud at the field's start."""
+        if self.own.reset():
+            self.own.load(self.configured)
         self.use(self.configured)
         self.paused = self._once = False
         self.set_pose(self._field.start, None, None)
@@ -121,10 +134,24 @@ class Localization:
             wanted.laser_likelihood_max_dist,
         )
 
+    def choose(self, choice: OwnChoice, parameters: LocalizationParameters) -> None:
+        """Go on with other models of the user's own and other parameters; the cloud stays."""
+        if self.own.choose(choice):
+            self.own.load(parameters)
+        self.use(parameters)
+
+    def reload(self) -> None:
+        """Read the user's own models anew; what they say of the next picture counts."""
+        self.own.load(self.parameters)
+        self.use(self.parameters)
+        self._localizer.force_update()
+
     def use(self, parameters: LocalizationParameters) -> None:
         """Go on with other parameters; the cloud stays."""
+        if parameters != self.parameters:
+            self.own.rebuild(parameters)
         self.parameters = parameters
-        self._filter.motion = parameters.motion.model()
+        self._filter.motion = self._motion()
         self._filter.sensor = self._sensor()
         self._filter.parameters = self._localizer.parameters = parameters.filter
         self._filter.likelihood_weight = parameters.sensor.likelihood_weight
@@ -133,7 +160,12 @@ class Localization:
         if estimate is not None:
             self.belief = Belief(estimate, pose)
 
+    def _motion(self) -> MotionModel:
+        return self.own.motion or self.parameters.motion.model()
+
     def _sensor(self) -> SensorModel:
+        if self.own.sensor is not None:
+            return self.own.sensor
         wanted = self.parameters.sensor
         if self._entries is None or self.is_slow_to_use(self.parameters):
             self._entries = EntryField.build(
@@ -142,6 +174,18 @@ class Localization:
                 max_distance=wanted.laser_likelihood_max_dist,
             )
         return sensor_model(wanted, self._entries, self._field.edges)
+
+
+def changed_with_own(
+    parameters: LocalizationParameters, choice: OwnChoice, values: dict[str, Any]
+) -> tuple[LocalizationParameters, OwnChoice]:
+    """As ``changed``, where models may also be of the user's own, as ``my_model.py:MyModel``.
+
+    Raises:
+        SettingError: a name is unknown, or a value out of range or of the wrong type.
+    """
+    choice, left = chosen(choice, values)
+    return changed(parameters, left), choice
 
 
 def changed(parameters: LocalizationParameters, values: dict[str, Any]) -> LocalizationParameters:

@@ -8,6 +8,7 @@ from typing import get_args
 from app.engine.driving import Mode
 from app.engine.problems import Problem
 from app.messages.message import Layer
+from app.own_models.own_models import OwnChoice
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate
@@ -59,6 +60,10 @@ class Snapshot:
     paused: bool
     updates: int
     parameters: LocalizationParameters = field(repr=False)
+    own: OwnChoice = field(repr=False)
+    """Models in files of the user's own: in use and on offer."""
+    fault: str | None
+    """What is wrong with them, with file and line; the robot stands still meanwhile."""
     loop: LoopStatistics
     connected: bool
     battery_v: float | None

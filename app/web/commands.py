@@ -6,16 +6,19 @@ from pydantic import ValidationError
 
 from app.assembly import Program
 from app.engine.engine import Engine
-from app.engine.localization import changed
+from app.engine.localization import changed_with_own
 from app.messages.commands import (
     COMMAND,
     Command,
+    DriveCommand,
+    FigureEightCommand,
     PingCommand,
     PlaceCommand,
     SetParametersCommand,
     SetPoseCommand,
     StopCommand,
 )
+from app.own_models.own_models import OwnChoice
 from robot.geometry import Pose2
 from robot.interface import Placeable
 
@@ -62,13 +65,21 @@ def check(command: Command, program: Program) -> None:
                 )
             if isinstance(command, PlaceCommand) and not isinstance(program.robot, Placeable):
                 raise CommandError(f"{program.robot.name} can only be moved by hand")
+        case DriveCommand() | FigureEightCommand():
+            _check_models(program.engine)
         case SetParametersCommand():
             latest = program.engine.latest.get()
             now = latest.parameters if latest else program.config.localization
             try:
-                changed(now, command.values)
+                changed_with_own(now, latest.own if latest else OwnChoice(), command.values)
             except ValueError as error:
                 raise CommandError(str(error)) from error
+
+
+def _check_models(engine: Engine) -> None:
+    latest = engine.latest.get()
+    if latest is not None and latest.fault is not None:
+        raise CommandError(f"the robot stands still until this is mended: {latest.fault}")
 
 
 def _check_engine(command: Command, engine: Engine) -> None:

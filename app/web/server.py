@@ -170,7 +170,10 @@ def _add_field(app: FastAPI, program: Program) -> None:
         """The filter's parameters, with their meanings."""
         latest = program.engine.latest.get()
         configured = program.config.localization
-        return parameter_messages(latest.parameters if latest else configured, configured)
+        given = program.given
+        if latest is None:
+            return parameter_messages(configured, configured, given, given)
+        return parameter_messages(latest.parameters, configured, latest.own, given)
 
     @app.get("/api/ray/{ray}")
     def ray_profile(ray: int) -> ProfileMessage:

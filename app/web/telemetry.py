@@ -22,6 +22,7 @@ from app.messages.telemetry import (
     TelemetryMessage,
     TwistMessage,
 )
+from app.own_models.own_models import OwnChoice
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
@@ -147,32 +148,50 @@ def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Arra
 
 
 def parameter_messages(
-    now: LocalizationParameters, default: LocalizationParameters
+    now: LocalizationParameters, default: LocalizationParameters, own: OwnChoice, given: OwnChoice
 ) -> list[ParameterMessage]:
-    """Every parameter of the filter, with its meaning."""
+    """Every parameter of the filter, with its meaning; models of the user's own are choices, too.
+
+    Args:
+        now: the parameters that hold.
+        default: those of the start.
+        own: models of the user's own, in use and on offer.
+        given: those of the start.
+    """
     found = []
+    models = {
+        "laser_model_type": (own.sensor, given.sensor, own.sensors),
+        "robot_model_type": (own.motion, given.motion, own.motions),
+    }
     for group in dataclasses.fields(now):
         values, defaults = getattr(now, group.name), getattr(default, group.name)
         for name, known in describe(values).items():
-            found.append(_parameter(group.name, name, known, values, defaults))
+            chosen, first, offered = models.get(name, ("", "", ()))
+            value = chosen or getattr(values, name)
+            standard = first or getattr(defaults, name)
+            found.append(_parameter(group.name, name, known, value, standard, offered))
     return found
 
 
 def _parameter(
-    group: str, name: str, known: Setting, values: object, defaults: object
+    group: str,
+    name: str,
+    known: Setting,
+    value: object,
+    default: object,
+    more_choices: tuple[str, ...],
 ) -> ParameterMessage:
-    default = getattr(defaults, name)
     return ParameterMessage.model_validate(
         {
             "name": name,
             "group": group,
-            "value": getattr(values, name),
+            "value": value,
             "default": default,
             "meaning": known.meaning,
             "unit": known.unit,
             "low": known.low if math.isfinite(known.low) else None,
             "high": known.high if math.isfinite(known.high) else None,
-            "choices": list(known.choices),
+            "choices": [*known.choices, *more_choices],
             "integer": isinstance(default, int) and not isinstance(default, bool),
         }
     )

@@ -1,0 +1,65 @@
+"""What went wrong in a user's file, in words with the line."""
+
+from __future__ import annotations
+
+import contextlib
+import inspect
+import traceback
+from collections.abc import Iterator
+from pathlib import Path
+
+LONGEST = 300
+"""A longer message is cut [characters]: the page shows it in one line."""
+
+
+class OwnModelError(ValueError):
+    """A user's own model cannot be used; the message names its file and, if known, the line."""
+
+
+@contextlib.contextmanager
+def blaming(path: Path, line: int | None = None) -> Iterator[None]:
+    """Turn what fails within into words about a file.
+
+    Args:
+        path: the user's file.
+        line: where to look when the failure passed through no line of that file.
+
+    Raises:
+        OwnModelError: something failed.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        found = _innermost_line(error, path)
+        raise OwnModelError(place(path, found or line) + _words(error)) from error
+
+
+def place(path: Path, line: int | None) -> str:
+    """How a message about a file begins."""
+    return f"{path.name} line {line}: " if line else f"{path.name}: "
+
+
+def line_of(function: object, path: Path) -> int | None:
+    """The line of a file at which a function or method begins; None where it is not known."""
+    inner = getattr(function, "py_func", function)  # what numba compiled
+    code = getattr(inspect.unwrap(inner), "__code__", None) if callable(inner) else None
+    known = code is not None and code.co_filename == str(path)
+    return code.co_firstlineno if known and code is not None else None
+
+
+def _innermost_line(error: BaseException, path: Path) -> int | None:
+    if isinstance(error, SyntaxError) and error.filename == str(path):
+        return error.lineno
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename == str(path)
+    ]
+    return lines[-1] if lines else None
+
+
+def _words(error: BaseException) -> str:
+    if isinstance(error, OwnModelError):
+        return str(error)
+    text = " ".join(traceback.format_exception_only(error)[-1].split())
+    return text if len(text) <= LONGEST else text[:LONGEST] + " ..."
