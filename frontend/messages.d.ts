@@ -10,6 +10,7 @@ export type Command =
   | ResumeCommand
   | ScatterCommand
   | SetParametersCommand
+  | SetParticlesCommand
   | SetPoseCommand
   | ShowCommand
   | StopCommand
@@ -61,6 +62,8 @@ export interface FieldMessage {
   image_width: number;
   /** Size of the camera's picture [px]. */
   image_height: number;
+  /** Width of tape that the scanner looks for [m], to compare with ``ScanMessage.tape_width``. */
+  tape_width: number;
   /** Each ray as a line of pixels, from its start to its end in the picture. */
   rays_px: [number, number][][];
 }
@@ -79,6 +82,16 @@ export interface FilterMessage {
   updates: number;
   /** Whether a second hypothesis has at least a fifth of the weight. */
   ambiguous: boolean;
+  /**
+   * How many places look alike: hypotheses of at least half the heaviest's weight, if none is
+   * above 0.95; 1 if one stands out; 0 while nothing can be said, as after a scatter.
+   */
+  alike: number;
+  /**
+   * What is wrong with a model in a file of the user's own, with file and line; the robot stands
+   * still and the filter pauses until it is mended.
+   */
+  broken: string | null;
 }
 
 /** Whether the program does its job. */
@@ -90,12 +103,15 @@ export interface HealthMessage {
   step_hz: number;
 }
 
-/** One cluster of particles. */
+/** One place where the robot may be, carried forward to the telemetry's stamp. */
 export interface HypothesisMessage {
   x: number;
   y: number;
   theta: number;
+  /** How likely it is, 0 to 1. */
   weight: number;
+  /** 9 numbers by rows [m^2, m rad, rad^2]. */
+  covariance: number[];
 }
 
 /** How the engine keeps up. */
@@ -128,7 +144,7 @@ export interface ParticlesMessage {
   count: number;
   /** Effective sample size, 1 to count. */
   effective: number;
-  /** Clusters, heaviest first; at most eight. */
+  /** Where the robot may be, heaviest first; none while nothing can be said. */
   hypotheses: HypothesisMessage[];
   /** xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span. */
   extent: number[];
@@ -258,6 +274,17 @@ export interface SetParametersCommand {
   values: Record<string, number | string | boolean>;
 }
 
+/** Start the filter from given poses: the robot is at one of them, or near. */
+export interface SetParticlesCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_particles";
+  /** x, y, theta of each. */
+  poses: [number, number, number][];
+  /** How likely each is, in any measure; all alike without. */
+  weights?: number[] | null;
+}
+
 /** Tell the filter where the robot is, and how sure that is. */
 export interface SetPoseCommand {
   /** Repeated in the answer. */
@@ -268,6 +295,11 @@ export interface SetPoseCommand {
   theta: number;
   sd_xy?: number | null;
   sd_theta?: number | null;
+  /**
+   * 9 numbers by rows [m^2, m rad, rad^2], symmetric and positive semi-definite, instead of the
+   * standard deviations.
+   */
+  covariance?: number[] | null;
 }
 
 /** Switch a layer of the 3D view on or off; all viewers share that view. */

@@ -19,6 +19,7 @@ from app.engine.localization import Localization, changed_with_own
 from app.engine.loop_statistics import LoopMeter
 from app.engine.problems import LOG, Problems
 from app.engine.snapshot import LAYERS, Snapshot
+from app.engine.telling import tell
 from app.messages.commands import (
     Command,
     DriveCommand,
@@ -29,6 +30,7 @@ from app.messages.commands import (
     ResumeCommand,
     ScatterCommand,
     SetParametersCommand,
+    SetParticlesCommand,
     SetPoseCommand,
     ShowCommand,
     StopCommand,
@@ -175,9 +177,8 @@ class Engine:
     def _filter_command(self, command: Command, stamp: float) -> None:
         localization = self._localization
         match command:
-            case SetPoseCommand():
-                told = Pose2(command.x, command.y, command.theta)
-                localization.set_pose(told, command.sd_xy, command.sd_theta)
+            case SetPoseCommand() | SetParticlesCommand():
+                tell(localization, command)
             case ScatterCommand():
                 localization.scatter()
             case PauseCommand():

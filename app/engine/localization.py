@@ -11,7 +11,7 @@ import numpy as np
 from app.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
-from robot.geometry import Pose2
+from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
@@ -98,14 +98,27 @@ class Localization:
                 self._believe(self._localizer.estimate(frame.stamp), pose)
             return
         self._once = False
-        self._believe(self._localizer.update(pose, self.line_scan.scan), pose)
+        before = self._localizer.updates
+        estimate = self._localizer.update(pose, self.line_scan.scan)
+        if estimate is None and self._localizer.updates > before:
+            self.belief = None  # the filter has lost all that it thought it knew
+        self._believe(estimate, pose)
 
     def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
         """Tell the filter where the robot is, with standard deviations [m] and [rad]."""
         told = self.parameters.filter
         xy = told.initial_sd_xy if sd_xy is None else sd_xy
         theta = told.initial_sd_theta if sd_theta is None else sd_theta
-        self._localizer.set_pose(pose, np.diag(np.square([xy, xy, theta])))
+        self.set_pose_with(pose, np.diag(np.square([xy, xy, theta])))
+
+    def set_pose_with(self, pose: Pose2, covariance: Array) -> None:
+        """Tell the filter where the robot is, with a covariance (3, 3) [m, m, rad]."""
+        self._localizer.set_pose(pose, covariance)
+        self.belief = None
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        """Tell the filter where the robot may be."""
+        self._localizer.set_cloud(cloud)
         self.belief = None
 
     def scatter(self) -> None:

@@ -32,6 +32,8 @@ class FieldMessage(Message):
     image_width: int
     image_height: int
     """Size of the camera's picture [px]."""
+    tape_width: float
+    """Width of tape that the scanner looks for [m], to compare with ``ScanMessage.tape_width``."""
     rays_px: list[list[tuple[float, float]]]
     """Each ray as a line of pixels, from its start to its end in the picture."""
 

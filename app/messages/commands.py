@@ -4,9 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
 from app.messages.message import Layer, Message, Metres, Radians
+
+LONGEST_ID = 200
+"""It is repeated in the answer [characters]."""
+
+MOST_POSES = 20_000
+"""That a filter can be started from."""
+
+
+def _short(name: int | str | None) -> int | str | None:
+    if isinstance(name, str) and len(name) > LONGEST_ID:
+        raise ValueError(f"an id has at most {LONGEST_ID} characters")
+    return name
 
 
 class CommandMessage(Message):
@@ -14,7 +26,7 @@ class CommandMessage(Message):
 
     model_config = ConfigDict(strict=True)
 
-    id: int | str | None = None
+    id: Annotated[int | str | None, AfterValidator(_short)] = None
     """Repeated in the answer."""
 
 
@@ -47,6 +59,23 @@ class SetPoseCommand(CommandMessage):
     theta: Radians
     sd_xy: Annotated[float, Field(gt=0, le=100)] | None = None
     sd_theta: Annotated[float, Field(gt=0, le=10)] | None = None
+    covariance: Annotated[list[float], Field(min_length=9, max_length=9)] | None = None
+    """9 numbers by rows [m^2, m rad, rad^2], symmetric and positive semi-definite, instead of the
+    standard deviations."""
+
+
+class SetParticlesCommand(CommandMessage):
+    """Start the filter from given poses: the robot is at one of them, or near."""
+
+    type: Literal["set_particles"]
+    poses: Annotated[
+        list[tuple[Metres, Metres, Radians]], Field(min_length=1, max_length=MOST_POSES)
+    ]
+    """x, y, theta of each."""
+    weights: Annotated[list[Annotated[float, Field(ge=0)]], Field(max_length=MOST_POSES)] | None = (
+        None
+    )
+    """How likely each is, in any measure; all alike without."""
 
 
 class ScatterCommand(CommandMessage):
@@ -114,6 +143,7 @@ Command = Annotated[
     | StopCommand
     | FigureEightCommand
     | SetPoseCommand
+    | SetParticlesCommand
     | ScatterCommand
     | PlaceCommand
     | PauseCommand

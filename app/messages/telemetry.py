@@ -30,9 +30,12 @@ class TwistMessage(Message):
 
 
 class HypothesisMessage(PoseMessage):
-    """One cluster of particles."""
+    """One place where the robot may be, carried forward to the telemetry's stamp."""
 
     weight: float
+    """How likely it is, 0 to 1."""
+    covariance: list[float]
+    """9 numbers by rows [m^2, m rad, rad^2]."""
 
 
 class ParticlesMessage(Message):
@@ -42,7 +45,7 @@ class ParticlesMessage(Message):
     effective: float
     """Effective sample size, 1 to count."""
     hypotheses: list[HypothesisMessage]
-    """Clusters, heaviest first; at most eight."""
+    """Where the robot may be, heaviest first; none while nothing can be said."""
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span."""
     cloud: str
@@ -97,6 +100,12 @@ class FilterMessage(Message):
     """Measurement updates since the last set_pose, scatter or reset."""
     ambiguous: bool
     """Whether a second hypothesis has at least a fifth of the weight."""
+    alike: int
+    """How many places look alike: hypotheses of at least half the heaviest's weight, if none is
+    above 0.95; 1 if one stands out; 0 while nothing can be said, as after a scatter."""
+    broken: str | None
+    """What is wrong with a model in a file of the user's own, with file and line; the robot stands
+    still and the filter pauses until it is mended."""
 
 
 class TelemetryMessage(Message):

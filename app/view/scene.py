@@ -27,6 +27,10 @@ TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)
 HEADINGS = 150
 """Particles that are drawn with their heading."""
+LIKELY = 0.05
+"""Hypotheses that weigh less are not drawn."""
+FAR_AWAY = -100.0
+"""Where what is not to be seen is put [m]."""
 LARGEST_FLOOR_PX = 1536
 """Longer side of the floor's texture: larger ones take a viewer long to load."""
 RAY_STEP = 3
@@ -165,6 +169,9 @@ class Scene:
 
     def _show_cloud(self, snapshot: Snapshot) -> None:
         poses, weights = snapshot.cloud.poses, snapshot.cloud.weights
+        if not len(poses):
+            # A filter that knows nothing has none, and nodes without points are not drawn anew.
+            poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
         particles = self._nodes["particles"]
         particles.points = _lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
         particles.colors = _by_weight(weights)
@@ -172,9 +179,21 @@ class Scene:
         headings = self._nodes["headings"]
         headings.batched_positions = _lifted(few[:, :2], LIFT["headings"])
         headings.batched_wxyzs = _quaternions(few[:, 2])
-        if snapshot.estimate is not None:
-            ellipse = covariance_ellipse(snapshot.estimate.pose, snapshot.estimate.covariance)
-            self._nodes["covariance"].points = _lifted(ellipse, LIFT["estimate"])
+        self._show_hypotheses(snapshot)
+
+    def _show_hypotheses(self, snapshot: Snapshot) -> None:
+        """An ellipse for each place where the robot may be, the likeliest with full colour."""
+        found = snapshot.estimate.hypotheses if snapshot.estimate is not None else ()
+        shown = [one for one in found if one.weight >= LIKELY]
+        node = self._nodes["covariance"]
+        if not shown:
+            node.points = np.full((1, 2, 3), FAR_AWAY)
+            node.colors = np.zeros((1, 2, 3), dtype=np.uint8)
+            return
+        marks = [hypothesis_mark(one.pose, one.covariance) for one in shown]
+        node.points = _lifted(np.concatenate(marks), LIFT["estimate"])
+        parts = np.repeat([one.weight for one in shown], [len(mark) for mark in marks])
+        node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
 
     def _show_scan(self, snapshot: Snapshot) -> None:
         if snapshot.line_scan is None or snapshot.scan_pose is None:
@@ -206,6 +225,12 @@ def covariance_ellipse(pose: Pose2, covariance: Array, points: int = 40) -> Arra
     # 5.991 is the 95 % quantile of chi-square with two degrees of freedom.
     ring = circle * np.sqrt(5.991 * np.maximum(values, 0)) @ axes.T + (pose.x, pose.y)
     return np.stack([ring[:-1], ring[1:]], axis=1)
+
+
+def hypothesis_mark(pose: Pose2, covariance: Array) -> Array:
+    """Lines (n, 2, 2) [m]: the ellipse, and a stroke from its middle along the heading."""
+    ahead = pose.apply(np.array([[0.0, 0.0], [0.08, 0.0]]))
+    return np.concatenate([covariance_ellipse(pose, covariance), ahead[None]])
 
 
 def _lifted(points: Array, height: float) -> Array:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 from pydantic import ValidationError
 
 from app.assembly import Program
 from app.engine.engine import Engine
 from app.engine.localization import changed_with_own
+from app.engine.telling import BeliefError, cloud_of, covariance_of
 from app.messages.commands import (
     COMMAND,
     Command,
@@ -15,18 +18,24 @@ from app.messages.commands import (
     PingCommand,
     PlaceCommand,
     SetParametersCommand,
+    SetParticlesCommand,
     SetPoseCommand,
     StopCommand,
 )
 from app.own_models.own_models import OwnChoice
+from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.interface import Placeable
 
-LONGEST = 64 * 1024
-"""A longer text is no command [characters]."""
+LONGEST = 2_000_000
+"""A longer text is no command [characters]; 20,000 poses with weights are shorter."""
 
 MOST_WAITING = 1000
 """Commands that may wait for the engine; a flood must not fill the memory of one that hangs."""
+
+
+MOST_WAITING_SETS = 20
+"""A set of poses is not taken behind so many commands: it may be large."""
 
 
 class CommandError(ValueError):
@@ -55,15 +64,17 @@ def check(command: Command, program: Program) -> None:
     """
     _check_engine(command, program.engine)
     match command:
-        case SetPoseCommand() | PlaceCommand():
-            pose = Pose2(command.x, command.y, command.theta)
-            if not program.field.contains(pose):
-                xmin, ymin, xmax, ymax = program.field.floor.extent
-                raise CommandError(
-                    f"({pose.x:g}, {pose.y:g}) m is off the map; x is {xmin:g} to {xmax:g} "
-                    f"and y is {ymin:g} to {ymax:g}"
-                )
-            if isinstance(command, PlaceCommand) and not isinstance(program.robot, Placeable):
+        case SetPoseCommand():
+            _check_on_map([(command.x, command.y, command.theta)], program.field)
+            _check_belief(lambda: covariance_of(command))
+        case SetParticlesCommand():
+            if program.engine.commands.qsize() >= MOST_WAITING_SETS:
+                raise CommandError("commands wait already; a set of poses would fill the memory")
+            _check_on_map(command.poses, program.field)
+            _check_belief(lambda: cloud_of(command))
+        case PlaceCommand():
+            _check_on_map([(command.x, command.y, command.theta)], program.field)
+            if not isinstance(program.robot, Placeable):
                 raise CommandError(f"{program.robot.name} can only be moved by hand")
         case DriveCommand() | FigureEightCommand():
             _check_models(program.engine)
@@ -74,6 +85,23 @@ def check(command: Command, program: Program) -> None:
                 changed_with_own(now, latest.own if latest else OwnChoice(), command.values)
             except ValueError as error:
                 raise CommandError(str(error)) from error
+
+
+def _check_on_map(poses: Sequence[tuple[float, float, float]], field: Field) -> None:
+    for x, y, theta in poses:
+        if not field.contains(Pose2(x, y, theta)):
+            xmin, ymin, xmax, ymax = field.extent
+            raise CommandError(
+                f"({x:g}, {y:g}) m is off the map; x is {xmin:g} to {xmax:g} "
+                f"and y is {ymin:g} to {ymax:g}"
+            )
+
+
+def _check_belief(make: Callable[[], object]) -> None:
+    try:
+        make()
+    except BeliefError as error:
+        raise CommandError(str(error)) from error
 
 
 def _check_models(engine: Engine) -> None:

@@ -66,7 +66,9 @@ def _kind(about: dict[str, Any]) -> str:
     if "anyOf" in about:
         return " or ".join(_kind(one) for one in about["anyOf"])
     if about.get("type") == "array":
-        return f"list of {_kind(about.get('items', {}))}"
+        if "prefixItems" in about:
+            return f"({', '.join(_kind(one) for one in about['prefixItems'])})"
+        return f"list of {_size(about)}{_kind(about.get('items', {}))}"
     low, high = (
         about.get(inclusive, about.get(exclusive))
         for inclusive, exclusive in (
@@ -76,6 +78,13 @@ def _kind(about: dict[str, Any]) -> str:
     )
     kind = str(about.get("type", "value"))
     return kind if low is None or high is None else f"{kind}, {low:g} to {high:g}"
+
+
+def _size(about: dict[str, Any]) -> str:
+    low, high = about.get("minItems"), about.get("maxItems")
+    if high is None:
+        return ""
+    return f"{high} x " if low == high else f"{low or 0} to {high} x "
 
 
 def _table(heads: tuple[str, ...], rows: Any) -> str:

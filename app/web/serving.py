@@ -55,7 +55,7 @@ class Server:
             ws="websockets-sansio",
             # Compression costs ten times the rest on arrays of particles, and gains little.
             ws_per_message_deflate=False,
-            ws_max_size=1024 * 1024,
+            ws_max_size=2 * 1024 * 1024,
             ws_ping_interval=5,
             ws_ping_timeout=5,
             timeout_graceful_shutdown=1,

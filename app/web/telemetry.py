@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import dataclasses
 import math
 
@@ -11,11 +10,7 @@ import numpy as np
 from app.engine.snapshot import LAYERS, Snapshot
 from app.messages.answers import FieldMessage, ParameterMessage
 from app.messages.telemetry import (
-    EstimateMessage,
-    FilterMessage,
-    HypothesisMessage,
     LoopMessage,
-    ParticlesMessage,
     PoseMessage,
     RobotMessage,
     ScanMessage,
@@ -23,20 +18,14 @@ from app.messages.telemetry import (
     TwistMessage,
 )
 from app.own_models.own_models import OwnChoice
+from app.web.belief import estimate_message, filter_message, particles_message
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
-from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 from robot.settings import Setting, describe
-
-MOST_PARTICLES = 2000
-"""More are not sent: a map view shows no difference."""
-
-AMBIGUOUS = 0.2
-"""A second hypothesis with this share of the weight makes the place ambiguous."""
 
 
 class TelemetryWriter:
@@ -49,26 +38,15 @@ class TelemetryWriter:
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """The telemetry of one tick."""
-        estimate = snapshot.estimate
-        hypotheses = estimate.hypotheses if estimate else ()
         return TelemetryMessage(
             stamp=snapshot.stamp,
             map=self._field.name,
             truth=pose_message(snapshot.truth),
             odometry=pose_message(snapshot.odometry),
-            estimate=_estimate(snapshot),
+            estimate=estimate_message(snapshot),
             twist=TwistMessage(v=snapshot.twist.v, omega=snapshot.twist.omega),
             mode=snapshot.mode,
-            particles=ParticlesMessage(
-                count=len(snapshot.cloud.weights),
-                effective=estimate.effective if estimate else float(len(snapshot.cloud.weights)),
-                hypotheses=[
-                    HypothesisMessage(x=h.pose.x, y=h.pose.y, theta=h.pose.theta, weight=h.weight)
-                    for h in hypotheses
-                ],
-                extent=list(self._field.floor.extent),
-                cloud=_packed(snapshot.cloud, self._field.floor.extent),
-            ),
+            particles=particles_message(snapshot, self._field.extent),
             scan=self._scan(snapshot),
             robot=RobotMessage(
                 name=self._robot.name,
@@ -77,11 +55,7 @@ class TelemetryWriter:
                 can_be_placed=isinstance(self._robot, Placeable),
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
-            filter=FilterMessage(
-                paused=snapshot.paused,
-                updates=snapshot.updates,
-                ambiguous=len(hypotheses) > 1 and hypotheses[1].weight >= AMBIGUOUS,
-            ),
+            filter=filter_message(snapshot),
             problems=list(snapshot.problems),
             error_count=snapshot.problem_count,
             hidden_layers=sorted(LAYERS - snapshot.layers),
@@ -143,6 +117,7 @@ def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Arra
         max_omega=float(limits[1]),
         image_width=robot.spec.lens.width,
         image_height=robot.spec.lens.height,
+        tape_width=scanner.settings.tape_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
     )
 
@@ -195,33 +170,6 @@ def _parameter(
             "integer": isinstance(default, int) and not isinstance(default, bool),
         }
     )
-
-
-def _estimate(snapshot: Snapshot) -> EstimateMessage | None:
-    if snapshot.pose is None or snapshot.estimate is None:
-        return None
-    pose = snapshot.pose
-    return EstimateMessage(
-        x=pose.x,
-        y=pose.y,
-        theta=pose.theta,
-        covariance=snapshot.estimate.covariance.ravel().tolist(),
-    )
-
-
-def _packed(cloud: Cloud, extent: tuple[float, float, float, float]) -> str:
-    """The cloud as ``ParticlesMessage.cloud`` says."""
-    step = max(1, math.ceil(len(cloud.weights) / MOST_PARTICLES))
-    poses, weights = cloud.poses[::step], cloud.weights[::step]
-    xmin, ymin, xmax, ymax = extent
-    part = (poses[:, :2] - (xmin, ymin)) / (xmax - xmin, ymax - ymin)
-    packed = np.zeros(
-        len(poses), dtype=[("x", "<u2"), ("y", "<u2"), ("t", "<i2"), ("w", "u1"), ("zero", "u1")]
-    )
-    packed["x"], packed["y"] = np.rint(np.clip(part, 0, 1) * 65535).T
-    packed["t"] = np.rint(np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767))
-    packed["w"] = np.rint(weights * (255 / weights.max()))
-    return base64.b64encode(packed.tobytes()).decode("ascii")
 
 
 def _rounded(values: Array, digits: int) -> list[float]:

@@ -1,0 +1,110 @@
+"""What the filter believes, for the wire: estimate, hypotheses, cloud, and how many look alike."""
+
+from __future__ import annotations
+
+import base64
+import math
+
+import numpy as np
+
+from app.engine.snapshot import Snapshot
+from app.messages.telemetry import (
+    EstimateMessage,
+    FilterMessage,
+    HypothesisMessage,
+    ParticlesMessage,
+)
+from robot.fields.floor_picture import Extent
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+
+MOST_PARTICLES = 2000
+"""More are not sent: a map view shows no difference."""
+
+AMBIGUOUS = 0.2
+"""A second hypothesis with this share of the weight makes the place ambiguous."""
+
+SURE = 0.95
+"""A hypothesis above this share of the weight stands alone."""
+
+TOLD = 0.5
+"""Hypotheses with less weight than this together are no answer: the rest may be anywhere."""
+
+
+def alike(hypotheses: tuple[Hypothesis, ...]) -> int:
+    """How many places look alike; 1 if one stands out, 0 while nothing can be said."""
+    if sum(one.weight for one in hypotheses) < TOLD:
+        return 0
+    heaviest = hypotheses[0].weight
+    if heaviest > SURE:
+        return 1
+    return sum(one.weight >= heaviest / 2 for one in hypotheses)
+
+
+def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
+    """The estimate, carried forward to the snapshot's stamp."""
+    if snapshot.pose is None or snapshot.estimate is None:
+        return None
+    pose = snapshot.pose
+    covariance = flat(snapshot.estimate.covariance)
+    return EstimateMessage(x=pose.x, y=pose.y, theta=pose.theta, covariance=covariance)
+
+
+def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
+    """Cloud and hypotheses; the latter carried forward to the snapshot's stamp."""
+    estimate, cloud = snapshot.estimate, snapshot.cloud
+    return ParticlesMessage(
+        count=len(cloud.weights),
+        effective=estimate.effective if estimate else float(len(cloud.weights)),
+        hypotheses=[
+            HypothesisMessage(
+                x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=flat(covariance)
+            )
+            for pose, weight, covariance in carried(snapshot)
+        ],
+        extent=list(extent),
+        cloud=packed(cloud, extent),
+    )
+
+
+def filter_message(snapshot: Snapshot) -> FilterMessage:
+    """What the filter does."""
+    hypotheses = snapshot.estimate.hypotheses if snapshot.estimate else ()
+    return FilterMessage(
+        paused=snapshot.paused,
+        updates=snapshot.updates,
+        ambiguous=len(hypotheses) > 1 and hypotheses[1].weight >= AMBIGUOUS,
+        alike=alike(hypotheses),
+        broken=snapshot.fault,
+    )
+
+
+def carried(snapshot: Snapshot) -> list[tuple[Pose2, float, Array]]:
+    """Pose at the snapshot's stamp, weight and covariance of each hypothesis, heaviest first."""
+    if snapshot.estimate is None or snapshot.pose is None:
+        return []
+    moved = snapshot.estimate.pose.inverse() @ snapshot.pose
+    return [(one.pose @ moved, one.weight, one.covariance) for one in snapshot.estimate.hypotheses]
+
+
+def flat(covariance: Array) -> list[float]:
+    """A covariance by rows."""
+    rows: list[float] = covariance.ravel().tolist()
+    return rows
+
+
+def packed(cloud: Cloud, extent: Extent) -> str:
+    """The cloud as ``ParticlesMessage.cloud`` says."""
+    step = max(1, math.ceil(len(cloud.weights) / MOST_PARTICLES))
+    poses, weights = cloud.poses[::step], cloud.weights[::step]
+    xmin, ymin, xmax, ymax = extent
+    part = (poses[:, :2] - (xmin, ymin)) / (xmax - xmin, ymax - ymin)
+    cells = np.zeros(
+        len(poses), dtype=[("x", "<u2"), ("y", "<u2"), ("t", "<i2"), ("w", "u1"), ("zero", "u1")]
+    )
+    cells["x"], cells["y"] = np.rint(np.clip(part, 0, 1) * 65535).T
+    cells["t"] = np.rint(np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767))
+    # Nothing, or nothing but zeros, has no heaviest.
+    cells["w"] = np.rint(weights * (255 / max(weights.max(initial=0.0), 1e-300)))
+    return base64.b64encode(cells.tobytes()).decode("ascii")

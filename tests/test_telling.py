@@ -1,0 +1,127 @@
+"""Beliefs told by commands: what is one and what is not; and what the wire says of beliefs."""
+
+import base64
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from app.engine.telling import BeliefError, checked_covariance, cloud_of, covariance_of
+from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
+from app.web.belief import alike, packed
+from robot.geometry import Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+
+NUMBERS = st.floats(-10, 10)
+
+
+def told(**more):
+    return SetPoseCommand(type="set_pose", x=0, y=0, theta=0, **more)
+
+
+def some(poses, weights=None):
+    return SetParticlesCommand(type="set_particles", poses=poses, weights=weights)
+
+
+@given(st.lists(NUMBERS, min_size=9, max_size=9))
+def test_a_product_with_its_transpose_is_a_covariance(numbers):
+    root = np.array(numbers).reshape(3, 3)
+    covariance = root @ root.T
+    assert checked_covariance(covariance.ravel().tolist()) == pytest.approx(covariance)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "why"),
+    [
+        ([1.0] * 8, "8 numbers; valid are 9"),
+        ([1, 0.5, 0, 0, 1, 0, 0, 0, 1], "not symmetric"),
+        ([1, 2, 0, 2, 1, 0, 0, 0, 1], "eigenvalue is -1"),
+        ([1, 0, 0, 0, 1, 0, 0, 0, -0.01], "eigenvalue is -0.01"),
+        ([float("nan")] * 9, "beyond"),
+        ([1e9, 0, 0, 0, 1, 0, 0, 0, 1], "beyond 10000"),
+    ],
+)
+def test_what_is_no_covariance_is_refused(numbers, why):
+    with pytest.raises(BeliefError, match=why):
+        checked_covariance(numbers)
+
+
+def test_a_covariance_of_nothing_is_one():
+    assert checked_covariance([0.0] * 9).tolist() == np.zeros((3, 3)).tolist()
+
+
+def test_a_pose_is_told_with_a_covariance_or_with_deviations_but_not_both():
+    assert covariance_of(told(sd_xy=0.1)) is None
+    with pytest.raises(BeliefError, match="either"):
+        covariance_of(told(sd_theta=0.1, covariance=[1.0, 0, 0, 0, 1, 0, 0, 0, 1]))
+
+
+@given(st.lists(st.floats(0, 1e308), min_size=1, max_size=20).filter(lambda w: max(w) > 1e-300))
+def test_weights_are_normalized_whatever_their_measure(weights):
+    cloud = cloud_of(some([(0.1, 0.2, 0.3)] * len(weights), weights))
+    assert cloud.weights.sum() == pytest.approx(1)
+    assert (cloud.weights >= 0).all()
+
+
+def test_without_weights_all_poses_are_alike_and_headings_are_wrapped():
+    cloud = cloud_of(some([(0, 0, 7.0), (1, 1, -7.0)]))
+    assert cloud.weights.tolist() == [0.5, 0.5]
+    assert cloud.poses[:, 2] == pytest.approx([7 - 2 * np.pi, 2 * np.pi - 7])
+
+
+@pytest.mark.parametrize(
+    ("weights", "why"),
+    [([0.0, 0.0], "all weights are zero"), ([1.0], "1 weights for 2 poses"), ([], "0 weights")],
+)
+def test_weights_that_say_nothing_are_refused(weights, why):
+    with pytest.raises(BeliefError, match=why):
+        cloud_of(some([(0, 0, 0), (1, 1, 1)], weights))
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"poses": []},
+        {"poses": [(0, 0, 0)] * (MOST_POSES + 1)},
+        {"poses": [(0, 0)]},
+        {"poses": [(0, 0, float("nan"))]},
+        {"poses": [(0, 0, 0)], "weights": [-1.0]},
+        {"poses": [(0, 0, 0)], "weights": [float("inf")]},
+    ],
+)
+def test_poses_that_are_none_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        SetParticlesCommand(type="set_particles", **wrong)
+
+
+def hypotheses(*weights):
+    return tuple(Hypothesis(weight, Pose2(), np.eye(3)) for weight in weights)
+
+
+@pytest.mark.parametrize(
+    ("weights", "count"),
+    [
+        ((), 0),
+        ((1.0,), 1),
+        ((0.96, 0.04), 1),
+        ((0.94, 0.06), 1),
+        ((0.6, 0.4), 2),
+        ((0.6, 0.2, 0.2), 1),
+        ((0.28, 0.26, 0.24, 0.22), 4),
+        ((0.4, 0.3, 0.21, 0.09), 3),
+        ((0.01,) * 8, 0),
+    ],
+)
+def test_places_look_alike_within_a_factor_of_two_while_none_is_sure(weights, count):
+    assert alike(hypotheses(*weights)) == count
+
+
+def test_an_empty_cloud_and_one_without_weight_can_be_sent():
+    extent = (-1.0, -1.0, 1.0, 1.0)
+    assert packed(Cloud(np.empty((0, 3)), np.empty(0)), extent) == ""
+    one = base64.b64decode(packed(Cloud(np.zeros((1, 3)), np.zeros(1)), extent))
+    assert len(one) == 8
+    assert one[6] == 0
