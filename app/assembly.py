@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -12,13 +13,16 @@ from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.own_models.own_models import OwnChoice, OwnModels
+from app.start_pose.pose_file import pose_path
+from app.start_pose.start import Start, start
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.interface import Robot
+from robot.geometry import Pose2
+from robot.interface import Placeable, Robot
 from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.encoders import Encoders
@@ -36,6 +40,8 @@ class Program:
     field: Field
     scanner: LineScanner
     config: Config
+    pose_file: Path
+    """Where the pose is kept for the next start."""
     given: OwnChoice
     """Models of the user's own at the start."""
 
@@ -60,14 +66,31 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
     kinematics = DifferentialDrive(spec)
     scanner = LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
+    path = pose_path(config.start_pose.pose_file, config.robot, field)
+    begin = start(config.start_pose, path, field)
+    localization = Localization(scanner, field, config.localization, for_filter, own)
+    localization.start = begin.hypotheses
+    if begin.hypotheses:
+        localization.begin()
+    if begin.truth is not None and isinstance(robot, Placeable):
+        robot.place(begin.truth)
     engine = Engine(
         robot,
         Odometry(kinematics, config.odometry),
-        Localization(scanner, field, config.localization, for_filter, own),
+        localization,
         Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
-        field.start,
+        odometry_start(begin, robot, field),
     )
-    return Program(engine, robot, field, scanner, config, own.choice)
+    if begin.complaint is not None:
+        engine.note(begin.complaint)
+    return Program(engine, robot, field, scanner, config, path, own.choice)
+
+
+def odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
+    """Where dead reckoning starts: where the robot is, as far as anybody knows."""
+    if isinstance(robot, Placeable):
+        return begin.truth or field.start
+    return begin.hypotheses[0].pose if begin.hypotheses else field.start
 
 
 def own_models(config: Config, field: Field) -> OwnModels:

@@ -20,6 +20,9 @@ OPTIONS = (
 )  # fmt: skip
 """Options that are settings of the same name."""
 
+START_OPTIONS = ("restore_pose", "pose_file")
+"""Options that are settings of the start pose."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns 0 when it did its job, 2 on a wrong argument, 1 on another failure."""
@@ -94,7 +97,23 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         help="settings; the options above win",
     )
     _add_models(run)
+    _add_start_pose(run)
     run.set_defaults(command=_run)
+
+
+def _add_start_pose(run: argparse.ArgumentParser) -> None:
+    run.add_argument(
+        "--restore-pose",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="start where the last run on the same map ended",
+    )
+    run.add_argument(
+        "--pose-file",
+        metavar="FILE",
+        default=argparse.SUPPRESS,
+        help="where the pose is saved (default: a file a robot and map in the user's state folder)",
+    )
 
 
 def _add_models(run: argparse.ArgumentParser) -> None:
@@ -155,6 +174,8 @@ def config_from(parsed: argparse.Namespace) -> Config:
     given = vars(parsed)
     config = load_config(given["config"]) if "config" in given else Config()
     over = {name: given[name] for name in OPTIONS if name in given}
+    over_start = {name: given[name] for name in START_OPTIONS if name in given}
+    config = replace(config, start_pose=replace(config.start_pose, **over_start))
     return replace(config, **over)
 
 

@@ -9,8 +9,9 @@ import dataclasses
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
+from app.start_pose.settings import StartPoseSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.odometry import OdometrySettings
 from robot.localization.parameters import LocalizationParameters
@@ -45,6 +46,7 @@ class Config:
     odometry: OdometrySettings = OdometrySettings()
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()
+    start_pose: StartPoseSettings = StartPoseSettings()
     camera: CameraSettings = CameraSettings()
     physics: BulletSettings = BulletSettings()
     imperfections: Imperfections = Imperfections()
@@ -92,8 +94,17 @@ def _value(wanted: Any, value: Any, path: str) -> Any:
         if not isinstance(value, dict):
             raise SettingError(f"{path} is {value!r}; valid is a table, as in [{path}]")
         return from_table(wanted, value, f"{path}.")  # type: ignore[arg-type]
+    if get_origin(wanted) is tuple:
+        return _tuple(wanted, value, path)
     if wanted is float and isinstance(value, int) and not isinstance(value, bool):
         return float(value)
     if type(value) is not wanted:
         raise SettingError(f"{path} is {value!r}; valid is a {wanted.__name__}")
     return value
+
+
+def _tuple(wanted: Any, value: Any, path: str) -> tuple[Any, ...]:
+    if not isinstance(value, list):
+        raise SettingError(f"{path} is {value!r}; valid is a list")
+    kind = get_args(wanted)[0]
+    return tuple(_value(kind, one, f"{path}[{place}]") for place, one in enumerate(value))

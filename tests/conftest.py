@@ -11,6 +11,12 @@ settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
 
 
+@pytest.fixture(autouse=True, scope="session")
+def state_home(tmp_path_factory):
+    """Programs under test, and those they start, keep their poses here and not in the home."""
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+
+
 @pytest.fixture
 def save(tmp_path):
     """Writes a file as an editor does; each time it is newer, however quick the test."""

@@ -8,14 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.engine.telling import BeliefError, checked_covariance, cloud_of, covariance_of
+from app.engine.telling import BeliefError, cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
 from app.web.belief import alike, packed
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
-
-NUMBERS = st.floats(-10, 10)
 
 
 def told(**more):
@@ -24,33 +22,6 @@ def told(**more):
 
 def some(poses, weights=None):
     return SetParticlesCommand(type="set_particles", poses=poses, weights=weights)
-
-
-@given(st.lists(NUMBERS, min_size=9, max_size=9))
-def test_a_product_with_its_transpose_is_a_covariance(numbers):
-    root = np.array(numbers).reshape(3, 3)
-    covariance = root @ root.T
-    assert checked_covariance(covariance.ravel().tolist()) == pytest.approx(covariance)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "why"),
-    [
-        ([1.0] * 8, "8 numbers; valid are 9"),
-        ([1, 0.5, 0, 0, 1, 0, 0, 0, 1], "not symmetric"),
-        ([1, 2, 0, 2, 1, 0, 0, 0, 1], "eigenvalue is -1"),
-        ([1, 0, 0, 0, 1, 0, 0, 0, -0.01], "eigenvalue is -0.01"),
-        ([float("nan")] * 9, "beyond"),
-        ([1e9, 0, 0, 0, 1, 0, 0, 0, 1], "beyond 10000"),
-    ],
-)
-def test_what_is_no_covariance_is_refused(numbers, why):
-    with pytest.raises(BeliefError, match=why):
-        checked_covariance(numbers)
-
-
-def test_a_covariance_of_nothing_is_one():
-    assert checked_covariance([0.0] * 9).tolist() == np.zeros((3, 3)).tolist()
 
 
 def test_a_pose_is_told_with_a_covariance_or_with_deviations_but_not_both():

@@ -78,6 +78,10 @@ class Engine:
         self.failure: str | None = None
         """Why it stopped, if it failed."""
 
+    def note(self, message: str) -> None:
+        """Put into the record what went wrong before the start."""
+        self._problems.note(0.0, message)
+
     def step(self) -> Snapshot:
         """One tick: from the robot's next reading to what everybody sees.
 

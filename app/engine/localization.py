@@ -11,9 +11,9 @@ import numpy as np
 from app.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, compose, covariance_root
 from robot.interface import Frame
-from robot.localization.estimate import Estimate
+from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
@@ -57,6 +57,8 @@ class Localization:
         self.paused = False
         self.belief: Belief | None = None
         self.line_scan: LineScan | None = None
+        self.start: tuple[Hypothesis, ...] = ()
+        """Where the filter starts and what ``reset`` brings back; none is the field's start."""
         self.configured = parameters
         """Those of the start, which ``reset`` brings back."""
         self._field = field
@@ -132,12 +134,21 @@ class Localization:
         self._localizer.force_update()
 
     def reset(self) -> None:
-        """Parameters and models as configured, and the cloud at the field's start."""
+        """Parameters and models as configured, and the cloud where it started."""
         if self.own.reset():
             self.own.load(self.configured)
         self.use(self.configured)
         self.paused = self._once = False
-        self.set_pose(self._field.start, None, None)
+        self.begin()
+
+    def begin(self) -> None:
+        """Put the cloud where it starts."""
+        if not self.start:
+            self.set_pose(self._field.start, None, None)
+        elif len(self.start) == 1:
+            self.set_pose_with(self.start[0].pose, self.start[0].covariance)
+        else:
+            self.set_cloud(drawn(self.start, self.parameters.filter.most_particles, self._rng))
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
         """Whether other parameters take up to some seconds, for a new table of distances."""
@@ -187,6 +198,17 @@ class Localization:
                 max_distance=wanted.laser_likelihood_max_dist,
             )
         return sensor_model(wanted, self._entries, self._field.edges)
+
+
+def drawn(hypotheses: tuple[Hypothesis, ...], count: int, rng: np.random.Generator) -> Cloud:
+    """About so many poses drawn from hypotheses, each with its share by weight and at least one."""
+    total = sum(one.weight for one in hypotheses)
+    parts = []
+    for one in hypotheses:
+        share = max(1, round(count * one.weight / total))
+        noise = rng.standard_normal((share, 3)) @ covariance_root(one.covariance).T
+        parts.append(compose(one.pose.to_array() + noise, np.zeros(3)))
+    return Cloud.even(np.concatenate(parts))
 
 
 def changed_with_own(

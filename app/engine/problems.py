@@ -34,10 +34,14 @@ class Problems:
             self._now.pop(topic, None)
         elif self._now.get(topic) != message:
             if topic not in self._now:
-                self.count += 1
-                self.record = (*self.record, Problem(stamp, message))[-KEPT:]
-                LOG.warning("%.2f s: %s", stamp, message)
+                self.note(stamp, message)
             self._now[topic] = message
+
+    def note(self, stamp: float, message: str) -> None:
+        """Put into the record what went wrong and is over."""
+        self.count += 1
+        self.record = (*self.record, Problem(stamp, message))[-KEPT:]
+        LOG.warning("%.2f s: %s", stamp, message)
 
     @property
     def now(self) -> tuple[str, ...]:

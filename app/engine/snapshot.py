@@ -9,7 +9,7 @@ from app.engine.driving import Mode
 from app.engine.problems import Problem
 from app.messages.message import Layer
 from app.own_models.own_models import OwnChoice
-from robot.geometry import Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
@@ -72,3 +72,10 @@ class Snapshot:
     record: tuple[Problem, ...] = field(repr=False)
     layers: frozenset[Layer]
     """What the 3D view shows."""
+
+    def hypotheses(self) -> list[tuple[Pose2, float, Array]]:
+        """Where the robot may be now: pose, weight and covariance of each, heaviest first."""
+        if self.estimate is None or self.pose is None:
+            return []
+        moved = self.estimate.pose.inverse() @ self.pose
+        return [(one.pose @ moved, one.weight, one.covariance) for one in self.estimate.hypotheses]

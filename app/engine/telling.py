@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.covariance import covariance_from
 from app.engine.localization import Localization
 from app.messages.commands import SetParticlesCommand, SetPoseCommand
 from robot.geometry import Array, Pose2, wrap_angle
@@ -30,36 +31,14 @@ def covariance_of(command: SetPoseCommand) -> Array | None:
     """The covariance (3, 3) [m, m, rad] that a pose is told with; None if it is without.
 
     Raises:
-        BeliefError: it is none, or standard deviations are told as well.
+        BeliefError: standard deviations are told as well.
+        CovarianceError: it is none.
     """
     if command.covariance is None:
         return None
     if command.sd_xy is not None or command.sd_theta is not None:
         raise BeliefError("both covariance and standard deviations are given; valid is either")
-    return checked_covariance(command.covariance)
-
-
-def checked_covariance(numbers: list[float] | tuple[float, ...]) -> Array:
-    """Nine numbers by rows as a covariance (3, 3).
-
-    Raises:
-        BeliefError: they are no covariance.
-    """
-    if len(numbers) != 9:
-        raise BeliefError(f"covariance has {len(numbers)} numbers; valid are 9, by rows")
-    matrix = np.array(numbers, dtype=np.float64).reshape(3, 3)
-    if not np.isfinite(matrix).all() or np.abs(matrix).max() > 1e4:
-        raise BeliefError("covariance has numbers beyond 10000; valid are smaller ones")
-    # What was written with six digits is as good as symmetric.
-    if not np.allclose(matrix, matrix.T, rtol=1e-5, atol=1e-12):
-        raise BeliefError("covariance is not symmetric; valid has c[i][j] = c[j][i]")
-    even: Array = (matrix + matrix.T) / 2
-    values = np.linalg.eigvalsh(even)
-    if values[0] < -1e-6 * max(values[-1], 1e-9):
-        raise BeliefError(
-            f"covariance is not positive semi-definite: an eigenvalue is {values[0]:.3g}"
-        )
-    return even
+    return covariance_from(command.covariance)
 
 
 def cloud_of(command: SetParticlesCommand) -> Cloud:

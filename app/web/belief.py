@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from app.covariance import by_rows
 from app.engine.snapshot import Snapshot
 from app.messages.telemetry import (
     EstimateMessage,
@@ -15,7 +16,6 @@ from app.messages.telemetry import (
     ParticlesMessage,
 )
 from robot.fields.floor_picture import Extent
-from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 
@@ -47,7 +47,7 @@ def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
     if snapshot.pose is None or snapshot.estimate is None:
         return None
     pose = snapshot.pose
-    covariance = flat(snapshot.estimate.covariance)
+    covariance = by_rows(snapshot.estimate.covariance)
     return EstimateMessage(x=pose.x, y=pose.y, theta=pose.theta, covariance=covariance)
 
 
@@ -59,9 +59,9 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
         effective=estimate.effective if estimate else float(len(cloud.weights)),
         hypotheses=[
             HypothesisMessage(
-                x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=flat(covariance)
+                x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=by_rows(covariance)
             )
-            for pose, weight, covariance in carried(snapshot)
+            for pose, weight, covariance in snapshot.hypotheses()
         ],
         extent=list(extent),
         cloud=packed(cloud, extent),
@@ -78,20 +78,6 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
         alike=alike(hypotheses),
         broken=snapshot.fault,
     )
-
-
-def carried(snapshot: Snapshot) -> list[tuple[Pose2, float, Array]]:
-    """Pose at the snapshot's stamp, weight and covariance of each hypothesis, heaviest first."""
-    if snapshot.estimate is None or snapshot.pose is None:
-        return []
-    moved = snapshot.estimate.pose.inverse() @ snapshot.pose
-    return [(one.pose @ moved, one.weight, one.covariance) for one in snapshot.estimate.hypotheses]
-
-
-def flat(covariance: Array) -> list[float]:
-    """A covariance by rows."""
-    rows: list[float] = covariance.ravel().tolist()
-    return rows
 
 
 def packed(cloud: Cloud, extent: Extent) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pydantic import ValidationError
 
 from app.assembly import Program
+from app.covariance import CovarianceError
 from app.engine.engine import Engine
 from app.engine.localization import changed_with_own
 from app.engine.telling import BeliefError, cloud_of, covariance_of
@@ -100,7 +101,7 @@ def _check_on_map(poses: Sequence[tuple[float, float, float]], field: Field) -> 
 def _check_belief(make: Callable[[], object]) -> None:
     try:
         make()
-    except BeliefError as error:
+    except (BeliefError, CovarianceError) as error:
         raise CommandError(str(error)) from error
 
 

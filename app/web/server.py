@@ -25,6 +25,7 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.telemetry import TelemetryMessage
+from app.start_pose.keeping import PoseKeeper
 from app.view.view import View
 from app.web.access import SameOriginOnly, own_names
 from app.web.camera_stream import CameraStream
@@ -40,6 +41,12 @@ STALE_S = 2.0
 def create_app(program: Program, thread: EngineThread) -> FastAPI:
     """The application around a program; the engine's thread runs while the application does."""
     view = View(program.field, program.robot.spec, program.engine.latest)
+    keeper = PoseKeeper(
+        program.pose_file,
+        program.config.start_pose.save_pose_rate,
+        program.field,
+        program.engine.latest,
+    )
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -47,17 +54,19 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(view.follow)
+                tasks.start_soon(keeper.follow)
                 yield
                 tasks.cancel_scope.cancel()
         finally:
             thread.stop()
+            keeper.save()
             view.close()
 
     # FastAPI's own page of documentation fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
     _add_page(app)
-    _add_state(app, program, thread, view)
+    _add_state(app, program, thread, (view, keeper))
     _add_field(app, program)
     _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
     return app
@@ -87,7 +96,9 @@ class _Revalidated(StaticFiles):
         return response
 
 
-def _add_state(app: FastAPI, program: Program, thread: EngineThread, view: View) -> None:
+def _add_state(
+    app: FastAPI, program: Program, thread: EngineThread, followers: tuple[View, PoseKeeper]
+) -> None:
     engine = program.engine
     live = Live(program)
     started = time.monotonic()
@@ -95,7 +106,7 @@ def _add_state(app: FastAPI, program: Program, thread: EngineThread, view: View)
     @app.get("/api/health")
     def health(response: Response) -> HealthMessage:
         """Whether the program does its job; 503 when it has failed."""
-        status, detail = _health(program, thread, view)
+        status, detail = _health(program, thread, followers)
         if status == "failed":
             response.status_code = 503
         latest = engine.latest.get()
@@ -131,7 +142,9 @@ def _add_state(app: FastAPI, program: Program, thread: EngineThread, view: View)
         await live.serve(socket)
 
 
-def _health(program: Program, thread: EngineThread, view: View) -> tuple[str, str]:
+def _health(
+    program: Program, thread: EngineThread, followers: tuple[View, PoseKeeper]
+) -> tuple[str, str]:
     latest = program.engine.latest.get()
     if program.engine.failure is not None:
         return "failed", program.engine.failure
@@ -142,7 +155,7 @@ def _health(program: Program, thread: EngineThread, view: View) -> tuple[str, st
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
         return "degraded", f"No tick for {silent:.1f} s."
-    problems = [*latest.problems, *([view.failure] if view.failure else [])]
+    problems = [*latest.problems, *(one.failure for one in followers if one.failure)]
     if problems:
         return "degraded", " ".join(problems)
     return "ok", "All is well."
