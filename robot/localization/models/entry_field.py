@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +21,7 @@ from scipy.spatial import cKDTree
 from robot.fields.edges import sample
 from robot.fields.field import Field
 from robot.geometry import Array, heading_vectors
+from robot.localization.models.entry_planes import planes
 
 DIRECTIONS = 8
 SAMPLE_M = 0.002
@@ -44,6 +46,11 @@ class EntryField:
     """What is farther from an edge than this counts as this far [m]."""
     wanted_resolution: float
     """The resolution asked for; a large field gets a coarser one [m]."""
+
+    @cached_property
+    def planes(self) -> NDArray[np.int32]:
+        """The same distances as words (DIRECTIONS, h, w), quick to look up (``entry_planes``)."""
+        return planes(self.distances, self.resolution, self.max_distance)
 
     @classmethod
     def build(cls, of: Field, *, resolution: float, max_distance: float) -> EntryField:
