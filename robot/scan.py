@@ -23,6 +23,8 @@ class Scan:
     robot_from_scan: Pose2 = field(default=Pose2())
     """Where the rays start; the line scanner's start at the robot's own origin."""
 
+    sight: Array | None = None
+    """(k, 2) from where to where each ray can see [m], nan if nowhere; None is everywhere."""
     extra_sd: float = 0.0
     """Standard deviation [m] that a sensor model adds to its own for this scan."""
 

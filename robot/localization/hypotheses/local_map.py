@@ -1,0 +1,95 @@
+"""A short map: the scans of the last moments, laid together by odometry alone."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.localization.models.motion_models import MotionModel
+from robot.localization.rays import rays_of
+from robot.localization.scan_matching import Past
+from robot.scan import Scan, evenly
+
+START_INFORMATION = np.diag(1 / np.square([0.03, 0.03, 0.15]))
+"""How well the oldest scan's pose is known when a place is found [m, m, rad]."""
+
+
+class LocalMap:
+    """The scans of the last stretch of the way, and how the robot moved between them."""
+
+    def __init__(self, spacing_xy: float, spacing_theta: float, most: int) -> None:
+        self._spacing = spacing_xy, spacing_theta
+        self._most = most
+        self._robot = Pose2()
+        """In a frame of its own, that starts anywhere."""
+        self._scans: deque[tuple[Pose2, Scan]] = deque(maxlen=most)
+
+    def __len__(self) -> int:
+        return len(self._scans)
+
+    def forget(self, but: int) -> None:
+        """Keep only the newest scans: the robot may have been carried before."""
+        while len(self._scans) > but:
+            self._scans.popleft()
+
+    def move(self, moved: Pose2) -> None:
+        """Follow a step by odometry."""
+        self._robot = self._robot @ moved
+
+    def add(self, scan: Scan) -> bool:
+        """Keep a scan if the robot has moved on since the last that was kept."""
+        if self._scans:
+            since = self._scans[-1][0].inverse() @ self._robot
+            near = math.hypot(since.x, since.y) < self._spacing[0]
+            if near and abs(since.theta) < self._spacing[1]:
+                return False
+        self._scans.append((self._robot, scan))
+        return True
+
+    def rays(self, scans: int, beams: int) -> Array:
+        """At most so many rays of so many scans (n, 4), as ``rays_of`` has them, from the newest.
+
+        They are seen from where the robot was at the newest kept scan.
+        """
+        last = self._scans[-1][0].inverse()
+        some = evenly(len(self._scans), scans)
+        return np.concatenate(
+            [_seen_from(last @ self._scans[i][0], self._scans[i][1], beams) for i in some]
+        )
+
+    def past(self, scans: int, beams: int, motion: MotionModel) -> Past:
+        """At most so many of the scans, one after the other, with so many rays each."""
+        some = [self._scans[i] for i in evenly(len(self._scans), scans)]
+        before = [some[0], *some[:-1]]
+        moves = [a.inverse() @ b for (a, _), (b, _) in zip(before, some, strict=True)]
+        return Past(
+            np.array([step.to_array() for step in moves]),
+            np.array([motion.covariance(step) for step in moves]),
+            np.array([rays_of(scan, beams) for _, scan in some]),
+            START_INFORMATION,
+        )
+
+    @property
+    def first_from_newest(self) -> Pose2:
+        """The newest kept scan's robot, seen from the oldest's, by odometry."""
+        return self._scans[0][0].inverse() @ self._scans[-1][0]
+
+    @property
+    def since(self) -> Pose2:
+        """How the robot moved since the newest kept scan."""
+        return self._scans[-1][0].inverse() @ self._robot
+
+    @property
+    def hit_share(self) -> float:
+        """Share of the rays that returned something."""
+        return float(np.mean([scan.hit.mean() for _, scan in self._scans]))
+
+
+def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
+    rays = rays_of(scan, beams)
+    rays[:, :2] = here_from_robot.apply(rays[:, :2])
+    rays[:, 2] += here_from_robot.theta
+    return rays

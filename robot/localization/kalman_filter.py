@@ -1,0 +1,98 @@
+"""Extended Kalman filter on scans (Probabilistic Robotics, Tables 3.3 and 7.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.fields.field import Field
+from robot.geometry import (
+    Array,
+    Pose2,
+    covariance_root,
+    mean_pose,
+    pose_covariance,
+    wrap_angle,
+)
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+from robot.localization.models.motion_models import MotionModel
+from robot.localization.rays import rays_of
+from robot.localization.scan_matching import ScanMatcher
+from robot.scan import Scan
+
+SHOWN = 200
+"""Poses drawn from the belief, to be shown."""
+
+
+class KalmanFilter:
+    """One Gaussian: quick and exact while it is about right, and lost for ever when it is not.
+
+    A landmark is replaced by the edges that the rays meet; the update is iterated (Bell and Cathey
+    1993), as a range changes with heading anything but linearly.
+    """
+
+    def __init__(
+        self,
+        motion: MotionModel,
+        matcher: ScanMatcher,
+        field: Field,
+        covariance: Array,
+        max_beams: int,
+        rng: np.random.Generator,
+    ) -> None:
+        self.motion = motion
+        self.matcher = matcher
+        self.field = field
+        self.max_beams = max_beams
+        self._rng = rng
+        # The same draws always, so that what is shown does not flicker.
+        self._draws = rng.standard_normal((SHOWN, 3))
+        self.set_pose(field.start, covariance)
+
+    @property
+    def cloud(self) -> Cloud:
+        """Draws from the belief, to be shown."""
+        poses = self._pose.to_array() + self._draws @ covariance_root(self._covariance).T
+        poses[:, 2] = wrap_angle(poses[:, 2])
+        return Cloud.even(poses)
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """The only one."""
+        return (Hypothesis(1.0, self._pose, self._covariance),)
+
+    @property
+    def effective(self) -> float:
+        """As many as are shown: they weigh the same."""
+        return float(SHOWN)
+
+    def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        self._pose = pose
+        self._covariance = covariance
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        """Start anew from the mean and covariance of given weighted poses."""
+        mean = mean_pose(cloud.poses, cloud.weights)
+        self.set_pose(mean, pose_covariance(cloud.poses, cloud.weights, mean))
+
+    def scatter(self) -> None:
+        """Start anew from the mean and covariance of all free poses: a poor picture of them."""
+        self.set_cloud(Cloud.even(self.field.free_poses(self._rng, 2000)))
+
+    def predict(self, moved: Pose2) -> None:
+        """Follow a step by odometry: G Sigma G^T + V M V^T."""
+        turned = Pose2(theta=self._pose.theta).apply(moved.to_array()[None, :2])[0]
+        G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
+        c, s = np.cos(self._pose.theta), np.sin(self._pose.theta)
+        V = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+        self._covariance = G @ self._covariance @ G.T + V @ self.motion.covariance(moved) @ V.T
+        self._pose = self._pose @ moved
+
+    def correct(self, scan: Scan) -> None:
+        """Move to where prediction and scan agree best; the information of both adds up."""
+        found = self.matcher.match(
+            self._pose, rays_of(scan, self.max_beams), np.linalg.inv(self._covariance)
+        )
+        self._pose = found.pose
+        self._covariance = np.linalg.inv(found.information)

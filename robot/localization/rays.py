@@ -1,0 +1,22 @@
+"""Rays seen from the robot, each with where it starts, its direction and its range."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.geometry import Array
+from robot.scan import Scan, evenly
+
+
+def rays_of(scan: Scan, most: int) -> Array:
+    """At most so many rays of a scan (n, 6), those that can see anything.
+
+    Columns: x, y [m], direction [rad], range [m] or +inf; from where to where the ray sees [m].
+    """
+    used = evenly(len(scan.ranges), most)
+    rays = np.empty((len(used), 6))
+    rays[:, 0], rays[:, 1] = scan.robot_from_scan.x, scan.robot_from_scan.y
+    rays[:, 2] = scan.robot_from_scan.theta + scan.bearings[used]
+    rays[:, 3] = scan.ranges[used]
+    rays[:, 4:] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
+    return rays[~np.isnan(rays[:, 4])]
