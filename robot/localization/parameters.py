@@ -20,7 +20,7 @@ from robot.localization.models.motion_models import (
 from robot.settings import check_settings, setting
 
 MOTION_MODELS = ("differential", "omni", "velocity", "stationary")
-SENSOR_MODELS = ("likelihood_field", "beam")
+SENSOR_MODELS = ("likelihood_field", "likelihood_field_prob", "beam")
 
 
 @dataclass(frozen=True)
@@ -120,13 +120,29 @@ class SensorParameters:
         high=100,
     )
     max_beams: int = setting(60, "Rays used of each scan", low=3, high=720)
+    do_beamskip: bool = setting(
+        False, "Skip rays that hardly any particle can explain (likelihood_field_prob)"
+    )
+    beam_skip_distance: float = setting(
+        0.03, "A ray that ends closer to an edge agrees with a particle", unit="m",
+        low=0.001, high=2,
+    )  # fmt: skip
+    beam_skip_threshold: float = setting(
+        0.3, "Rays that agree with no greater share of the particles are skipped", low=0, high=1
+    )
+    beam_skip_error_threshold: float = setting(
+        0.9, "If this share of the rays would be skipped, none is", low=0, high=1
+    )
     likelihood_weight: float = setting(
         0.2,
         "Share of each ray's log-likelihood that counts, as neighbouring rays err together",
         low=0.001,
         high=1,
     )
-    laser_max_range: float = setting(1.0, "Longest range", unit="m", low=0.05, high=100)
+    laser_min_range: float = setting(0.0, "Nearer returns are left out", unit="m", low=0, high=100)
+    laser_max_range: float = setting(
+        1.0, "Longest range; farther returns count as none", unit="m", low=0.05, high=100
+    )
     laser_likelihood_max_dist: float = setting(
         0.15, "Ends farther from an edge than this count alike", unit="m", low=0.01, high=2
     )

@@ -1,0 +1,129 @@
+"""Likelihood field with beam skipping: what hardly any particle can explain is no evidence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array, heading_angles, heading_vectors
+from robot.localization.models.entry_field import DIRECTIONS
+from robot.localization.models.likelihood_field import LikelihoodField
+from robot.scan import Scan, evenly
+
+ASKED = 500
+"""So many particles, evenly chosen, tell a share to two per cent."""
+
+
+@dataclass(frozen=True)
+class LikelihoodFieldProb:
+    """Likelihood field (Table 6.3) that skips rays, as nav2's model of this name does.
+
+    A ray agrees with a particle if it ends less than ``skip_distance`` from an edge. Rays that
+    agree with no more than a share ``skip_threshold`` of the particles are skipped: something
+    stands there that is not in the map. If that is a share ``skip_error_threshold`` of the rays or
+    more, the particles themselves are wrong, and all rays count. Nothing is skipped either while
+    the cloud is wider than the distance, as then good rays agree with few (nav2: while it has not
+    converged).
+    """
+
+    plain: LikelihoodField
+    skips: bool
+    skip_distance: float
+    """[m]"""
+    skip_threshold: float
+    skip_error_threshold: float
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        if self.skips and len(poses) and scan.hit.any():
+            scan = self._without_skipped(poses[evenly(len(poses), ASKED)], scan)
+        return self.plain.log_likelihood(poses, scan)
+
+    def _without_skipped(self, poses: Array, scan: Scan) -> Scan:
+        hits = np.flatnonzero(scan.hit)
+        used = hits[evenly(len(hits), self.plain.max_beams)]
+        scan = replace(
+            scan,
+            bearings=scan.bearings[used],
+            ranges=scan.ranges[used],
+            sight=None if scan.sight is None else scan.sight[used],
+        )
+        points = scan.points()
+        if _width(poses, points) >= self.skip_distance:
+            return scan
+        kept = self._agreeing(poses, points, scan) > self.skip_threshold
+        if np.mean(~kept) >= self.skip_error_threshold:
+            return scan
+        # A ray without a return is no evidence to a likelihood field.
+        return replace(scan, ranges=np.where(kept, scan.ranges, np.inf))
+
+    def _agreeing(self, poses: Array, points: Array, scan: Scan) -> Array:
+        """Which share (k,) of the poses each ray's end agrees with."""
+        directions = scan.robot_from_scan.theta + scan.bearings
+        field = self.plain.field
+        return _agreeing(
+            poses,
+            points,
+            directions * (DIRECTIONS / (2 * math.pi)),
+            field.distances,
+            field.origin,
+            field.resolution,
+            self.skip_distance,
+        )
+
+
+def _width(poses: Array, points: Array) -> float:
+    """How far apart particles put the end of a ray [m], as a standard deviation."""
+    toward = heading_vectors(poses[:, 2])
+    middle = heading_angles(toward.mean(axis=0))
+    turned = np.sqrt(np.mean(np.square(2 * np.sin((poses[:, 2] - middle) / 2))))
+    reach = np.median(np.hypot(points[:, 0], points[:, 1]))
+    return math.hypot(*poses[:, :2].std(axis=0), turned * reach)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _agreeing(
+    poses: Array,
+    points: Array,
+    turns: Array,
+    distances: NDArray[np.float32],
+    origin: tuple[float, float],
+    resolution: float,
+    skip_distance: float,
+) -> Array:
+    agreeing = np.zeros(len(points))
+    for i in range(len(poses)):
+        c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
+        turn = poses[i, 2] * (DIRECTIONS / (2 * math.pi)) + 0.5
+        for j in range(len(points)):
+            u = (poses[i, 0] + c * points[j, 0] - s * points[j, 1] - origin[0]) / resolution
+            v = (poses[i, 1] + s * points[j, 0] + c * points[j, 1] - origin[1]) / resolution
+            if _distance(u, v, turn + turns[j], distances, 1.5 * resolution) < skip_distance:
+                agreeing[j] += 1
+    return agreeing / len(poses)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def _distance(
+    u: float, v: float, turn: float, distances: NDArray[np.float32], jump: float
+) -> float:
+    """How far a place on the table (in cells) lies from an edge that a ray there can meet [m].
+
+    +inf off the table.
+    """
+    _, height, width = distances.shape
+    if not (0.0 <= u < width - 1.0 and 0.0 <= v < height - 1.0):
+        return math.inf
+    column, row = int(u), int(v)
+    facing = int(math.floor(turn)) % DIRECTIONS
+    du, dv = u - column, v - row
+    near, far = distances[facing, row], distances[facing, row + 1]
+    d00, d01, d10, d11 = near[column], near[column + 1], far[column], far[column + 1]
+    # Corners that differ by more than the way between them are no edge: there the sign ends.
+    if max(d00, d01, d10, d11) - min(d00, d01, d10, d11) > jump:
+        d00, d01, d10, d11 = abs(d00), abs(d01), abs(d10), abs(d11)
+    return float(abs((1 - dv) * ((1 - du) * d00 + du * d01) + dv * ((1 - du) * d10 + du * d11)))
