@@ -9,6 +9,7 @@ import { refreshPalette } from "./page/palette.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
 import { Problems } from "./page/problems.js";
+import { TapeHealth } from "./page/tape.js";
 import { Appearance } from "./page/theme.js";
 import { Toasts } from "./page/toasts.js";
 import { TopBar } from "./page/top_bar.js";
@@ -37,6 +38,7 @@ const connection = new Connection("/api/live");
 const toasts = new Toasts(find("toasts", HTMLElement));
 const problems = new Problems();
 const topBar = new TopBar();
+const tape = new TapeHealth();
 const history = new History();
 const drive = new DrivePanel(connection);
 const camera = new CameraPanel(loop, drawn);
@@ -76,6 +78,7 @@ function take(news) {
   if (news.map !== fieldName) loadField(news.map);
   problems.show(news);
   camera.addScan(news.scan);
+  tape.add(news.scan);
   map.show(news);
   if (history.add(news, delay)) plots.refresh();
   writeWords();
@@ -85,6 +88,7 @@ function take(news) {
 function describe(news) {
   if (connection.state !== "open") return;
   topBar.show(news, delay);
+  tape.show();
   map.describe(news);
   drive.describe(news);
   filter.describe(news);
@@ -107,6 +111,7 @@ async function loadField(name) {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
     drive.setField(field);
+    tape.setField(field);
     camera.setField(field);
     view3d.setField(field);
     map.setField(field, await loadPicture("/api/field.png"));

@@ -69,7 +69,7 @@ def test_poses_that_are_none_are_refused(wrong):
 
 
 def hypotheses(*weights):
-    return tuple(Hypothesis(weight, Pose2(), np.eye(3)) for weight in weights)
+    return tuple(Hypothesis(weight, Pose2(), 0.01 * np.eye(3)) for weight in weights)
 
 
 @pytest.mark.parametrize(
@@ -88,6 +88,11 @@ def hypotheses(*weights):
 )
 def test_places_look_alike_within_a_factor_of_two_while_none_is_sure(weights, count):
     assert alike(hypotheses(*weights)) == count
+
+
+@pytest.mark.parametrize("spread", [(0.3, 0.1, 0.1), (0.1, 0.3, 0.1), (0.1, 0.1, 1.5)])
+def test_one_cloud_all_over_the_field_is_no_place(spread):
+    assert alike((Hypothesis(1.0, Pose2(), np.diag(np.square(spread))),)) == 0
 
 
 def test_an_empty_cloud_and_one_without_weight_can_be_sent():

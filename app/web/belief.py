@@ -16,6 +16,7 @@ from app.messages.telemetry import (
     ParticlesMessage,
 )
 from robot.fields.floor_picture import Extent
+from robot.geometry import Array
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 
@@ -32,14 +33,23 @@ TOLD = 0.5
 """Hypotheses with less weight than this together are no answer: the rest may be anywhere."""
 
 
+WIDEST_XY, WIDEST_THETA = 0.2, 0.7
+"""A hypothesis that is spread farther, as standard deviations [m] and [rad], is no place."""
+
+
 def alike(hypotheses: tuple[Hypothesis, ...]) -> int:
     """How many places look alike; 1 if one stands out, 0 while nothing can be said."""
-    if sum(one.weight for one in hypotheses) < TOLD:
+    if sum(one.weight for one in hypotheses) < TOLD or _is_wide(hypotheses[0].covariance):
         return 0
     heaviest = hypotheses[0].weight
     if heaviest > SURE:
         return 1
     return sum(one.weight >= heaviest / 2 for one in hypotheses)
+
+
+def _is_wide(covariance: Array) -> bool:
+    across = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
+    return across > WIDEST_XY**2 or float(covariance[2, 2]) > WIDEST_THETA**2
 
 
 def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:

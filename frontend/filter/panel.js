@@ -16,11 +16,13 @@ import { ParameterRow } from "./row.js";
  * @type {Record<string, string>}
  */
 const FIRST = {
+  filter: "Filter",
   sigma_hit: "Hit spread",
   z_rand: "False share",
   alpha3: "Motion noise",
   max_particles: "Particles",
   laser_model_type: "Sensor model",
+  robot_model_type: "Motion model",
 };
 const GROUPS = { motion: "Motion", sensor: "Sensor", filter: "Filter" };
 /** Changes are sent not oftener than this while a slider moves [ms]. */
@@ -85,7 +87,8 @@ export class FilterPanel {
       return;
     }
     const same =
-      parameters.length === this.#rows.size && parameters.every(({ name }) => this.#rows.has(name));
+      parameters.length === this.#rows.size &&
+      parameters.every((one) => this.#rows.get(one.name)?.offers(one));
     if (!same) this.#build(parameters);
     for (const { name, value } of parameters) {
       const row = this.#rows.get(name);

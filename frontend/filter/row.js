@@ -52,6 +52,11 @@ export class ParameterRow {
     this.#back.disabled = standard;
   }
 
+  /** Whether another message about it has the same choices. @param {ParameterMessage} other */
+  offers({ choices }) {
+    return choices.join() === this.parameter.choices.join();
+  }
+
   /** Say why a change was not taken. @param {string} reason */
   refuse(reason) {
     setText(this.#refusal, reason);
@@ -80,7 +85,9 @@ export class ParameterRow {
   }
 
   #choice() {
-    const options = this.parameter.choices.map((choice) => make("option", {}, choice));
+    const own = this.parameter.choices.filter(isOwn).map(option);
+    const options = this.parameter.choices.filter((choice) => !isOwn(choice)).map(option);
+    if (own.length) options.push(make("optgroup", { label: "your own" }, ...own));
     const select = /** @type {HTMLSelectElement} */ (make("select", this.#labels, ...options));
     select.onchange = () => this.#change(select.value);
     this.element.append(select);
@@ -130,3 +137,9 @@ export class ParameterRow {
     return `${Number((value * factor).toPrecision(4))} ${unit}`.trim();
   }
 }
+
+/** Models in files of the user's own: `my_model.py:MyModel`. @param {string} choice */
+const isOwn = (choice) => choice.includes(":");
+
+/** @param {string} choice */
+const option = (choice) => make("option", {}, choice);

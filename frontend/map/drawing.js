@@ -1,5 +1,6 @@
 // @ts-check
 import { palette } from "../page/palette.js";
+import { ellipse, RADII_95 } from "./places.js";
 import { roundUp } from "../plots/scale.js";
 
 /** @typedef {import("../messages").EstimateMessage} EstimateMessage */
@@ -8,9 +9,6 @@ import { roundUp } from "../plots/scale.js";
 /** @typedef {import("../messages").ScanMessage} ScanMessage */
 /** @typedef {import("./view.js").MapView} MapView */
 /** @typedef {CanvasRenderingContext2D} Context */
-
-/** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
-const RADII_95 = 2.4477;
 
 /**
  * Rays to their hits, from where the filter believed the robot at that moment.
@@ -89,19 +87,18 @@ export function drawAim(context, pose, pixel, colour) {
 }
 
 /**
- * Where the robot is with 95 % certainty.
+ * Where the robot is with 95 % certainty, if it is at this place.
  * @param {Context} context
- * @param {EstimateMessage} estimate
+ * @param {EstimateMessage | HypothesisMessage} place
  * @param {number} pixel [m]
+ * @param {boolean} faint for places that are not the likeliest
  */
-export function drawCertainty(context, { x, y, covariance: [xx, xy, , , yy] }, pixel) {
-  const mean = (xx + yy) / 2;
-  const spread = Math.hypot((xx - yy) / 2, xy);
-  const angle = Math.atan2(2 * xy, xx - yy) / 2;
-  const [long, short] = [mean + spread, mean - spread].map(
-    (s) => RADII_95 * Math.sqrt(Math.max(0, s)),
-  );
-  drawEllipse(context, x, y, [long, short], angle, palette["floor-estimate"], pixel);
+export function drawCertainty(context, { x, y, covariance }, pixel, faint) {
+  const { sds, angle } = ellipse(covariance);
+  const radii = sds.map((sd) => RADII_95 * sd);
+  context.setLineDash(faint ? [4 * pixel, 3 * pixel] : []);
+  drawEllipse(context, x, y, radii, angle, palette["floor-estimate"], pixel);
+  context.setLineDash([]);
 }
 
 /**
@@ -120,28 +117,6 @@ export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
   context.globalAlpha = 0.1;
   context.fill(path);
   stroke(context, path, colour, 1.5 * pixel, 0.9);
-}
-
-/**
- * Places that look alike, each with its share of the weight.
- * @param {Context} context
- * @param {MapView} view
- * @param {HypothesisMessage[]} hypotheses
- */
-export function drawHypotheses(context, view, hypotheses) {
-  context.font = `bold ${palette.font}`;
-  context.textBaseline = "middle";
-  context.textAlign = "left";
-  for (const { x, y, theta, weight } of hypotheses) {
-    const [u, v] = view.toScreen(x, y);
-    const ring = new Path2D();
-    ring.arc(u, v, 14, 0, 2 * Math.PI);
-    ring.moveTo(u + 14 * Math.cos(theta), v - 14 * Math.sin(theta));
-    ring.lineTo(u + 22 * Math.cos(theta), v - 22 * Math.sin(theta));
-    stroke(context, ring, palette["floor-halo"], 4, 1);
-    stroke(context, ring, palette["floor-estimate"], 2, 1);
-    label(context, `${Math.round(weight * 100)} %`, u + 20, v + 18);
-  }
 }
 
 /** A bar of a round length, bottom right. @param {Context} context @param {MapView} view */
@@ -174,7 +149,7 @@ export function drawScaleBar(context, view) {
  * @param {number} u
  * @param {number} v
  */
-function label(context, text, u, v) {
+export function label(context, text, u, v) {
   context.lineJoin = "round";
   context.lineWidth = 4;
   context.strokeStyle = palette.panel;
@@ -196,7 +171,7 @@ function enter(context, { x, y, theta }) {
  * @param {number} width
  * @param {number} alpha
  */
-function stroke(context, path, colour, width, alpha) {
+export function stroke(context, path, colour, width, alpha) {
   context.strokeStyle = colour;
   context.lineWidth = width;
   context.globalAlpha = alpha;

@@ -4,7 +4,8 @@ import { degrees, distance, millimetres } from "../page/format.js";
 import { Surface } from "../page/surface.js";
 import { Gestures } from "./gestures.js";
 import { NumbersForm } from "./numbers.js";
-import { alike, Scene } from "./scene.js";
+import { certainty } from "./places.js";
+import { Scene } from "./scene.js";
 import { Telling } from "./telling.js";
 import { PoseTool } from "./tools.js";
 import { MapView } from "./view.js";
@@ -28,7 +29,7 @@ const HINTS = {
 export class MapPanel {
   #view = new MapView();
   #hint = find("map-hint", HTMLElement);
-  #alike = find("map-alike", HTMLElement);
+  #certainty = find("map-certainty", HTMLElement);
   #text = find("map-text", HTMLElement);
   #tools = [...document.querySelectorAll("button[data-tool]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
@@ -83,9 +84,9 @@ export class MapPanel {
    * @param {TelemetryMessage} telemetry
    */
   describe(telemetry) {
-    const places = alike(telemetry).length;
-    const words = places > 1 ? `${places} places look alike` : "";
-    setText(this.#alike, words);
+    const { certainty: state, words } = certainty(telemetry);
+    this.#certainty.dataset.state = state;
+    setText(this.#certainty, words);
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
     for (const button of this.#tools) {

@@ -3,7 +3,9 @@ import { palette } from "../page/palette.js";
 import { decodeCloud, drawCloud } from "./cloud.js";
 import * as drawing from "./drawing.js";
 import { Floor } from "./floor.js";
+import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
+import { places } from "./places.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
@@ -13,14 +15,6 @@ import { Paths } from "./paths.js";
 
 /** A pose that is being pointed out; `spread` [m] where the filter is told how sure it is. */
 /** @typedef {{pose: PoseMessage, spread: number | null}} Draft */
-
-/** Lighter hypotheses are noise. */
-const LIKELY = 0.05;
-
-/** @param {TelemetryMessage} telemetry @returns {TelemetryMessage["particles"]["hypotheses"]} */
-export function alike({ particles, filter }) {
-  return filter.ambiguous ? particles.hypotheses.filter(({ weight }) => weight >= LIKELY) : [];
-}
 
 /** What lies on the map, from the floor up. */
 export class Scene {
@@ -65,17 +59,22 @@ export class Scene {
       this.paths.draw(context, pixel);
     });
     drawCloud(context, this.view, decodeCloud(telemetry.particles));
-    this.#inMetres(context, () => this.#paintRobots(context, telemetry, pixel));
-    drawing.drawHypotheses(context, this.view, alike(telemetry));
+    const found = places(telemetry);
+    this.#inMetres(context, () => {
+      found.forEach((place, i) => drawing.drawCertainty(context, place, pixel, i > 0));
+      this.#paintRobots(context, telemetry, pixel, found.length === 0);
+    });
+    drawHypotheses(context, this.view, found);
   }
 
   /**
    * @param {CanvasRenderingContext2D} context
    * @param {TelemetryMessage} telemetry
    * @param {number} pixel [m]
+   * @param {boolean} clear whether the estimate is the only place
    */
-  #paintRobots(context, { truth, estimate }, pixel) {
-    if (estimate) drawing.drawCertainty(context, estimate, pixel);
+  #paintRobots(context, { truth, estimate }, pixel, clear) {
+    if (estimate && clear) drawing.drawCertainty(context, estimate, pixel, false);
     const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
     if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
     const believed = { colour: palette["floor-estimate"], fill: 0.15 };

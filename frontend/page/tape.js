@@ -1,0 +1,62 @@
+// @ts-check
+import { find, setText } from "./elements.js";
+import { millimetres, plain } from "./format.js";
+
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").ScanMessage} ScanMessage */
+
+/** The middle one of so many pictures is shown: one alone trembles. */
+const PICTURES = 15;
+/** Farther from the drawn width than this [m], the camera is not mounted as described. */
+const MOST_OFF = 0.001;
+
+/**
+ * The measured width of the tape: half a degree of pitch that the description does not know of makes
+ * it two millimetres wrong, and the ranges six times as much.
+ */
+export class TapeHealth {
+  #row = find("tape", HTMLElement);
+  #measured = find("stat-tape", HTMLElement);
+  #drawn = find("stat-tape-drawn", HTMLElement);
+  /** @type {number[]} */
+  #widths = [];
+  #stamp = NaN;
+  #wanted = NaN;
+
+  /** @param {FieldMessage} field */
+  setField({ tape_width }) {
+    this.#wanted = tape_width;
+  }
+
+  /** @param {ScanMessage} scan */
+  add({ stamp, tape_width }) {
+    if (stamp === this.#stamp) return;
+    this.#stamp = stamp;
+    if (tape_width === null) return;
+    this.#widths.push(tape_width);
+    if (this.#widths.length > PICTURES) this.#widths.shift();
+  }
+
+  /** Write it; a few times a second is enough. */
+  show() {
+    if (this.#widths.length === 0 || !Number.isFinite(this.#wanted)) return;
+    const sorted = [...this.#widths].sort((a, b) => a - b);
+    const width = sorted[Math.floor(sorted.length / 2)];
+    const off = Math.abs(width - this.#wanted) > MOST_OFF;
+    setText(this.#measured, millimetres(width, 1));
+    setText(this.#drawn, off ? "camera pitch?" : `(drawn ${plain(this.#wanted * 1000)})`);
+    this.#row.dataset.off = String(off);
+    this.#row.title = off ? this.#hint(width) : TITLE;
+  }
+
+  /** @param {number} width [m] */
+  #hint(width) {
+    const more = width > this.#wanted ? "wider" : "narrower";
+    return (
+      `The tape is drawn ${millimetres(this.#wanted)} wide and measured ${more}. Is the camera` +
+      " tilted otherwise than described? Half a degree makes two millimetres."
+    );
+  }
+}
+
+const TITLE = "Width of the tape as the camera measures it: a health figure";
