@@ -22,6 +22,8 @@ from robot.scan import Scan
 
 SHOWN = 200
 """Poses drawn from the belief, to be shown."""
+LEAST_VARIANCE = 1e-12
+"""Nothing is known better than to a thousandth of a millimetre, and of a milliradian [m², rad²]."""
 
 
 class KalmanFilter:
@@ -46,7 +48,7 @@ class KalmanFilter:
         self.max_beams = max_beams
         self._rng = rng
         # The same draws always, so that what is shown does not flicker.
-        self._draws = rng.standard_normal((SHOWN, 3))
+        self._draws = _standard(rng.standard_normal((SHOWN, 3)))
         self.set_pose(field.start, covariance)
 
     @property
@@ -69,7 +71,7 @@ class KalmanFilter:
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         self._pose = pose
-        self._covariance = covariance
+        self._covariance = _symmetric(covariance)
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew from the mean and covariance of given weighted poses."""
@@ -81,18 +83,52 @@ class KalmanFilter:
         self.set_cloud(Cloud.even(self.field.free_poses(self._rng, 2000)))
 
     def predict(self, moved: Pose2) -> None:
-        """Follow a step by odometry: G Sigma G^T + V M V^T."""
-        turned = Pose2(theta=self._pose.theta).apply(moved.to_array()[None, :2])[0]
-        G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
-        c, s = np.cos(self._pose.theta), np.sin(self._pose.theta)
-        V = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-        self._covariance = G @ self._covariance @ G.T + V @ self.motion.covariance(moved) @ V.T
-        self._pose = self._pose @ moved
+        """Follow a step by odometry."""
+        noise = self.motion.covariance(moved)
+        self._pose, self._covariance = follow(self._pose, self._covariance, moved, noise)
 
     def correct(self, scan: Scan) -> None:
-        """Move to where prediction and scan agree best; the information of both adds up."""
-        found = self.matcher.match(
-            self._pose, rays_of(scan, self.max_beams), np.linalg.inv(self._covariance)
-        )
-        self._pose = found.pose
-        self._covariance = np.linalg.inv(found.information)
+        """Move to where prediction and scan agree best; the information of both adds up.
+
+        A scan of which no ray fits says nothing.
+        """
+        # A pose told without any doubt has a covariance without an inverse.
+        known = _inverse(self._covariance + LEAST_VARIANCE * np.eye(3))
+        found = self.matcher.match(self._pose, rays_of(scan, self.max_beams), known)
+        if found.used:
+            self._pose = found.pose
+            self._covariance = _inverse(found.information)
+
+
+def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:
+    """Carry a pose with its covariance over a step: G Sigma G^T + V M V^T.
+
+    Args:
+        pose: in the map, with covariance (3, 3) [m, m, rad].
+        covariance: of the pose.
+        moved: the step, seen from its start.
+        noise: M (3, 3), the covariance of its end, seen from its start.
+    """
+    turned = Pose2(theta=pose.theta).apply(moved.to_array()[None, :2])[0]
+    G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
+    c, s = np.cos(pose.theta), np.sin(pose.theta)
+    V = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return pose @ moved, _symmetric(G @ covariance @ G.T + V @ noise @ V.T)
+
+
+def _inverse(matrix: Array) -> Array:
+    return _symmetric(np.linalg.inv(matrix).astype(np.float64))
+
+
+def _symmetric(covariance: Array) -> Array:
+    """Without what rounding has made of it."""
+    even: Array = (covariance + covariance.T) / 2
+    return even
+
+
+def _standard(draws: Array) -> Array:
+    """Draws (n, 3) with the mean and covariance that they are draws of: zero, and the unit."""
+    centred = draws - draws.mean(axis=0)
+    root = np.linalg.cholesky(centred.T @ centred / len(draws))
+    standard: Array = np.linalg.solve(root, centred.T).T
+    return standard

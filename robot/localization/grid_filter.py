@@ -1,0 +1,184 @@
+"""Grid localization: the discrete Bayes filter (Probabilistic Robotics, Tables 4.1 and 8.1)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2, compose, mean_pose, pose_covariance
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+from robot.localization.grid_motion import moved_grid
+from robot.localization.kalman_filter import follow
+from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.sensor_models import SensorModel
+from robot.localization.particles.clusters import Cells, find_clusters
+from robot.localization.particles.resampling import (
+    effective_sample_size,
+    low_variance,
+    temper,
+)
+from robot.localization.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
+from robot.scan import Scan
+
+SHOWN = 4000
+"""Boxes shown, at most."""
+LEAST = 1e-4
+"""A box with less than this share of the heaviest one's probability is given up."""
+LEAST_CLUSTERED = 0.01
+"""Boxes below this share of the heaviest do not join two hypotheses."""
+WORTH = 64
+"""So many boxes must stay effective while they are coarser than the likelihood."""
+THROWN = 200_000
+"""Places thrown onto the field, to see how much of a box is free."""
+LONGEST = 0.2
+"""A step this long [m] turns boxes of heading into boxes askew in x and y."""
+
+
+class GridFilter:
+    """Keeps the probability of each box of poses that matters.
+
+    A box is updated as a pose in its middle with ranges blurred by its size. The boxes are as small
+    as can be afforded: where many matter they are coarse, and when few are left they are cut into
+    eight. What is given up never comes back: a robot that was carried off is lost until the filter
+    is scattered.
+    """
+
+    def __init__(
+        self,
+        motion: MotionModel,
+        sensor: SensorModel,
+        field: Field,
+        covariance: Array,
+        *,
+        likelihood_weight: float = 1.0,
+        cell_xy: float = 0.0025,
+        cell_theta: float = math.radians(0.35),
+        most_cells: int = 40_000,
+    ) -> None:
+        self.motion = motion
+        self.sensor = sensor
+        self.field = field
+        self.likelihood_weight = likelihood_weight
+        self.most_cells = most_cells
+        self.finest = Boxes(cell_xy, 2 ** max(3, round(math.log2(2 * math.pi / cell_theta))))
+        self._found: tuple[Hypothesis, ...] | None = None
+        self._grid: PoseGrid
+        self._moved: Pose2
+        """Steps that the boxes have not taken yet."""
+        self._noise: Array
+        """Covariance (3, 3) of their end."""
+        self.set_pose(field.start, covariance)
+
+    @property
+    def cloud(self) -> Cloud:
+        """The boxes' middles with their probability; of too many, some drawn by it."""
+        poses = compose(self._grid.poses, self._moved.to_array())
+        if len(poses) <= SHOWN:
+            return Cloud(poses, self._grid.mass)
+        # The same draws always, so that what is shown does not flicker.
+        drawn = low_variance(self._grid.mass, SHOWN, np.random.default_rng(0))
+        return Cloud.even(poses[drawn])
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """Boxes that touch, heaviest first."""
+        if self._found is None:
+            self._found = self._find()
+        return self._found
+
+    @property
+    def effective(self) -> float:
+        """How many equally likely boxes the belief is worth."""
+        return effective_sample_size(self._grid.mass)
+
+    @property
+    def cell(self) -> Array:
+        """Sides (3,) of a box at present [m, m, rad]."""
+        return self._grid.boxes.size
+
+    def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        self._restart(normal_grid(self.finest, pose, covariance, self.most_cells))
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        """Start anew from given weighted poses."""
+        self._restart(cloud_grid(self.finest, cloud))
+
+    def scatter(self) -> None:
+        """Start anew, evenly over the free field."""
+        thrown = self.field.free_poses(np.random.default_rng(0), THROWN)
+        self._restart(even_grid(self.finest, thrown[:, :2], self.most_cells))
+
+    def predict(self, moved: Pose2) -> None:
+        """Follow a step by odometry.
+
+        Steps are gathered until they err by half a box: till then the boxes are about poses at the
+        start of them, and nothing is lost to rounding.
+        """
+        noise = self.motion.covariance(moved)
+        self._moved, self._noise = follow(self._moved, self._noise, moved, noise)
+        self._found = None
+        wide = (np.diag(self._noise) >= np.square(self._grid.boxes.size / 2)).any()
+        if wide or math.hypot(self._moved.x, self._moved.y) > LONGEST:
+            self._move()
+
+    def correct(self, scan: Scan) -> None:
+        """Weigh the boxes by a scan, and cut them while that can be afforded."""
+        self._found = None
+        if not scan.hit.any():
+            return
+        before = self._grid
+        while True:
+            after = self._weighed(before, scan)
+            matter = after.mass > LEAST * after.mass.max()
+            if before.boxes.level == 0 or 8 * np.count_nonzero(matter) > self.most_cells:
+                break
+            # The belief of before is cut, and weighed anew: a scan counts once.
+            before = before.only(matter).finer()
+        self._grid = after.only(matter)
+
+    def _move(self) -> None:
+        grid = moved_grid(self._grid, self._moved, self._noise)
+        grid = grid.only(grid.mass > LEAST * grid.mass.max())
+        while len(grid.mass) > self.most_cells:
+            grid = grid.coarser()
+        self._restart(grid)
+
+    def _restart(self, grid: PoseGrid) -> None:
+        """The boxes are about the robot where it is now."""
+        self._grid = grid
+        self._moved, self._noise = Pose2(), np.zeros((3, 3))
+        self._found = None
+
+    def _weighed(self, grid: PoseGrid, scan: Scan) -> PoseGrid:
+        xy, _, theta = grid.boxes.size / math.sqrt(12)
+        blur = math.hypot(xy, theta * float(np.median(scan.ranges[scan.hit])))
+        poses = compose(grid.poses, self._moved.to_array())
+        log_likelihood = self.sensor.log_likelihood(poses, replace(scan, extra_sd=blur))
+        least = 0.0
+        if grid.boxes.level > 0:
+            least = min(WORTH, effective_sample_size(grid.mass) / 8)
+        mass = temper(log_likelihood, grid.mass, self.likelihood_weight, least)
+        return replace(grid, mass=mass)
+
+    def _find(self) -> tuple[Hypothesis, ...]:
+        grid = self._grid.only(self._grid.mass > LEAST_CLUSTERED * self._grid.mass.max())
+        boxes = grid.boxes
+        poses = grid.poses
+        clusters = find_clusters(poses, grid.mass, Cells(float(boxes.size[0]), boxes.turns))
+        return tuple(
+            self._describe(poses[mine], grid.mass[mine])
+            for mine in (clusters.labels == place for place in range(len(clusters.hypotheses)))
+        )
+
+    def _describe(self, poses: Array, mass: Array) -> Hypothesis:
+        mean = mean_pose(poses, mass)
+        # Within a box any pose is as likely.
+        within = np.diag(np.square(self._grid.boxes.size) / 12)
+        covariance = pose_covariance(poses, mass, mean) + within
+        pose, covariance = follow(mean, covariance, self._moved, self._noise)
+        return Hypothesis(float(mass.sum()), pose, covariance)

@@ -1,0 +1,80 @@
+"""Prediction on a grid: probability goes from box to box as the robot moves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robot.geometry import Array, Pose2, heading_vectors
+from robot.localization.pose_grid import Boxes, PoseGrid
+
+PASS = 0.5
+"""Variance in boxes squared that is spread in one go: three boxes cannot take up more than 0.75."""
+BESIDE = np.array([[-1], [0], [1]])
+MOST_PASSES = 4
+"""For a step that errs by more, boxes so small are worth nothing."""
+
+
+def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
+    """Where a belief is after a step (Probabilistic Robotics, Table 4.1, line 3).
+
+    Boxes stay where they are on the map: of each, shares go to the three nearest to its end along
+    x, y and theta, such that mean and variance are right also for steps shorter than a box.
+    Two things are not: an end d boxes from a middle cannot have less variance than d (1 - d), so
+    steps should be taken only when they err by about half a box; and x, y and theta err apart.
+
+    Args:
+        grid: the belief; it gets coarser where the step errs by more than the boxes are wide.
+        step: seen from its start.
+        noise: (3, 3) covariance [m, m, rad] of its end, seen from its start.
+    """
+    variances = _variances(grid.boxes, noise)
+    passes = max(1, math.ceil(variances.max() / PASS))
+    if passes > MOST_PASSES:
+        return moved_grid(grid.coarser(), step, noise)
+    shifts = _shifts(grid.boxes, step)
+    for _ in range(passes):
+        grid = _spread(grid, shifts, variances / passes)
+        shifts = np.zeros_like(shifts)
+    return grid
+
+
+def _headings(boxes: Boxes) -> Array:
+    """Unit vectors (turns, 2) along the middles of the boxes."""
+    return heading_vectors((np.arange(boxes.turns) + 0.5) * boxes.size[2] - math.pi)
+
+
+def _shifts(boxes: Boxes, step: Pose2) -> Array:
+    """How far a step takes boxes of each heading (turns, 3), in boxes."""
+    ahead = _headings(boxes)
+    shifts = np.full((boxes.turns, 3), step.theta)
+    shifts[:, :2] = step.x * ahead + step.y * ahead[:, ::-1] * (-1, 1)
+    shifts /= boxes.size
+    return shifts
+
+
+def _variances(boxes: Boxes, noise: Array) -> Array:
+    """Variance (turns, 3) along x, y and theta of where boxes of each heading end, in boxes."""
+    c, s = _headings(boxes).T
+    variances = np.full((boxes.turns, 3), noise[2, 2])
+    variances[:, 0] = c * c * noise[0, 0] - 2 * c * s * noise[0, 1] + s * s * noise[1, 1]
+    variances[:, 1] = s * s * noise[0, 0] + 2 * c * s * noise[0, 1] + c * c * noise[1, 1]
+    variances /= np.square(boxes.size)
+    return variances
+
+
+def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
+    """Share what is in each box with its neighbours; shifts and variances (turns, 3), in boxes."""
+    nearest = np.rint(shifts).astype(np.int64)
+    off = shifts - nearest
+    square = np.maximum(variances, np.abs(off) * (1 - np.abs(off))) + off * off
+    # Shares of the three with the sum 1, the mean ``off`` and the mean square ``square``.
+    shares = np.stack([(square - off) / 2, 1 - square, (square + off) / 2])
+    # The heading last: the others go by the heading that the step began with.
+    for axis in range(3):
+        turn = grid.cells[:, 2]
+        cells = np.tile(grid.cells, (3, 1))
+        cells[:, axis] += (nearest[turn, axis] + BESIDE).ravel()
+        grid = PoseGrid.of(grid.boxes, cells, (shares[:, turn, axis] * grid.mass).ravel())
+    return grid
