@@ -30,3 +30,25 @@ def save(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """Starts Chromium with options."""
+    from browsing import CHROMIUM
+    from playwright.sync_api import sync_playwright
+
+    assert CHROMIUM, "these tests need Debian's package chromium"
+    with sync_playwright() as playwright:
+        yield lambda options: playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", *options]
+        )
+
+
+@pytest.fixture(scope="session")
+def browser(chromium):
+    from browsing import NO_GL
+
+    started = chromium(NO_GL)
+    yield started
+    started.close()

@@ -2,45 +2,22 @@
 
 import json
 import math
-import shutil
 from collections.abc import Iterator
 
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import Browser, Page, expect, sync_playwright
+from browsing import SOFTWARE_GL, opened
+from playwright.sync_api import Page, expect
 from serving import ask, serving, telemetry, until
 
 pytestmark = pytest.mark.browser
-
-CHROMIUM = next(
-    filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
-)
-# Without a graphics card a page is quickest when nothing pretends that there is one.
-NO_GL = ["--disable-gpu"]
-SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
 @pytest.fixture(scope="module")
 def server():
     with serving("--map", "square", "--seed", "3") as running:
         yield running
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    assert CHROMIUM, "these tests need Debian's package chromium"
-    with sync_playwright() as playwright:
-        yield lambda options: playwright.chromium.launch(
-            executable_path=CHROMIUM, args=["--no-sandbox", *options]
-        )
-
-
-@pytest.fixture(scope="module")
-def browser(chromium) -> Iterator[Browser]:
-    started = chromium(NO_GL)
-    yield started
-    started.close()
 
 
 @pytest.fixture
@@ -53,27 +30,6 @@ def live(server):
 def page(browser, server) -> Iterator[Page]:
     """The page without its 3D part, which software WebGL draws too slowly for the rest."""
     yield from opened(browser, server, width=1100, height=760, view=False)
-
-
-def opened(browser, server, *, width, height, view, **options) -> Iterator[Page]:
-    context = browser.new_context(viewport={"width": width, "height": height}, **options)
-    complaints: list[str] = []
-    made = context.new_page()
-    made.on("pageerror", lambda error: complaints.append(str(error)))
-    asked: list[str] = []
-    made.on("request", lambda request: asked.append(request.url))
-    if not view:
-        made.route("**/view/**", lambda route: route.fulfill(body="<p>no 3D here</p>"))
-    made.goto(server.url)
-    made.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
-    yield made
-    context.close()
-    assert not complaints
-    elsewhere = [url for url in asked if server.address not in url and not url.startswith("data:")]
-    assert not [url for url in elsewhere if not url.startswith("blob:")], "fetched from elsewhere"
-    with server.live() as after:
-        ask(after, type="stop")
-        until(after, lambda now: now["mode"] == "idle")
 
 
 def distance(one: dict, other: dict) -> float:

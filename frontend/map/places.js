@@ -16,13 +16,14 @@ export const RADII_95 = 2.4477;
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
 
 /**
- * The places where the robot may be that are worth drawing, heaviest first; none if it is clear.
+ * The places where the robot may be, heaviest first; none if there is one only, or none at all.
  * @param {TelemetryMessage} telemetry
  * @returns {HypothesisMessage[]}
  */
 export function places({ particles: { hypotheses }, filter: { alike } }) {
+  if (alike === 0) return [];
   const likely = hypotheses.filter(({ weight }) => weight >= LIKELY);
-  return alike === 0 || likely.length > 1 ? likely : [];
+  return likely.length > 1 ? likely : [];
 }
 
 /**
@@ -39,7 +40,7 @@ export function certainty({ particles: { hypotheses }, filter: { alike, updates 
   const [{ weight, covariance }] = hypotheses;
   if (weight <= SURE) return { certainty: "likely", words: `probably here: ${percent(weight)}` };
   const reach = RADII_95 * ellipse(covariance).sds[0];
-  if (reach > NEAR) return { certainty: "likely", words: `about here, ± ${millimetres(reach)}` };
+  if (reach > NEAR) return { certainty: "likely", words: `about here, ± ${millimetres(tens(reach))}` };
   // A cloud that was just put somewhere knows only what it was told.
   return updates === 0 ? { certainty: "", words: "" } : { certainty: "sure", words: "sure" };
 }
@@ -58,6 +59,9 @@ export function ellipse([xx, xy, , , yy]) {
     angle: Math.atan2(2 * xy, xx - yy) / 2,
   };
 }
+
+/** Whole centimetres: more is not known. @param {number} metres */
+const tens = (metres) => Math.round(metres * 100) / 100;
 
 /** @param {number} weight 0 to 1 */
 export function percent(weight) {

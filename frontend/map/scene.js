@@ -60,9 +60,10 @@ export class Scene {
     });
     drawCloud(context, this.view, decodeCloud(telemetry.particles));
     const found = places(telemetry);
+    const { alike } = telemetry.filter;
     this.#inMetres(context, () => {
       found.forEach((place, i) => drawing.drawCertainty(context, place, pixel, i > 0));
-      this.#paintRobots(context, telemetry, pixel, found.length === 0);
+      this.#paintRobots(context, telemetry, pixel, found.length === 0 && alike > 0);
     });
     drawHypotheses(context, this.view, found);
   }
@@ -73,11 +74,13 @@ export class Scene {
    * @param {number} pixel [m]
    * @param {boolean} clear whether the estimate is the only place
    */
-  #paintRobots(context, { truth, estimate }, pixel, clear) {
+  #paintRobots(context, { truth, estimate, filter }, pixel, clear) {
     if (estimate && clear) drawing.drawCertainty(context, estimate, pixel, false);
     const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
     if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
-    const believed = { colour: palette["floor-estimate"], fill: 0.15 };
+    // What is no more than the middle of a cloud all over the field is not drawn like a robot.
+    const vague = { colour: palette["floor-estimate"], dash: [2, 4] };
+    const believed = filter.alike > 0 ? { colour: vague.colour, fill: 0.15 } : vague;
     if (estimate) drawing.drawRobot(context, estimate, this.#outline, pixel, believed);
   }
 
