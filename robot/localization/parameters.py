@@ -58,11 +58,11 @@ class MotionParameters:
         0.04, "Variance of omega, by omega squared (velocity)", unit="rad²/rad²", low=0, high=10
     )
     velocity_alpha5: float = setting(
-        0.5, "Variance of the final rotation, by v squared (velocity)",
+        0.05, "Variance of the final rotation, by v squared (velocity)",
         unit="rad²/m²", low=0, high=1000,
     )  # fmt: skip
     velocity_alpha6: float = setting(
-        0.04, "Variance of the final rotation, by omega squared (velocity)",
+        0.004, "Variance of the final rotation, by omega squared (velocity)",
         unit="rad²/rad²", low=0, high=10,
     )  # fmt: skip
     stationary_sd_xy: float = setting(
@@ -124,7 +124,7 @@ class SensorParameters:
         False, "Skip rays that hardly any particle can explain (likelihood_field_prob)"
     )
     beam_skip_distance: float = setting(
-        0.03, "A ray that ends closer to an edge agrees with a particle", unit="m",
+        0.02, "A ray that ends closer to an edge agrees with a particle", unit="m",
         low=0.001, high=2,
     )  # fmt: skip
     beam_skip_threshold: float = setting(
