@@ -1,11 +1,12 @@
 """Files with models of a user's own: found, loaded, built, and what goes wrong told by its line."""
 
 import re
+import threading
 
 import numpy as np
 import pytest
 
-from app.own_models.blame import OwnModelError
+from app.own_models.blame import OwnModelError, running
 from app.own_models.guards import OwnMotion, OwnSensor
 from app.own_models.model_file import ModelFile, build, load
 from app.own_models.own_models import OwnChoice, chosen
@@ -210,3 +211,23 @@ def test_what_is_tried_out_is_not_the_model_that_is_used(save):
                 return [float(self.asked)] * len(poses)
     """)
     assert loaded(OwnSensor, path).model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [1]
+
+
+def test_where_a_model_hangs_is_found_from_another_thread(save):
+    path = save("""
+        class Mine:
+            def __init__(self, field):
+                entered, leave = field
+                entered.set()
+                leave.wait(20)
+    """)
+    entered, leave = threading.Event(), threading.Event()
+    model = ModelFile(path, "Mine")
+    thread = threading.Thread(target=build, args=(model, load(model), {"field": (entered, leave)}))
+    thread.start()
+    assert entered.wait(20)
+    assert running(thread.ident) == "mine.py line 6: this does not end."
+    leave.set()
+    thread.join()
+    assert running(thread.ident) is None
+    assert running(None) is None

@@ -24,6 +24,11 @@ class EngineThread:
         """Whether the loop runs."""
         return self._thread.is_alive()
 
+    @property
+    def ident(self) -> int | None:
+        """By which Python knows it; None before the start."""
+        return self._thread.ident
+
     def start(self) -> None:
         """Begin."""
         self._thread.start()

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import sys
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
+
+MODULE_PREFIX = "own_model_"
+"""Begins the name of each module that is made of a user's file."""
 
 LONGEST = 300
 """A longer message is cut [characters]: the page shows it in one line."""
@@ -37,6 +41,20 @@ def blaming(path: Path, line: int | None = None) -> Iterator[None]:
 def place(path: Path, line: int | None) -> str:
     """How a message about a file begins."""
     return f"{path.name} line {line}: " if line else f"{path.name}: "
+
+
+def running(thread: int | None) -> str | None:
+    """Where in a user's file a thread is just now, in words; None if it is in none.
+
+    Args:
+        thread: its ``ident``.
+    """
+    frame = sys._current_frames().get(thread) if thread is not None else None
+    while frame is not None:
+        if str(frame.f_globals.get("__name__", "")).startswith(MODULE_PREFIX):
+            return place(Path(frame.f_code.co_filename), frame.f_lineno) + "this does not end."
+        frame = frame.f_back
+    return None
 
 
 def line_of(function: object, path: Path) -> int | None:

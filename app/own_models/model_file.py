@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.own_models.blame import OwnModelError, blaming, line_of, place
+from app.own_models.blame import MODULE_PREFIX, OwnModelError, blaming, line_of, place
 from robot.settings import SettingError
 
 
@@ -54,7 +54,7 @@ def load(model: ModelFile) -> Callable[..., Any]:
     path = model.path
     with blaming(path):
         source = path.read_bytes()
-        module = types.ModuleType(f"own_model_{path.stem}")
+        module = types.ModuleType(MODULE_PREFIX + path.stem)
         module.__file__ = str(path)
         sys.modules[module.__name__] = module  # dataclasses look their module up by name
         linecache.checkcache(str(path))

@@ -25,6 +25,7 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.telemetry import TelemetryMessage
+from app.own_models.blame import running
 from app.start_pose.keeping import PoseKeeper
 from app.view.view import View
 from app.web.access import SameOriginOnly, own_names
@@ -154,7 +155,8 @@ def _health(
         return "degraded", "The robot has not answered yet."
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
-        return "degraded", f"No tick for {silent:.1f} s."
+        where = running(thread.ident)
+        return "degraded", f"No tick for {silent:.1f} s." + (f" {where}" if where else "")
     problems = [*latest.problems, *(one.failure for one in followers if one.failure)]
     if problems:
         return "degraded", " ".join(problems)
