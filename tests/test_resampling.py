@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.particles.clusters import Cells, Clusters, find_clusters
 from robot.localization.particles.resampling import (
     effective_sample_size,
     kld_sample_size,
     low_variance,
-    regularize,
     temper,
 )
 
@@ -193,119 +190,3 @@ def test_what_weighs_nothing_goes_on_weighing_nothing_however_likely() -> None:
     assert found[0] == 0
     expected = np.array([0.5, 0.3 * math.exp(-1)])
     np.testing.assert_allclose(found[1:3], expected / expected.sum(), rtol=1e-6)
-
-
-# --- spreading copies
-
-
-def clusters_of(poses: Array) -> Clusters:
-    return find_clusters(poses, np.full(len(poses), 1 / len(poses)), Cells(0.05, 36))
-
-
-def sausage(count: int = 4000) -> Array:
-    """Particles along a wall: 0.3 m one way, 2 mm the other, and slanted."""
-    values = rng().normal(0, [0.3, 0.002, 0.01], (count, 3))
-    turn = np.array([[math.cos(0.5), math.sin(0.5)], [-math.sin(0.5), math.cos(0.5)]])
-    values[:, :2] = values[:, :2] @ turn
-    return values
-
-
-def one_cluster(poses: Array) -> tuple[Clusters, NDArray[np.int64]]:
-    """Cells so large that all is one."""
-    found = find_clusters(poses, np.full(len(poses), 1 / len(poses)), Cells(100.0, 1))
-    assert len(found.hypotheses) == 1
-    return found, found.labels
-
-
-def test_no_scale_is_no_spread() -> None:
-    poses = sausage()
-    found, labels = one_cluster(poses)
-    np.testing.assert_array_equal(regularize(poses, found, labels, 0.0, rng()), poses)
-
-
-def test_copies_of_one_particle_are_spread_by_the_bandwidth_along_each_axis() -> None:
-    """Most along the wide direction of its cluster, hardly across it."""
-    found, labels = one_cluster(sausage())
-    copies = np.tile(found.hypotheses[0].pose.to_array(), (4000, 1))
-    spread = regularize(copies, found, labels, 1.0, rng(1)) - copies
-    bandwidth = (4 / (5 * 4000)) ** (1 / 7)
-    np.testing.assert_allclose(
-        np.cov(spread.T), bandwidth**2 * found.hypotheses[0].covariance, rtol=0.1, atol=2e-5
-    )
-    across = spread[:, :2] @ (-math.sin(0.5), math.cos(0.5))
-    along = spread[:, :2] @ (math.cos(0.5), math.sin(0.5))
-    assert along.std() == pytest.approx(bandwidth * 0.3, rel=0.05)
-    assert across.std() < 0.002
-
-
-def test_fewer_copies_are_spread_wider() -> None:
-    found, labels = one_cluster(sausage())
-    widths = [
-        regularize(np.zeros((count, 3)), found, labels[:count], 0.5, rng())[:, 0].std()
-        for count in (100, 4000)
-    ]
-    assert widths[0] / widths[1] == pytest.approx(40 ** (1 / 7), rel=0.15)
-
-
-@pytest.mark.parametrize("scale", [0.35, 1.0, 2.0])
-@pytest.mark.parametrize("copied", [1, 10])
-def test_the_cluster_as_a_whole_stays_as_wide_and_where_it_is(scale: float, copied: int) -> None:
-    """Else, where nothing is measured, it would grow with every scan, or die out."""
-    poses = sausage(20000)
-    poses[:, 2] += math.pi - 0.01
-    poses[:, 2] = (poses[:, 2] + math.pi) % (2 * math.pi) - math.pi
-    found, labels = one_cluster(poses)
-    kept = np.repeat(poses[:: 10 * copied], copied, axis=0)
-    spread = regularize(kept, found, labels[: len(kept)], scale, rng(1))
-    assert ((spread[:, 2] >= -math.pi) & (spread[:, 2] < math.pi)).all()
-    before, after = found.hypotheses[0], one_cluster(spread)[0].hypotheses[0]
-    assert after.pose.distance_to(before.pose) < 0.05
-    assert abs(after.pose.turn_to(before.pose)) < 3e-3
-    np.testing.assert_allclose(after.covariance, before.covariance, rtol=0.12, atol=2e-4)
-
-
-def test_each_cluster_is_spread_by_its_own_width() -> None:
-    wide, narrow = rng().normal(0, 0.03, (500, 3)), rng(1).normal(0, 0.001, (500, 3))
-    narrow[:, 0] += 2
-    poses = np.vstack([wide, narrow])
-    found = clusters_of(poses)
-    spread = regularize(poses, found, found.labels, 1.0, rng()) - poses
-    assert spread[500:].std() < 0.1 * spread[:500].std()
-
-
-def test_particles_of_no_described_cluster_and_single_ones_stay() -> None:
-    poses = np.vstack([rng().normal(0, 0.01, (50, 3)), [[1.0, 1.0, 0.5]]])
-    described = find_clusters(poses, np.full(51, 1 / 51), Cells(0.05, 36), most=1)
-    spread = regularize(poses, described, described.labels, 1.0, rng())
-    np.testing.assert_allclose(spread[-1], poses[-1], atol=1e-15)
-    all_of_them = clusters_of(poses)
-    spread = regularize(poses, all_of_them, all_of_them.labels, 1.0, rng())
-    np.testing.assert_allclose(spread[-1], poses[-1], atol=1e-15)
-
-
-def test_headings_stay_wrapped_and_the_given_poses_as_they_were() -> None:
-    poses = rng().normal([0, 0, math.pi], [0.01, 0.01, 0.3], (300, 3))
-    poses[:, 2] = (poses[:, 2] + math.pi) % (2 * math.pi) - math.pi
-    before = poses.copy()
-    found = clusters_of(poses)
-    spread = regularize(poses, found, found.labels, 1.0, rng())
-    assert ((spread[:, 2] >= -math.pi) & (spread[:, 2] < math.pi)).all()
-    np.testing.assert_array_equal(poses, before)
-
-
-def test_spreading_and_drawing_again_and_again_keeps_a_width_alive() -> None:
-    """Without it only copies of a few particles are left, wherever those happen to be."""
-
-    def drawn_often(scale: float) -> Array:
-        poses, chance = rng().normal(0, 0.1, (300, 3)), rng(2)
-        for _ in range(600):
-            weights = normalised(list(chance.uniform(0.2, 1, 300)))
-            cluster = find_clusters(poses, weights, Cells(100.0, 1))
-            kept = low_variance(weights, 300, chance)
-            poses = regularize(poses[kept], cluster, cluster.labels[kept], scale, chance)
-        return poses
-
-    assert len(np.unique(drawn_often(0.0), axis=0)) < 15
-    spread = drawn_often(1.0)
-    assert len(np.unique(spread, axis=0)) == 300
-    assert (spread.std(axis=0) > 0.02).all() and (spread.std(axis=0) < 0.3).all()

@@ -172,6 +172,12 @@ class FilterParameters:
     update_min_a: float = setting(
         0.005, "Turn before the next measurement counts", unit="rad", low=0, high=6.3
     )
+    recovery_alpha_slow: float = setting(
+        0.0, "Decay of the slow average of how scans fit; 0 never tries elsewhere", low=0, high=1
+    )
+    recovery_alpha_fast: float = setting(
+        0.0, "The same of the fast average, whose fall brings in random poses", low=0, high=1
+    )
     resample_interval: int = setting(1, "Measurements between resamplings", low=1, high=100)
     selective_resampling: bool = setting(
         False, "Resample only when fewer than half of the particles are effective"

@@ -7,8 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from robot.geometry import Array
+from robot.localization.headings import heading_vector, wrapped
+from robot.localization.particles.noise import normal_noise
 
 
 class Legs(NamedTuple):
@@ -26,12 +29,27 @@ class Legs(NamedTuple):
 
 def sample_legs(poses: Array, legs: Legs, deviations: Legs, rng: np.random.Generator) -> Array:
     """Where poses (n, 3) get to when each part errs by itself, by a normal distribution."""
-    count = len(poses)
-    drawn = [
-        leg + sd * rng.standard_normal(count) if sd > 0 else np.full(count, leg)
-        for leg, sd in zip(legs, deviations, strict=True)
-    ]
-    return turn_go_turn(poses, *drawn)
+    return _step(poses, (*legs,), (*deviations,), normal_noise(rng, 4, len(poses)))
+
+
+Parts = tuple[float, float, float, float]
+
+
+@njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
+def _step(poses: Array, legs: Parts, deviations: Parts, noise: NDArray[np.float32]) -> Array:
+    """Noise and motion in one; column by column, so that eight particles are moved at a time."""
+    turn, ahead, aside, last = legs
+    sd_turn, sd_ahead, sd_aside, sd_last = deviations
+    a, b, c, d = noise[0], noise[1], noise[2], noise[3]
+    x, y, theta = poses[:, 0].copy(), poses[:, 1].copy(), poses[:, 2].copy()
+    for i in range(len(poses)):
+        toward = theta[i] + turn + sd_turn * a[i]
+        go, shift = ahead + sd_ahead * b[i], aside + sd_aside * c[i]
+        cosine, sine = heading_vector(toward)
+        x[i] += cosine * go - sine * shift
+        y[i] += sine * go + cosine * shift
+        theta[i] = wrapped(toward + last + sd_last * d[i])
+    return np.column_stack((x, y, theta))
 
 
 def spread_of(legs: Legs, covariance: Array) -> Array:

@@ -40,7 +40,7 @@ _LOG_2 = np.float32(math.log(2.0))
 def normal_noise(rng: np.random.Generator, rows: int, count: int) -> NDArray[np.float32]:
     """Independent standard normal numbers (rows, count)."""
     noise = np.empty((rows, count + count % 2), dtype=np.float32)
-    _fill(np.uint64(rng.integers(0, 2**64, dtype=np.uint64)), noise.reshape(-1))
+    _fill(np.uint64(rng.bit_generator.random_raw()), noise.reshape(-1))
     return noise[:, :count]
 
 

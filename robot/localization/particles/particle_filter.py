@@ -15,13 +15,16 @@ from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
 from robot.localization.parameters import FilterParameters
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
+from robot.localization.particles.density import coarseness
+from robot.localization.particles.recovery import Recovery
 from robot.localization.particles.resampling import (
+    count_cells,
     effective_sample_size,
     kld_sample_size,
     low_variance,
-    regularize,
     temper,
 )
+from robot.localization.particles.spreading import regularize
 from robot.scan import Scan
 
 
@@ -75,6 +78,7 @@ class ParticleFilter:
         self._particles = self._weighed = cloud
         self._describe()
         self._scans = 0
+        self._recovery = Recovery()
 
     def scatter(self) -> None:
         """Start anew, evenly over the free field."""
@@ -83,7 +87,7 @@ class ParticleFilter:
     def predict(self, moved: Pose2) -> None:
         """Move each particle by odometry, and by chance."""
         poses = self.motion.sample(self._particles.poses, moved, self._rng)
-        self._particles = self._weighed = replace(self._particles, poses=poses)
+        self._particles = self._weighed = Cloud(poses, self._particles.weights)
         self._moved = True
 
     def correct(self, scan: Scan) -> None:
@@ -96,49 +100,51 @@ class ParticleFilter:
             self._resample()
 
     def _weigh(self, scan: Scan) -> None:
-        if not scan.hit.any():
+        rays = int(np.count_nonzero(scan.hit))
+        if not rays:
             return
-        blurred = replace(scan, extra_sd=self._coarseness(scan))
-        log_likelihood = self.sensor.log_likelihood(self._particles.poses, blurred)
-        least = self.parameters.min_effective * len(self._particles.weights)
-        weights = temper(log_likelihood, self._particles.weights, self.likelihood_weight, least)
-        self._particles = replace(self._particles, weights=weights)
-
-    def _coarseness(self, scan: Scan) -> float:
-        """How far the particles of a cluster lie apart, as a spread of ranges [m].
-
-        A likelihood narrower than that falls between them and none is right; so while the cloud
-        is wide, ranges are believed that much less.
-        """
-        to_metres = float(np.median(scan.ranges[scan.hit]))
-        apart = 0.0
-        for one in self._clusters.hypotheses:
-            count = max(one.weight * len(self._particles.weights), 1.0)
-            volume = math.sqrt(max(np.linalg.det(one.covariance), 0.0)) * to_metres
-            apart += one.weight * (volume / count) ** (1 / 3)
-        return apart
+        poses, weights = self._particles.poses, self._particles.weights
+        # The clusters are those of the last scan: they move and widen little in between.
+        known, settings = self._clusters, self.parameters
+        apart = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
+        log_likelihood = self.sensor.log_likelihood(poses, replace(scan, extra_sd=apart))
+        self._recovery.observe(
+            log_likelihood,
+            weights,
+            rays,
+            settings.recovery_alpha_slow,
+            settings.recovery_alpha_fast,
+        )
+        least = settings.min_effective * len(weights)
+        weights = temper(log_likelihood, weights, self.likelihood_weight, least)
+        self._particles = Cloud(poses, weights)
 
     def _should_resample(self) -> bool:
         if self._scans % self.parameters.resample_interval:
             return False
-        few = effective_sample_size(self._particles.weights) < 0.5 * len(self._particles.weights)
-        return few or not self.parameters.selective_resampling
+        if not self.parameters.selective_resampling:
+            return True
+        return self.effective < 0.5 * len(self._particles.weights)
 
     def _resample(self) -> None:
-        most = self.parameters.most_particles
-        drawn = low_variance(self._particles.weights, most, self._rng)
-        occupied = self._cells().occupied(self._particles.poses[drawn])
-        wanted = kld_sample_size(occupied, self.parameters.pf_err, self.parameters.pf_z)
-        count = min(max(wanted, self.parameters.min_particles), most)
-        kept = low_variance(self._particles.weights, count, self._rng)
-        spread = regularize(
-            self._particles.poses[kept],
-            self._clusters,
-            self._clusters.labels[kept],
-            self.parameters.regularization,
-            self._rng,
-        )
+        poses, weights = self._particles.poses, self._particles.weights
+        kept = low_variance(weights, self._wanted(weights), self._rng)
+        spread = regularize(poses, self._clusters, kept, self.parameters.regularization, self._rng)
+        if share := self._recovery.share():
+            anew = self._rng.random(len(spread)) < share
+            spread[anew] = self.field.free_poses(self._rng, int(anew.sum()))
+            self._recovery = Recovery()  # as in nav2: a fall counts once
         self._particles = Cloud.even(spread)
+
+    def _wanted(self, weights: Array) -> int:
+        """How many particles go on (KLD sampling)."""
+        least, most = self.parameters.min_particles, self.parameters.most_particles
+        if least == most:
+            return most
+        drawn = low_variance(weights, most, self._rng)
+        occupied = count_cells(self._clusters.cells, drawn)
+        wanted = kld_sample_size(occupied, self.parameters.pf_err, self.parameters.pf_z)
+        return min(max(wanted, least), most)
 
     def _describe(self) -> None:
         poses, weights = self._particles.poses, self._particles.weights
