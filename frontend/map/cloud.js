@@ -47,10 +47,13 @@ const share = (word) => (word === 0 || word === 65535 ? NaN : word / 65535);
  */
 export function drawCloud(context, view, cloud) {
   const paths = Array.from({ length: STEPS }, () => new Path2D());
+  const mean = cloud.weights.reduce((sum, weight) => sum + weight, 1) / cloud.weights.length;
   cloud.xs.forEach((x, i) => {
-    const step = Math.min(STEPS - 1, Math.floor((cloud.weights[i] / 256) * STEPS));
+    // Against the mean: where all weigh the same, none is heavy.
+    const heavy = cloud.weights[i] / (cloud.weights[i] + mean);
+    const step = Math.min(STEPS - 1, Math.floor(heavy ** 2 * STEPS));
     const [u, v] = view.toScreen(x, cloud.ys[i]);
-    const side = 2 + step * 0.5;
+    const side = 2.5 + step * 0.5;
     paths[step].rect(u - side / 2, v - side / 2, side, side);
   });
   context.fillStyle = palette["floor-estimate"];
