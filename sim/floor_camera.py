@@ -21,6 +21,7 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
+from sim.clutter import KINDS, cluttered
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows that see the floor at a steeper slant take more."""
@@ -51,6 +52,9 @@ class CameraSettings:
     vignetting: float = setting(
         0.25, "Share of the light that is lost in the corners", low=0, high=0.9
     )
+    clutter: str = setting(
+        "none", "Things on the floor that are no tape and in no map", choices=KINDS
+    )
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -66,7 +70,8 @@ class FloorCamera:
         settings: CameraSettings,
         rng: np.random.Generator,
     ) -> None:
-        self._floor = floor
+        # A stream of its own: with or without clutter, noise is the same.
+        self._floor = cluttered(floor, settings.clutter, rng.spawn(1)[0])
         self._settings = settings
         self._rng = rng
         self._bands = _bands(view)

@@ -108,8 +108,9 @@ def trial(
     twist: Twist2 = STILL,
     told: Twist2 | None = None,
     light: Array | None = None,
+    seed: int = 0,
 ) -> Trial:
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     tape = shapely.multilinestrings(field.edges.reshape(-1, 2, 2))
     parts = []
     for values in field.free_poses(rng, count):

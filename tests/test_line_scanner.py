@@ -73,6 +73,7 @@ def test_an_even_picture_has_no_returns_and_says_why(grey: int) -> None:
     assert np.isnan(found.edges).all() and np.isnan(found.widths).all()
     assert found.scan.stamp == 3.5
     assert len(found.scan.points()) == 0
+    assert found.noise == 0 and math.isnan(found.tape_width)
 
 
 def test_pure_noise_has_no_returns() -> None:
@@ -121,7 +122,7 @@ def test_the_same_picture_gives_the_same_scan(camera: FloorCamera) -> None:
 
 @pytest.mark.parametrize("rays", [1, 2, 5])
 def test_rays_too_far_apart_support_no_line_and_say_so(rays: int, camera: FloorCamera) -> None:
-    scanner = LineScanner(VIEW, LineScannerSettings(rays=rays, field_of_view=0.5))
+    scanner = LineScanner(VIEW, LineScannerSettings(rays=rays, field_of_view=0.9))
     found = scanner.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
     assert found.scan.bearings.shape == found.scan.ranges.shape == (rays,)
     assert (found.verdicts == Verdict.TOO_SHORT).all()
@@ -157,3 +158,25 @@ def test_a_hit_lies_in_the_picture_where_it_was_measured(camera: FloorCamera) ->
     ray = int(np.flatnonzero(hit)[0])
     position = float(found.edges[ray, 0])
     assert SCANNER.distance(ray, position) == pytest.approx(found.scan.ranges[ray], abs=1e-9)
+
+
+def test_what_the_rays_saw_is_kept_to_be_shown(camera: FloorCamera) -> None:
+    found = SCANNER.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
+    ray = 45
+    entry, leave = (round(edge) for edge in found.edges[ray])
+    used = SCANNER.table.counts[ray]
+    assert found.grey.shape == found.response.shape == SCANNER.table.distances.shape
+    assert found.grey[ray, (entry + leave) // 2] < 80
+    assert found.grey[ray, 20] > 150
+    response = found.response[ray, :used]
+    assert abs(int(response.argmin()) - entry) <= 1 and abs(int(response.argmax()) - leave) <= 1
+    assert -200 < response.min() < -60 and 60 < response.max() < 200
+
+
+@pytest.mark.parametrize("step", [0.5, 1.0, 3.0])
+def test_noise_is_the_same_whatever_the_step(step: float) -> None:
+    """Samples closer than pixels see the same pixel twice."""
+    rng = np.random.default_rng(0)
+    picture = np.clip(rng.normal(128, 10, SIZE), 0, 255).astype(np.uint8)
+    scanner = LineScanner(VIEW, LineScannerSettings(step=step))
+    assert scanner.scan(Frame(0.0, picture)).noise == pytest.approx(10, rel=0.08)

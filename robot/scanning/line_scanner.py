@@ -2,7 +2,7 @@
 
 Rays are drawn around a point on the floor and looked up in the picture; a one-dimensional kernel
 finds where it gets darker and brighter along each; what is as wide as the tape and lies on a line
-is reported by its entry edge.
+is reported by where the ray meets the line of its entry edge.
 """
 
 from __future__ import annotations
@@ -18,8 +18,10 @@ from robot.camera import FloorView
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scan import Scan
+from robot.scanning.along_rays import between, points_of, ranges_of, unskew
+from robot.scanning.edge_search import differences, find_edges, sample_rays
 from robot.scanning.ray_table import RayTable
-from robot.scanning.tape_edges import Verdict, find_pairs, judge_pairs
+from robot.scanning.tape_edges import Verdict, judge_pairs
 from robot.settings import check_settings, setting
 
 
@@ -36,14 +38,17 @@ class LineScannerSettings:
     )
     range_max: float = setting(1.0, "How far rays are followed", unit="m", low=0.05, high=10)
     step: float = setting(
-        0.75, "Distance of the samples along a ray in the picture", unit="px", low=0.25, high=4
+        1.5, "Distance of the samples along a ray in the picture", unit="px", low=0.25, high=4
     )
     kernel: int = setting(
-        3, "Half width of the edge kernel; wider is calmer, narrower is finer", unit="samples",
-        low=1, high=20,
-    )  # fmt: skip
+        2,
+        "Half width of the edge kernel; wider is calmer, narrower is finer; doubled in noise",
+        unit="samples",
+        low=1,
+        high=20,
+    )
     threshold: float = setting(
-        25.0, "Weakest edge that counts, of 255 grey levels", low=1, high=255
+        25.0, "Weakest edge that counts, of 255 grey levels; more in noise", low=1, high=255
     )
     tape_width: float = setting(0.050, "Width of the tape", unit="m", low=0.005, high=0.5)
     width_tolerance: float = setting(
@@ -54,6 +59,9 @@ class LineScannerSettings:
     )
     straightness: float = setting(
         0.0020, "How far an edge's points may lie off their line", unit="m", low=0, high=0.1
+    )
+    taper: float = setting(
+        0.006, "How much the width may change over that length", unit="m", low=0, high=0.5
     )
 
     def __post_init__(self) -> None:
@@ -71,10 +79,35 @@ class LineScan:
     """(k, 2) entry and exit of the judged pair [samples along the ray]; nan without a pair."""
     widths: Array = field(repr=False)
     """(k,) measured across the line [m]; nan where no line was found."""
-    grey: NDArray[np.uint8] = field(repr=False)
-    """(k, m) brightness along the rays."""
-    response: NDArray[np.float32] = field(repr=False)
-    """(k, m) the edge kernel's answer."""
+    noise: float
+    """Standard deviation of the picture's noise [grey levels], as measured."""
+    kernel: int
+    """Half width of the edge kernel that suited the noise [samples]."""
+    picture: NDArray[np.uint8] = field(repr=False)
+    """(h, w) in grey, read-only."""
+    table: RayTable = field(repr=False)
+    """Where the rays run."""
+
+    @property
+    def tape_width(self) -> float:
+        """Median of the widths that counted [m]; nan if none did.
+
+        It tells of the camera's health: a pitch wrong by half a degree makes 2 mm of 50 mm.
+        """
+        counted = self.widths[self.verdicts == Verdict.COUNTED]
+        return float(np.median(counted)) if len(counted) else math.nan
+
+    @property
+    def grey(self) -> NDArray[np.uint8]:
+        """(k, m) brightness along the rays, worked out when it is asked for."""
+        return sample_rays(self.picture, self.table.places, self.table.counts).astype(np.uint8)
+
+    @property
+    def response(self) -> NDArray[np.float32]:
+        """(k, m) the edge kernel's answer [grey levels], worked out when it is asked for."""
+        counts = self.table.counts
+        grey = sample_rays(self.picture, self.table.places, counts)
+        return (differences(grey, counts, self.kernel) / self.kernel).astype(np.float32)
 
 
 class LineScanner:
@@ -90,13 +123,13 @@ class LineScanner:
             range_max=settings.range_max,
             step_px=settings.step,
         )
-        self._readout = view.lens.readout
-        self._height = view.lens.height
+        self._sight = self.table.limits
         self._size = (view.lens.height, view.lens.width)
+        self._middle_row = (view.lens.height - 1) / 2
+        self._a_row = view.lens.readout / max(1, view.lens.height - 1)
         self._directions = heading_vectors(self.table.bearings)
-        self._places = _planes(self.table.pixels)
-        self._kernel = _edge_kernel(settings.kernel)
-        self._samples = np.arange(self.table.distances.shape[1], dtype=np.float64)
+        self._start = Pose2(settings.centre_x)
+        self._apart = math.ceil(1.5 / settings.step)
 
     def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
         """Search one picture.
@@ -108,44 +141,55 @@ class LineScanner:
         Raises:
             ValueError: the picture has another size, or neither one colour nor three.
         """
-        image = self._checked(frame.image)
-        looked_up = cv2.remap(image, *self._places, cv2.INTER_LINEAR)
-        grey = np.asarray(looked_up, dtype=np.uint8)
-        answer = cv2.filter2D(grey, cv2.CV_32F, self._kernel)
-        response = np.asarray(answer, dtype=np.float32)
-        border = self.settings.kernel + 1
-        pairs, found = find_pairs(response, self.table.counts, self.settings.threshold, border)
-        distances = self._distances(pairs)
-        points = self._directions[:, None, None] * distances[..., None]
-        chosen, verdicts, widths, normals = judge_pairs(
-            points[:, :, 0],
-            points[:, :, 1],
-            self.settings.tape_width,
-            self.settings.width_tolerance,
-            self.settings.support,
-            self.settings.straightness,
+        picture = self._checked(frame.image)
+        table, wanted, directions = self.table, self.settings, self._directions
+        pairs, met, noise, kernel = find_edges(
+            picture,
+            table.places,
+            table.counts,
+            table.pixels,
+            self._apart,
+            wanted.kernel,
+            wanted.threshold,
         )
-        rays = np.arange(len(chosen))
-        verdicts[(found % 2 == 1) & (verdicts == Verdict.NO_EDGE)] = Verdict.NO_EXIT
-        verdicts[self.table.counts == 0] = Verdict.OUT_OF_SIGHT
-        edges = pairs[rays, chosen]
-        ranges = np.where(verdicts == Verdict.COUNTED, distances[rays, chosen, 0], np.inf)
-        ranges = self._unskewed(ranges, edges[:, 0], normals, twist)
-        scan = Scan(frame.stamp, self.table.bearings, ranges, Pose2(self.settings.centre_x))
-        return LineScan(scan, verdicts, edges, widths, grey, response)
+        chosen, verdicts, widths, lines = judge_pairs(
+            points_of(pairs, table.distances, directions),
+            met,
+            wanted.tape_width,
+            wanted.width_tolerance,
+            wanted.support,
+            wanted.straightness,
+            wanted.taper,
+        )
+        ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, directions)
+        if self._a_row > 0:
+            unskew(
+                ranges,
+                lines,
+                edges,
+                table.pixels,
+                directions,
+                wanted.centre_x,
+                self._a_row,
+                self._middle_row,
+                twist.v,
+                twist.omega,
+            )
+        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight)
+        return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
 
     def pixels(self, positions: Array) -> Array:
         """Pixels (k, 2) of one place on each ray, given in samples (k,); nan stays nan."""
-        low = np.clip(np.nan_to_num(positions), 0, len(self._samples) - 2).astype(int)
+        low = np.clip(np.nan_to_num(positions), 0, self.table.pixels.shape[1] - 2).astype(int)
         part = (positions - low)[:, None]
         rays = np.arange(len(positions))
         start, end = self.table.pixels[rays, low], self.table.pixels[rays, low + 1]
-        between: Array = start + part * (end - start)
-        return between
+        on_chord: Array = start + part * (end - start)
+        return on_chord
 
     def distance(self, ray: int, position: float) -> float:
         """Distance [m] from the centre of a place on a ray, given in samples."""
-        return float(np.interp(position, self._samples, self.table.distances[ray]))
+        return float(between(self.table.distances[ray], position))
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         height, width = self._size
@@ -155,42 +199,7 @@ class LineScanner:
                 f"{width} x {height} pixels, grey ({height}, {width}) or BGR ({height}, {width}, 3)"
             )
         if image.ndim == 3:
-            return np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
-        return image
-
-    def _distances(self, pairs: Array) -> Array:
-        """Samples (k, p, 2) along rays to distances [m]."""
-        low = np.clip(np.nan_to_num(pairs), 0, len(self._samples) - 2).astype(int)
-        flat = low.reshape(len(low), -1)
-        start = np.take_along_axis(self.table.distances, flat, axis=1).reshape(pairs.shape)
-        end = np.take_along_axis(self.table.distances, flat + 1, axis=1).reshape(pairs.shape)
-        between: Array = start + (pairs - low) * (end - start)
-        return between
-
-    def _unskewed(self, ranges: Array, entries: Array, normals: Array, twist: Twist2) -> Array:
-        """Ranges as if all rows had been exposed at the frame's stamp.
-
-        A row exposed dt after the stamp saw the floor from a robot that had moved on by v dt; in
-        the frame at the stamp the edge lies that much farther along. The edge is a line, so along
-        the same bearing the range changes by (n . moved) / (n . direction).
-        """
-        if self._readout == 0:
-            return ranges
-        rows = self.pixels(entries)[:, 1]
-        late = self._readout * (rows / (self._height - 1) - 0.5)
-        points = self._directions * np.where(np.isfinite(ranges), ranges, 0.0)[:, None]
-        x, y = points[:, 0] + self.settings.centre_x, points[:, 1]
-        moved = np.column_stack([twist.v - twist.omega * y, twist.omega * x]) * late[:, None]
-        along = (normals * moved).sum(axis=1) / (normals * self._directions).sum(axis=1)
-        return np.where(np.isfinite(ranges), ranges + along, np.inf)
-
-
-def _planes(pixels: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Places (k, m, 2) as OpenCV's remap is quickest with: columns and rows apart."""
-    return np.ascontiguousarray(pixels[..., 0]), np.ascontiguousarray(pixels[..., 1])
-
-
-def _edge_kernel(half: int) -> NDArray[np.float32]:
-    """Mean of the samples ahead less mean of those behind (1, 2 half + 1)."""
-    ahead = np.full(half, 1.0 / half)
-    return np.concatenate([-ahead, [0.0], ahead])[None].astype(np.float32)
+            image = np.asarray(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+        picture = np.ascontiguousarray(image)
+        picture.setflags(write=False)
+        return picture

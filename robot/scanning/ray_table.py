@@ -29,6 +29,8 @@ class RayTable:
     """(k, m) from the centre [m], rising along a row."""
     pixels: NDArray[np.float32] = field(repr=False)
     """(k, m, 2) where each sample lies in the picture."""
+    places: NDArray[np.uint32] = field(repr=False)
+    """(k, m) the pixel next to each sample, counted row by row."""
 
     @classmethod
     def build(
@@ -51,13 +53,16 @@ class RayTable:
         """
         rows = [_follow(view, centre_x, b, range_max, step_px) for b in heading_vectors(bearings)]
         counts = np.array([len(distances) for distances, _ in rows], dtype=np.int32)
-        longest = max(int(counts.max()), 1)
+        longest = max(int(counts.max()), 3)
+        pixels = np.stack([_pad(pixels, longest) for _, pixels in rows])
+        columns, lines = np.rint(pixels).astype(np.int32).transpose(2, 0, 1)
         return cls(
             centre=np.array([centre_x, 0.0]),
             bearings=bearings,
             counts=counts,
             distances=np.stack([_pad(distances, longest) for distances, _ in rows]),
-            pixels=np.stack([_pad(pixels, longest) for _, pixels in rows]).astype(np.float32),
+            pixels=pixels.astype(np.float32),
+            places=(lines * view.lens.width + columns).astype(np.uint32),
         )
 
     @property

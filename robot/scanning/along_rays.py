@@ -1,0 +1,121 @@
+"""Compiled ways between places along a ray, points on the floor and ranges."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+
+
+@njit(cache=True, nogil=True)
+def between(row: NDArray[np.floating], at: float) -> float:
+    """A row's value (m,) at a place between samples, by the parabola through the nearest three."""
+    i = min(max(int(at + 0.5), 1), len(row) - 2)
+    part = at - i
+    before, here, after = row[i - 1], row[i], row[i + 1]
+    return float(here + 0.5 * part * (after - before + part * (before - 2 * here + after)))
+
+
+@njit(cache=True, nogil=True)
+def points_of(edges: Array, distances: Array, directions: Array) -> Array:
+    """Pairs (k, p, 2) [samples] as points (k, p, 4) [m]: x and y of the entry, then of the exit.
+
+    Args:
+        edges: entry and exit along each ray [samples]; nan after the last pair.
+        distances: (k, m) of the samples from the rays' centre [m].
+        directions: (k, 2) unit vectors along the rays.
+    """
+    rays, pairs, _ = edges.shape
+    points = np.full((rays, pairs, 4), np.nan)
+    for ray in range(rays):
+        dx, dy = directions[ray, 0], directions[ray, 1]
+        for pair in range(pairs):
+            if np.isnan(edges[ray, pair, 0]):
+                break
+            entry = between(distances[ray], edges[ray, pair, 0])
+            leaving = between(distances[ray], edges[ray, pair, 1])
+            points[ray, pair, 0], points[ray, pair, 1] = entry * dx, entry * dy
+            points[ray, pair, 2], points[ray, pair, 3] = leaving * dx, leaving * dy
+    return points
+
+
+@njit(cache=True, nogil=True)
+def ranges_of(
+    lines: Array,
+    pairs: Array,
+    chosen: NDArray[np.int8],
+    verdicts: NDArray[np.int8],
+    distances: Array,
+    directions: Array,
+) -> tuple[Array, Array]:
+    """Where rays meet the lines of their edges.
+
+    Args:
+        lines: (k, 3) unit normal and offset [m] of the entry edges.
+        pairs: (k, p, 2) entries and exits [samples].
+        chosen: (k,) which pair of each ray.
+        verdicts: (k,) zero for those that count.
+        distances: (k, m) of the samples from the rays' centre [m].
+        directions: (k, 2) unit vectors along the rays.
+
+    Returns:
+        Ranges (k,) [m], inf for those that do not count; chosen entries and exits (k, 2)
+        [samples], entries that count moved to where the range says.
+    """
+    ranges = np.full(len(lines), np.inf)
+    edges = np.empty((len(lines), 2))
+    for ray in range(len(lines)):
+        at, edges[ray, 1] = pairs[ray, chosen[ray], 0], pairs[ray, chosen[ray], 1]
+        if verdicts[ray] == 0:
+            facing = lines[ray, 0] * directions[ray, 0] + lines[ray, 1] * directions[ray, 1]
+            ranges[ray] = lines[ray, 2] / facing
+            # Back from metres to samples; three steps of Newton's are exact to a nanometre.
+            for _ in range(3):
+                slope = between(distances[ray], at + 0.5) - between(distances[ray], at - 0.5)
+                at += (ranges[ray] - between(distances[ray], at)) / slope
+        edges[ray, 0] = at
+    return ranges, edges
+
+
+@njit(cache=True, nogil=True)
+def unskew(
+    ranges: Array,
+    lines: Array,
+    edges: Array,
+    pixels: NDArray[np.float32],
+    directions: Array,
+    centre_x: float,
+    a_row: float,
+    middle_row: float,
+    v: float,
+    omega: float,
+) -> None:
+    """Turn ranges into those of a camera that exposes all rows at the frame's stamp.
+
+    A row exposed dt after the stamp saw the floor from a robot that had moved on by v dt; in the
+    frame at the stamp the edge lies that much farther along. The edge is a line, so along the same
+    bearing the range changes by (n . moved) / (n . direction).
+
+    Args:
+        ranges: (k,) [m], to be changed.
+        lines: (k, 3) unit normal and offset of each edge.
+        edges: (k, 2) where the entries lie [samples].
+        pixels: (k, m, 2) where the samples lie in the picture.
+        directions: (k, 2) unit vectors along the rays.
+        centre_x: where the rays start, ahead of the robot's origin [m].
+        a_row: time from one row's exposure to the next one's [s].
+        middle_row: the row that was exposed at the stamp.
+        v: the robot's velocity [m/s].
+        omega: its turning rate [rad/s].
+    """
+    for ray in range(len(ranges)):
+        if np.isinf(ranges[ray]):
+            continue
+        late = a_row * (between(pixels[ray, :, 1], edges[ray, 0]) - middle_row)
+        nx, ny = lines[ray, 0], lines[ray, 1]
+        dx, dy = directions[ray, 0], directions[ray, 1]
+        x, y = ranges[ray] * dx + centre_x, ranges[ray] * dy
+        moved = nx * (v - omega * y) + ny * omega * x
+        ranges[ray] += late * moved / (nx * dx + ny * dy)

@@ -1,0 +1,300 @@
+"""Compiled search for edges along rays: where the floor gets darker, and where brighter again.
+
+A ray is first looked through coarsely, at the pixels next to its samples; only around what looks
+like an edge is the picture interpolated, to find the edge's place between the pixels.
+
+Compiled code that is kept on disk is made anew when its own file changes, not when another does: so
+no compiled function calls one of another file.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+
+PAIRS = 4
+"""Pairs kept on one ray; farther ones are left out."""
+
+CERTAIN = 4.0
+"""Standard deviations of noise by which an edge stands out of it."""
+
+PARTS = 2
+"""A sample is cut into so many parts to find an edge's place."""
+
+REACH = 4
+"""Parts, to either side, in which the place is searched."""
+
+_NEAR = 2
+"""Parts from the top of the kernel's answer to the neighbours that its parabola goes through."""
+
+_EVERY = 16
+"""Of the samples, one in so many is looked at to measure noise."""
+
+
+SLANTED = 8.0
+"""How many times longer than a sharp edge one is searched, at most, that a ray crosses aslant."""
+
+
+@njit(cache=True, nogil=True)
+def find_edges(
+    picture: NDArray[np.uint8],
+    places: NDArray[np.uint32],
+    counts: NDArray[np.int32],
+    pixels: NDArray[np.float32],
+    apart: int,
+    kernel: int,
+    threshold: float,
+) -> tuple[Array, NDArray[np.int32], float, int]:
+    """Entries and exits of dark stripes on each ray, between the pixels.
+
+    Args:
+        picture: (h, w)
+        places: (k, m) pixel of each sample, counted row by row.
+        counts: (k,) samples in use on each ray.
+        pixels: (k, m, 2) where the samples lie in the picture.
+        apart: samples from one to the next that shares no pixel with it.
+        kernel: half width of the edge kernel in a picture without much noise [samples].
+        threshold: weakest edge that is one in such a picture [grey levels].
+
+    Returns:
+        Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; how many edges
+        were met (k,), where an odd number means that the last entry has no exit, and -1 that the
+        ray is out of sight; the picture's noise [grey levels]; half width of the kernel that
+        suited it [samples].
+    """
+    grey = sample_rays(picture, places, counts)
+    noise = noise_of(grey, counts, apart)
+    half, weakest = kernel_for(noise, kernel, threshold)
+    answers = differences(grey, counts, half)
+    edges = np.full((len(counts), PAIRS, 2), np.nan)
+    met = np.zeros(len(counts), dtype=np.int32)
+    pairs = np.zeros((PAIRS, 2, 2), dtype=np.int32)
+    flat, width = picture.ravel(), picture.shape[1]
+    for ray in range(len(counts)):
+        if counts[ray] == 0:
+            met[ray] = -1
+            continue
+        met[ray] = find_pairs(answers[ray, : counts[ray]], half, weakest, pairs)
+        for pair in range(met[ray] // 2):
+            for side in range(2):
+                place, length = pairs[pair, side, 0], pairs[pair, side, 1]
+                room = (min(place, counts[ray] - 1 - place) + 1) / (kernel + REACH / PARTS)
+                scale = max(1.0, min(room, length / _sharp(half), SLANTED))
+                edges[ray, pair, side] = refine(flat, width, pixels[ray], place, kernel, scale)
+    return edges, met, noise, half
+
+
+@njit(cache=True, nogil=True)
+def sample_rays(
+    picture: NDArray[np.uint8], places: NDArray[np.uint32], counts: NDArray[np.int32]
+) -> NDArray[np.int16]:
+    """Grey levels (k, m) of the pixels next to each sample.
+
+    After a ray's ``counts`` (k,) none is filled in; ``places`` (k, m) count pixels row by row.
+    """
+    pixels = picture.ravel()
+    grey = np.empty(places.shape, dtype=np.int16)
+    for ray in range(len(counts)):
+        for i in range(counts[ray]):
+            grey[ray, i] = pixels[places[ray, i]]
+    return grey
+
+
+@njit(cache=True, nogil=True)
+def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> float:
+    """Standard deviation of the picture's noise [grey levels], by the median second difference.
+
+    A slope has none, and edges are too few to move the median. Of normal noise, a second
+    difference has sqrt(6) the standard deviation, and a median size of 0.6745 of that.
+
+    ``apart`` is from one sample to the next that shares no pixel with it.
+    """
+    tally = np.zeros(1024, dtype=np.int32)
+    total = 0
+    for ray in range(len(counts)):
+        for i in range(apart, counts[ray] - apart, _EVERY):
+            bend = grey[ray, i - apart] - 2 * grey[ray, i] + grey[ray, i + apart]
+            tally[abs(bend)] += 1
+            total += 1
+    below = size = 0
+    while size < len(tally) - 1 and 2 * (below + tally[size]) < total:
+        below += tally[size]
+        size += 1
+    if size == 0:
+        return 0.0
+    median = size - 0.5 + (0.5 * total - below) / tally[size]
+    return float(median / (0.6745 * math.sqrt(6.0)))
+
+
+@njit(cache=True, nogil=True)
+def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]:
+    """Half width of the edge kernel and threshold that suit a picture's noise [grey levels].
+
+    Between the means of h samples ahead and behind, noise alone makes a difference of
+    sqrt(2 / h) its size. The kernel grows up to twofold, then the threshold.
+    """
+    wanted = math.ceil(2 * (CERTAIN * noise / threshold) ** 2)
+    half = min(max(kernel, wanted), 2 * kernel)
+    return half, max(threshold, CERTAIN * noise * math.sqrt(2 / half))
+
+
+@njit(cache=True, nogil=True)
+def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -> NDArray[np.int16]:
+    """(k, m) sum of the ``half`` samples ahead less sum of those behind; 0 near a ray's ends."""
+    answers = np.zeros(grey.shape, dtype=np.int16)
+    start = half + 1
+    for ray in range(len(counts)):
+        size = counts[ray] - 2 * start
+        if size <= 0:
+            continue
+        inner = answers[ray, start : start + size]
+        for away in range(1, half + 1):
+            ahead = grey[ray, start + away : start + away + size]
+            behind = grey[ray, start - away : start - away + size]
+            # The conversion lets the compiler take 32 samples at once.
+            for i in range(size):
+                inner[i] += np.int16(ahead[i] - behind[i])
+    return answers
+
+
+@njit(cache=True, nogil=True)
+def find_pairs(
+    answer: NDArray[np.int16], half: int, threshold: float, pairs: NDArray[np.int32]
+) -> int:
+    """Entries and exits of dark stripes along one ray, to the sample.
+
+    An edge is a run of samples where the kernel's answer is beyond the threshold. Of entries in a
+    row the sharpest is kept; with the first exit after it, it is a pair.
+
+    Args:
+        answer: (m,) of the ray's ``differences``.
+        half: half width of the kernel [samples].
+        threshold: weakest edge that is one [grey levels].
+        pairs: (PAIRS, 2, 2) to be filled in: place and length of entry and exit [samples].
+
+    Returns:
+        How many edges were met: an odd number means that the last entry has no exit.
+    """
+    weakest = math.ceil(threshold * half)
+    found = sharpest = stop = 0
+    for i in range(len(answer)):
+        # Most samples are no edge, and this is all that is done for them.
+        if abs(answer[i]) < weakest or i < stop:
+            continue
+        stop = _run_end(answer, i, weakest)
+        peak, place = _top(answer, i, stop, half)
+        if peak < sharpest:
+            sharpest = peak
+            pairs[found, 0, 0], pairs[found, 0, 1] = place, stop - i
+        elif peak > 0 and sharpest < 0:
+            sharpest = 0
+            pairs[found, 1, 0], pairs[found, 1, 1] = place, stop - i
+            found += 1
+            if found == PAIRS:
+                break
+    return 2 * found + (sharpest < 0)
+
+
+@njit(cache=True, nogil=True)
+def _run_end(answer: NDArray[np.int16], start: int, weakest: int) -> int:
+    """First sample after one beyond the threshold that is not, or has the other sign."""
+    darker = answer[start] < 0
+    for i in range(start + 1, len(answer)):
+        if abs(answer[i]) < weakest or (answer[i] < 0) != darker:
+            return i
+    return len(answer)
+
+
+@njit(cache=True, nogil=True)
+def _top(answer: NDArray[np.int16], start: int, stop: int, half: int) -> tuple[int, int]:
+    """Strongest answer of a run, and where its edge is.
+
+    That is where the answer is strongest; of a run longer than a sharp edge's it is the middle, as
+    the top of a wide hill is anywhere in noise.
+    """
+    peak = place = total = moment = 0
+    for i in range(start, stop):
+        size = abs(answer[i])
+        if size > abs(peak):
+            peak, place = answer[i], i
+        total += size
+        moment += size * (i - start)
+    if stop - start > _sharp(half):
+        place = start + (2 * moment + total) // (2 * total)
+    return peak, place
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _sharp(half: int) -> int:
+    """Longest run [samples] that a sharp edge, crossed straight on, makes of the kernel."""
+    return 2 * half + 2
+
+
+@njit(cache=True, nogil=True)
+def refine(
+    picture: NDArray[np.uint8],
+    width: int,
+    pixels: NDArray[np.float32],
+    place: int,
+    half: int,
+    scale: float,
+) -> float:
+    """Place of an edge along a ray, in samples with fractions.
+
+    Top of the parabola through the same kernel's answers in finer steps, on the picture
+    interpolated between four pixels.
+
+    Args:
+        picture: (h * w,) all pixels, row by row.
+        width: pixels in a row.
+        pixels: (m, 2) of the ray's samples.
+        place: sample where the edge was found.
+        half: half width of the kernel [samples].
+        scale: how many times wider than the kernel the edge is; the search is stretched by it.
+    """
+    wide = half * PARTS
+    ends = wide + REACH
+    total = np.empty(2 * ends + 2)
+    u, v = float(pixels[place, 0]), float(pixels[place, 1])
+    du = (pixels[place + 1, 0] - pixels[place - 1, 0]) * (scale / (2 * PARTS))
+    dv = (pixels[place + 1, 1] - pixels[place - 1, 1]) * (scale / (2 * PARTS))
+    total[0] = 0.0
+    for j in range(2 * ends + 1):
+        u_j, v_j = u + (j - ends) * du, v + (j - ends) * dv
+        total[j + 1] = total[j] + _between(picture, width, u_j, v_j)
+    best, top = 0, -1.0
+    for j in range(_NEAR - REACH, REACH - _NEAR + 1):
+        size = _answer(total, wide, j)
+        if size > top:
+            best, top = j, size
+    before, after = _answer(total, wide, best - _NEAR), _answer(total, wide, best + _NEAR)
+    bend = before - 2 * top + after
+    shift = 0.5 * _NEAR * (before - after) / bend if bend < 0 else 0.0
+    return float(place + scale * (best + shift) / PARTS)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _answer(total: Array, wide: int, shift: int) -> float:
+    """Size of the difference between the sums ahead and behind, out of running totals."""
+    at = wide + REACH + shift
+    ahead, behind = total[at + wide + 1] - total[at + 1], total[at] - total[at - wide]
+    return float(abs(ahead - behind))
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _between(pixels: NDArray[np.uint8], width: int, u: float, v: float) -> float:
+    """Brightness of a place between four pixels."""
+    column, row = int(u), int(v)
+    right, down = u - column, v - row
+    # Unsigned: no need to look for indices that count from the end.
+    at = np.uint32(row * width + column)
+    a, b = np.float64(pixels[at]), np.float64(pixels[at + np.uint32(1)])
+    at = np.uint32(at + width)
+    c, d = np.float64(pixels[at]), np.float64(pixels[at + np.uint32(1)])
+    above, below = a + (b - a) * right, c + (d - c) * right
+    return float(above + (below - above) * down)

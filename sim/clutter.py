@@ -1,0 +1,170 @@
+"""Things on a floor that are no tape: to find out what they do to a robot that looks for tape.
+
+They are painted onto the picture of the floor that a simulated camera looks at; the map knows
+nothing of them. Sizes are in metres; places are drawn anew for each seed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from robot.fields.floor_picture import FloorPicture
+from robot.geometry import Array
+
+DISCS = 25
+RADII = (0.006, 0.040)
+"""Radii of the discs: the chords of many are as long as tape is wide."""
+
+CABLE_WIDTH = 0.007
+SHADOW = 0.55
+"""Share of the light that is left in the shadow."""
+
+PENUMBRA = 0.04
+"""Width of the shadow's edge, of a lamp under the ceiling."""
+
+SHOE = (0.28, 0.10)
+"""Length and width."""
+
+PAIRS_OF_SHOES = 3
+DARK = 32
+
+_SHIFT = 4
+"""OpenCV draws to so many bits of a pixel."""
+
+_Canvas = NDArray[np.uint8]
+
+
+class _Painter:
+    """A copy of a floor picture, painted on in map coordinates [m]."""
+
+    def __init__(self, floor: FloorPicture, rng: np.random.Generator) -> None:
+        self.image = floor.image.copy()
+        self.rng = rng
+        self._floor = floor
+        xmin, ymin, xmax, ymax = floor.extent
+        self._middle = np.array([xmin + xmax, ymin + ymax]) / 2
+        self._half = np.array([xmax - xmin, ymax - ymin]) / 2
+
+    def places(self, shares: Array) -> Array:
+        """Points (n, 2) in the map from shares of the floor, -1 to 1 from border to border."""
+        points: Array = self._middle + shares * self._half
+        return points
+
+    def disc(self, centre: Array, radius: float) -> None:
+        """A round dark patch."""
+        size = self._fine(np.array([radius / self._floor.resolution]))
+        cv2.circle(
+            self.image, self._pixels(centre[None])[0], size[0], DARK, -1, cv2.LINE_AA, _SHIFT
+        )
+
+    def line(self, points: Array, width: float) -> None:
+        """A dark line through points (n, 2)."""
+        thick = max(1, round(width / self._floor.resolution))
+        cv2.polylines(self.image, [self._pixels(points)], False, DARK, thick, cv2.LINE_AA, _SHIFT)
+
+    def shape(self, outline: Array) -> None:
+        """A dark patch with an outline (n, 2)."""
+        cv2.fillPoly(self.image, [self._pixels(outline)], DARK, cv2.LINE_AA, _SHIFT)
+
+    def shade(self, point: Array, normal: Array) -> None:
+        """Darken the side of a line that its normal points to."""
+        height, width = self.image.shape
+        pixel = self._floor.pixel_from_map
+        x = (np.arange(width) - pixel[0, 2]) / pixel[0, 0] - point[0]
+        y = (np.arange(height) - pixel[1, 2]) / pixel[1, 1] - point[1]
+        depth = (normal[0] * x + normal[1] * y[:, None]) / PENUMBRA + 0.5
+        inside = np.clip(depth, 0, 1).astype(np.float32)
+        soft = inside * inside * (3 - 2 * inside)
+        self.image = np.rint(self.image * (1 - (1 - SHADOW) * soft)).astype(np.uint8)
+
+    def _pixels(self, points: Array) -> NDArray[np.int32]:
+        pixel = self._floor.pixel_from_map
+        return self._fine(points @ pixel[:, :2].T + pixel[:, 2])
+
+    def _fine(self, pixels: Array) -> NDArray[np.int32]:
+        return np.rint(pixels * (1 << _SHIFT)).astype(np.int32)
+
+
+def _discs(painter: _Painter) -> None:
+    """Dark discs between the tapes."""
+    centres = painter.places(painter.rng.uniform(-0.56, 0.56, (DISCS, 2)))
+    for centre, radius in zip(centres, painter.rng.uniform(*RADII, DISCS), strict=True):
+        painter.disc(centre, radius)
+
+
+def _cable(painter: _Painter) -> None:
+    """A thin dark line that winds from one border to another, over the tape."""
+    across = np.linspace(-1, 1, 7)
+    winding = painter.rng.uniform(-0.5, 0.5, 7)
+    shares = CubicSpline(across, winding)(np.linspace(-1, 1, 200))
+    points = np.column_stack([np.linspace(-1, 1, 200), shares])
+    painter.line(
+        painter.places(points if painter.rng.random() < 0.5 else points[:, ::-1]), CABLE_WIDTH
+    )
+
+
+def _shadow(painter: _Painter) -> None:
+    """One side of the floor is in the shade."""
+    angle = painter.rng.uniform(-np.pi, np.pi)
+    point = painter.places(painter.rng.uniform(-0.3, 0.3, 2))
+    painter.shade(point, np.array([np.cos(angle), np.sin(angle)]))
+
+
+def _shoes(painter: _Painter) -> None:
+    """Pairs of shoes of people around the field, their toes on or before the tape."""
+    for _ in range(PAIRS_OF_SHOES):
+        side = painter.rng.integers(4)
+        toward = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[side]
+        beside = np.array([-toward[1], toward[0]])
+        toes = -toward * painter.rng.uniform(0.6, 0.8) + beside * painter.rng.uniform(-0.5, 0.5)
+        for foot in (-0.09, 0.09):
+            painter.shape(painter.places(toes) + _shoe(toward, beside, foot))
+
+
+def _shoe(toward: Array, beside: Array, foot: float) -> Array:
+    """Outline (n, 2) of one shoe behind its toes: an oval, fuller in front [m]."""
+    turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    length, width = SHOE
+    along = length / 2 * (np.cos(turn) - 1)
+    across = width / 2 * np.sin(turn) * (1 + 0.15 * np.cos(turn)) + foot
+    outline: Array = along[:, None] * toward + across[:, None] * beside
+    return outline
+
+
+CLUTTER: dict[str, Callable[[_Painter], None]] = {
+    "discs": _discs,
+    "cable": _cable,
+    "shadow": _shadow,
+    "shoes": _shoes,
+}
+"""Kinds of clutter by name, in the order in which they are painted."""
+
+KINDS = ("none", *CLUTTER, "all")
+
+
+def cluttered(floor: FloorPicture, kind: str, rng: np.random.Generator) -> FloorPicture:
+    """A floor with things on it.
+
+    Args:
+        floor: as it was drawn; it is not changed.
+        kind: one of ``KINDS``.
+        rng: decides where things lie.
+
+    Raises:
+        ValueError: the kind is unknown.
+    """
+    if kind not in KINDS:
+        raise ValueError(f"no clutter {kind!r}; valid are {', '.join(KINDS)}")
+    if kind == "none":
+        return floor
+    painter = _Painter(floor, rng)
+    for name, paint in CLUTTER.items():
+        if kind in (name, "all"):
+            paint(painter)
+    return replace(floor, image=painter.image)

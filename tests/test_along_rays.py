@@ -1,0 +1,59 @@
+"""From places along a ray to metres, and back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from robot.scanning.along_rays import between, points_of, ranges_of, unskew
+
+DISTANCES = np.tile(80.0 / (400 - np.arange(200.0)), (2, 1))
+"""Two rays whose samples lie ever farther apart, as those of a camera do."""
+
+DIRECTIONS = np.array([[1.0, 0.0], [0.6, 0.8]])
+
+
+@given(st.floats(0, 10), st.floats(-1, 1), st.floats(-1, 1), st.floats(0, 7))
+def test_between_samples_a_parabola_is_met(a: float, b: float, c: float, at: float) -> None:
+    place = np.arange(8.0)
+    exact = a + b * at + c * at * at
+    assert between(a + b * place + c * place * place, at) == pytest.approx(exact, abs=1e-9)
+
+
+def test_pairs_become_points_on_their_ray() -> None:
+    edges = np.full((2, 3, 2), np.nan)
+    edges[:, 0] = 50, 60.5
+    points = points_of(edges, DISTANCES, DIRECTIONS)
+    entry, leave = 80 / 350, 80 / 339.5
+    expected = [0.6 * entry, 0.8 * entry, 0.6 * leave, 0.8 * leave]
+    np.testing.assert_allclose(points[1, 0], expected, atol=1e-6)
+    assert np.isnan(points[:, 1:]).all()
+
+
+def test_a_range_ends_on_the_line_and_its_entry_is_moved_there() -> None:
+    pairs = np.full((2, 1, 2), np.nan)
+    pairs[:, 0] = 100, 120
+    lines = np.array([[-1.0, 0.0, -0.27], [-1.0, 0.0, -0.27]])
+    verdicts = np.array([0, 3], dtype=np.int8)
+    chosen = np.zeros(2, dtype=np.int8)
+    ranges, edges = ranges_of(lines, pairs, chosen, verdicts, DISTANCES, DIRECTIONS)
+    assert ranges[0] == pytest.approx(0.27)
+    assert between(DISTANCES[0], edges[0, 0]) == pytest.approx(0.27, abs=1e-9)
+    assert ranges[1] == np.inf
+    assert edges[1].tolist() == [100, 120] and edges[0, 1] == 120
+
+
+def test_what_was_exposed_late_is_moved_by_what_the_robot_drove() -> None:
+    """Ahead an edge at a slant of 45 degrees: driving 1 mm brings it 1 mm nearer along the ray."""
+    slanted = np.array([[-np.sqrt(0.5), -np.sqrt(0.5), -0.3 * np.sqrt(0.5)]])
+    pixels = np.zeros((1, 200, 2), dtype=np.float32)
+    pixels[0, :, 1] = 479 - np.arange(200)
+    ranges = np.array([0.3])
+    edges = np.array([[100.0, 120.0]])
+    unskew(ranges, slanted, edges, pixels, DIRECTIONS[:1], 0.0, 1e-4, 239.5, 0.2, 0.0)
+    late = 1e-4 * (379 - 239.5)
+    assert ranges[0] == pytest.approx(0.3 + 0.2 * late)
+    unskew(ranges, slanted, edges, pixels, DIRECTIONS[:1], 0.0, 1e-4, 239.5, -0.2, 0.0)
+    assert ranges[0] == pytest.approx(0.3)
