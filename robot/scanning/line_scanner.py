@@ -19,7 +19,7 @@ from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scan import Scan
 from robot.scanning.along_rays import between, points_of, ranges_of, unskew
-from robot.scanning.edge_search import differences, find_edges, sample_rays
+from robot.scanning.edge_search import differences, find_edges
 from robot.scanning.ray_table import RayTable
 from robot.scanning.tape_edges import Verdict, judge_pairs
 from robot.settings import check_settings, setting
@@ -100,14 +100,13 @@ class LineScan:
     @property
     def grey(self) -> NDArray[np.uint8]:
         """(k, m) brightness along the rays, worked out when it is asked for."""
-        return sample_rays(self.picture, self.table.places, self.table.counts).astype(np.uint8)
+        return self.picture.ravel()[self.table.places]
 
     @property
     def response(self) -> NDArray[np.float32]:
         """(k, m) the edge kernel's answer [grey levels], worked out when it is asked for."""
-        counts = self.table.counts
-        grey = sample_rays(self.picture, self.table.places, counts)
-        return (differences(grey, counts, self.kernel) / self.kernel).astype(np.float32)
+        answers = differences(self.grey.astype(np.int16), self.table.counts, self.kernel)
+        return (answers / self.kernel).astype(np.float32)
 
 
 class LineScanner:
