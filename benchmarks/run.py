@@ -7,11 +7,13 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from benchmarks import filter as particle_filter
 from benchmarks import live, loop, recovery, render, start
 from benchmarks.result import Result
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
+    "filter": particle_filter.measure,
     "loop": loop.measure,
     "live": live.measure,
     "recovery": recovery.measure,
