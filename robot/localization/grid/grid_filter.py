@@ -11,7 +11,9 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2, compose, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
-from robot.localization.grid_motion import moved_grid
+from robot.localization.grid.grid_motion import moved_grid
+from robot.localization.grid.grid_start import cloud_grid, even_grid, normal_grid
+from robot.localization.grid.pose_grid import Boxes, PoseGrid
 from robot.localization.kalman_filter import follow
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
@@ -21,7 +23,6 @@ from robot.localization.particles.resampling import (
     low_variance,
     temper,
 )
-from robot.localization.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
 from robot.scan import Scan
 
 SHOWN = 4000
@@ -34,8 +35,8 @@ WORTH = 64
 """So many boxes must stay effective while they are coarser than the likelihood."""
 THROWN = 200_000
 """Places thrown onto the field, to see how much of a box is free."""
-LONGEST = 0.2
-"""A step this long [m] turns boxes of heading into boxes askew in x and y."""
+MOVED = 0.25
+"""Share of the affordable boxes that may be moved: it takes longer than weighing them."""
 
 
 class GridFilter:
@@ -55,9 +56,9 @@ class GridFilter:
         covariance: Array,
         *,
         likelihood_weight: float = 1.0,
-        cell_xy: float = 0.0025,
+        cell_xy: float = 0.00125,
         cell_theta: float = math.radians(0.35),
-        most_cells: int = 40_000,
+        most_cells: int = 20_000,
     ) -> None:
         self.motion = motion
         self.sensor = sensor
@@ -122,8 +123,11 @@ class GridFilter:
         noise = self.motion.covariance(moved)
         self._moved, self._noise = follow(self._moved, self._noise, moved, noise)
         self._found = None
-        wide = (np.diag(self._noise) >= np.square(self._grid.boxes.size / 2)).any()
-        if wide or math.hypot(self._moved.x, self._moved.y) > LONGEST:
+        xy, _, theta = size = self._grid.boxes.size
+        errs = (np.diag(self._noise) >= np.square(size / 2)).any()
+        # Poses of one box part by their headings as they go.
+        parted = math.hypot(self._moved.x, self._moved.y) * theta >= xy / 2
+        if errs or parted:
             self._move()
 
     def correct(self, scan: Scan) -> None:
@@ -144,7 +148,7 @@ class GridFilter:
     def _move(self) -> None:
         grid = moved_grid(self._grid, self._moved, self._noise)
         grid = grid.only(grid.mass > LEAST * grid.mass.max())
-        while len(grid.mass) > self.most_cells:
+        while len(grid.mass) > MOVED * self.most_cells:
             grid = grid.coarser()
         self._restart(grid)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import njit
 
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.localization.pose_grid import Boxes, PoseGrid
+from robot.localization.grid.pose_grid import Boxes, Indices, PoseGrid, add_box, no_boxes
 
 PASS = 0.5
 """Variance in boxes squared that is spread in one go: three boxes cannot take up more than 0.75."""
-BESIDE = np.array([[-1], [0], [1]])
 MOST_PASSES = 4
 """For a step that errs by more, boxes so small are worth nothing."""
 
@@ -34,9 +34,16 @@ def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
     if passes > MOST_PASSES:
         return moved_grid(grid.coarser(), step, noise)
     shifts = _shifts(grid.boxes, step)
-    for _ in range(passes):
-        grid = _spread(grid, shifts, variances / passes)
-        shifts = np.zeros_like(shifts)
+    still = np.zeros_like(shifts)
+    # The pass that takes the step blurs by it: the others spread what is left. Those of x and y
+    # come before it, by the heading that the step began with.
+    with_step = np.maximum(variances / passes, np.minimum(variances, _blur(shifts)))
+    left = (variances - with_step) / max(1, passes - 1)
+    for _ in range(passes - 1):
+        grid = _spread(grid, still, left * (1, 1, 0))
+    grid = _spread(grid, shifts, with_step)
+    for _ in range(passes - 1):
+        grid = _spread(grid, still, left * (0, 0, 1))
     return grid
 
 
@@ -64,17 +71,54 @@ def _variances(boxes: Boxes, noise: Array) -> Array:
     return variances
 
 
+def _blur(shifts: Array) -> Array:
+    """The least variance that shares can have whose mean lies between the middles of boxes."""
+    off = np.abs(shifts - np.rint(shifts))
+    least: Array = off * (1 - off)
+    return least
+
+
 def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
     """Share what is in each box with its neighbours; shifts and variances (turns, 3), in boxes."""
-    nearest = np.rint(shifts).astype(np.int64)
+    nearest = np.rint(shifts)
     off = shifts - nearest
-    square = np.maximum(variances, np.abs(off) * (1 - np.abs(off))) + off * off
+    square = np.maximum(variances, _blur(shifts)) + off * off
     # Shares of the three with the sum 1, the mean ``off`` and the mean square ``square``.
-    shares = np.stack([(square - off) / 2, 1 - square, (square + off) / 2])
+    shares = np.stack([(square - off) / 2, 1 - square, (square + off) / 2], axis=-1)
+    cells, mass = grid.cells, grid.mass
     # The heading last: the others go by the heading that the step began with.
     for axis in range(3):
-        turn = grid.cells[:, 2]
-        cells = np.tile(grid.cells, (3, 1))
-        cells[:, axis] += (nearest[turn, axis] + BESIDE).ravel()
-        grid = PoseGrid.of(grid.boxes, cells, (shares[:, turn, axis] * grid.mass).ravel())
-    return grid
+        by = nearest[:, axis].astype(np.int64)
+        cells, mass = _share(cells, mass, axis, by, shares[:, axis])
+    return PoseGrid(grid.boxes, cells, mass / mass.sum())
+
+
+@njit(cache=True, nogil=True)
+def _share(
+    cells: Indices, mass: Array, axis: int, nearest: Indices, shares: Array
+) -> tuple[Indices, Array]:
+    """Move the mass of boxes (n, 3) along an axis, to three boxes each.
+
+    Args:
+        cells: the boxes.
+        mass: of each.
+        axis: along which.
+        nearest: (turns,) how many boxes to the middle one of the three, by heading.
+        shares: (turns, 3) what each of the three gets.
+    """
+    turns = len(nearest)
+    table, once, total = no_boxes(3 * len(cells))
+    found = 0
+    for i in range(len(cells)):
+        turn = cells[i, 2]
+        x, y, t = cells[i, 0], cells[i, 1], turn
+        for k in range(3):
+            to = nearest[turn] + k - 1
+            if axis == 0:
+                x = cells[i, 0] + to
+            elif axis == 1:
+                y = cells[i, 1] + to
+            else:
+                t = (turn + to) % turns
+            found = add_box(x, y, t, mass[i] * shares[turn, k], table, once, total, found)
+    return once[:found].copy(), total[:found].copy()

@@ -1,0 +1,1 @@
+"""Grid localization: a belief in boxes of poses."""

@@ -1,0 +1,148 @@
+"""A belief on a grid: boxes of x, y and theta, each with a share of the probability.
+
+Only boxes that matter are kept (selective updating: Probabilistic Robotics, section 8.2.3). All
+have one size, which may be halved and doubled: coarse where the belief is wide, and fine where it
+is narrow.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+
+Indices = NDArray[np.int64]
+
+FEWEST_TURNS = 8
+"""Boxes of heading are not doubled any more when a full turn has no more than these."""
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """How the poses are cut into boxes."""
+
+    finest_xy: float
+    """Side of a box of level 0 [m]."""
+    finest_turns: int
+    """Boxes of level 0 in a full turn: a power of two."""
+    level: int = 0
+    """How often the finest boxes are doubled."""
+
+    @property
+    def turns(self) -> int:
+        """Boxes in a full turn."""
+        return max(self.finest_turns >> self.level, FEWEST_TURNS)
+
+    @property
+    def size(self) -> Array:
+        """Sides (3,) of a box [m, m, rad]."""
+        xy = math.ldexp(self.finest_xy, self.level)
+        return np.array([xy, xy, 2 * math.pi / self.turns])
+
+    def places(self, poses: Array) -> Array:
+        """Poses (n, 3) in boxes from the map's origin and from -pi; whole numbers are borders."""
+        places: Array = np.add(poses, (0, 0, math.pi)) / self.size
+        return places
+
+
+@dataclass(frozen=True, slots=True)
+class PoseGrid:
+    """Boxes with their probability."""
+
+    boxes: Boxes
+    cells: Indices = field(repr=False)
+    """(n, 3) which box, along x, y and theta; no two alike."""
+    mass: Array = field(repr=False)
+    """(n,), summing to one."""
+
+    @classmethod
+    def of(cls, boxes: Boxes, cells: Indices, mass: Array) -> PoseGrid:
+        """Boxes (n, 3) that may occur more than once, with any mass (n,); headings may be wound."""
+        cells[:, 2] %= boxes.turns
+        cells, mass = sum_alike(cells, mass)
+        return cls(boxes, cells, mass / mass.sum())
+
+    @property
+    def poses(self) -> Array:
+        """The middles of the boxes (n, 3) [m, m, rad]."""
+        middles: Array = (self.cells + 0.5) * self.boxes.size - (0, 0, math.pi)
+        return middles
+
+    def only(self, which: NDArray[np.bool_]) -> PoseGrid:
+        """Some of the boxes."""
+        mass = self.mass[which]
+        return replace(self, cells=self.cells[which], mass=mass / mass.sum())
+
+    def finer(self) -> PoseGrid:
+        """Each box cut into eight, of half its sides."""
+        half = replace(self.boxes, level=self.boxes.level - 1)
+        in_turn = half.turns // self.boxes.turns
+        corners = np.array([(x, y, t) for x in (0, 1) for y in (0, 1) for t in range(in_turn)])
+        cells = self.cells[:, None] * (2, 2, in_turn) + corners
+        mass = np.repeat(self.mass / len(corners), len(corners))
+        return PoseGrid(half, cells.reshape(-1, 3), mass)
+
+    def coarser(self) -> PoseGrid:
+        """Eight boxes made one, of twice their sides."""
+        double = replace(self.boxes, level=self.boxes.level + 1)
+        in_turn = self.boxes.turns // double.turns
+        return PoseGrid.of(double, self.cells // (2, 2, in_turn), self.mass)
+
+
+@njit(cache=True, nogil=True)
+def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
+    """Each box (n, 3) once, with all its mass, in the order of the first to come.
+
+    Boxes without any mass are left out.
+    """
+    table, once, total = no_boxes(len(cells))
+    found = 0
+    for i in range(len(cells)):
+        found = add_box(cells[i, 0], cells[i, 1], cells[i, 2], mass[i], table, once, total, found)
+    return once[:found].copy(), total[:found].copy()
+
+
+@njit(cache=True, nogil=True)
+def no_boxes(most: int) -> tuple[Indices, Indices, Array]:
+    """A hash table, boxes and masses, to be filled by ``add_box`` with at most so many boxes."""
+    size = 16
+    while size < 2 * most:
+        size *= 2
+    return np.full(size, -1, dtype=np.int64), np.empty((most, 3), dtype=np.int64), np.empty(most)
+
+
+@njit(cache=True, nogil=True, forceinline=True)
+def add_box(
+    x: int,
+    y: int,
+    t: int,
+    mass: float,
+    table: Indices,
+    once: Indices,
+    total: Array,
+    found: int,
+) -> int:
+    """Add mass to a box, which may be a new one; returns how many there are then.
+
+    The table has open addressing: a box that finds its slot taken takes the next free one.
+    """
+    if not mass > 0:
+        return found
+    # Large odd numbers: the products wrap, and their high bits depend on all bits of the places.
+    mixed = x * 0x1E3779B97F4A7C15 + y * 0x42B2AE3D27D4EB4F + t * 0x165667B19E3779F9
+    slot = ((mixed ^ (mixed >> 32)) * 0x1FD7046C5EF9AB4D >> 20) & (len(table) - 1)
+    while table[slot] >= 0:
+        at = table[slot]
+        if once[at, 0] == x and once[at, 1] == y and once[at, 2] == t:
+            total[at] += mass
+            return found
+        slot = (slot + 1) & (len(table) - 1)
+    table[slot] = found
+    once[found, 0], once[found, 1], once[found, 2] = x, y, t
+    total[found] = mass
+    return found + 1
