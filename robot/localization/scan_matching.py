@@ -129,7 +129,7 @@ def relive(
     gate: float,
     evidence_sd: float,
 ) -> tuple[Array, Array, Array]:
-    """An extended Kalman filter over scans: its last pose, information, and how each scan fit.
+    """An extended Kalman filter over scans, back in time: its first pose, and how each scan fit.
 
     Args:
         start: pose (3,) at the first scan.
@@ -147,19 +147,25 @@ def relive(
     fits = np.empty(len(moves))
     for k in range(len(moves)):
         if k > 0:
-            c, s = math.cos(pose[2]), math.sin(pose[2])
-            dx = c * moves[k, 0] - s * moves[k, 1]
-            dy = s * moves[k, 0] + c * moves[k, 1]
-            G = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
-            V = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-            covariance = G @ np.linalg.inv(information) @ G.T + V @ noise[k] @ V.T
-            information = np.linalg.inv(covariance)
-            pose += np.array([dx, dy, moves[k, 2]])
+            pose, information = _moved(pose, information, moves[k], noise[k])
         pose, information, _ = fit_rays(
             pose, information, rays[k], index, range_max, sd, gate, STEPS
         )
         fits[k] = ray_log_likelihood(pose, rays[k], index, sharp, range_max, evidence_sd)
-    return pose, information, fits
+        if k == 0:
+            newest, newest_information = pose.copy(), information.copy()
+    return newest, newest_information, fits
+
+
+@njit(cache=True, nogil=True)
+def _moved(pose: Array, information: Array, move: Array, noise: Array) -> tuple[Array, Array]:
+    """Pose and information after a step: G Sigma G^T + V M V^T."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    dx, dy = c * move[0] - s * move[1], s * move[0] + c * move[1]
+    G = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+    V = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    covariance = G @ np.linalg.inv(information) @ G.T + V @ np.ascontiguousarray(noise) @ V.T
+    return pose + np.array([dx, dy, move[2]]), np.linalg.inv(covariance)
 
 
 @njit(cache=True, nogil=True)

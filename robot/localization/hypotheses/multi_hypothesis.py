@@ -26,6 +26,10 @@ from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 
 
+POLISH = np.diag(np.square([0.005, 0.005, 0.02]))
+"""How far a hypothesis is moved to where a scan fits, beyond its own covariance [m, m, rad]."""
+
+
 @dataclass
 class Track:
     """One hypothesis."""
@@ -44,7 +48,7 @@ class Track:
 class HypothesisSettings:
     search: SearchSettings
     scans_first: int = 12
-    scans_lost: int = 6
+    scans_lost: int = 2
     scans_sure: int = 24
     scans_later: int = 8
     scans_most: int = 24
@@ -147,17 +151,26 @@ class MultiHypothesisFilter:
         s = self._settings
         if not self._tracks:
             return
-        fits = np.array(
-            [self._matcher.log_likelihood(track.best.pose, rays) for track in self._tracks]
-        )
+        fits = np.array([self._fit(track.best, rays) for track in self._tracks])
         gained = s.rays_a_scan * (fits - fits.max())
         # No single scan decides alone.
         for track, gain in zip(self._tracks, np.maximum(gained, -s.most_a_scan), strict=True):
             track.log_weight += float(gain)
         hits = np.isfinite(rays[:, 3]).mean()
         anywhere = s.seen_anywhere * hits + s.missed_anywhere * (1 - hits)
-        gain = s.rays_a_scan * (anywhere - fits.max())
-        self._elsewhere += float(np.clip(gain, -s.most_a_scan, s.most_a_scan))
+        as_is = self._matcher.log_likelihood(self._tracks[int(fits.argmax())].best.pose, rays)
+        gain = s.rays_a_scan * (anywhere - as_is)
+        self._elsewhere += float(np.clip(gain, -s.most_a_scan, 1.5 * s.most_a_scan))
+        self._doubts = self._doubts + 1 if gain > 0 else 0
+
+    def _fit(self, of: Hypothesis, rays: Array) -> float:
+        """How well rays fit at a hypothesis, once it is moved to where they fit best.
+
+        So that a filter's luck in finding its mean does not count.
+        """
+        information = np.linalg.inv(of.covariance + POLISH)
+        pose = self._matcher.match(of.pose, rays, information).pose
+        return self._matcher.log_likelihood(pose, rays)
 
     def _select(self) -> None:
         s = self._settings
@@ -175,7 +188,7 @@ class MultiHypothesisFilter:
         self._elsewhere = min(max(self._elsewhere - heaviest, s.kidnap), -s.kidnap)
         lost = self._elsewhere > 0
         if lost and not self._lost:
-            self._local.forget(3)
+            self._local.forget(max(self._doubts, 1))
             self._wait = s.scans_lost
             self._search = None
         self._lost = lost
@@ -220,7 +233,9 @@ class MultiHypothesisFilter:
                 continue
             weight = worth * float(np.sum(life.fits - reference))
             if best:
-                weight += best.log_weight + self._prior(pose)
+                prior = self._prior(pose)
+                # One of the places elsewhere is no likelier than all of them together.
+                weight = best.log_weight + min(weight + prior, max(self._elsewhere, prior))
             if weight < -s.hopeless:
                 continue
             born = self._new_filter()
@@ -241,6 +256,7 @@ class MultiHypothesisFilter:
         self._told = told
         self._elsewhere = self._settings.kidnap if told else -3.0
         self._lost = False
+        self._doubts = 0
         self._search = None
         self._local = self._new_map()
         self._wait = self._settings.scans_first

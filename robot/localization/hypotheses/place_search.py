@@ -33,8 +33,8 @@ class SearchSettings:
     """How far the coarse grid lets ends lie off [m]."""
     peaks: int = 90
     most: int = 24
-    poses_a_slice: int = 20_000
-    fits_a_slice: int = 30
+    poses_a_slice: int = 40_000
+    fits_a_slice: int = 45
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,6 @@ class PlaceSearch:
         self._few = local.rays(12, 6)
         self.entries = len(local)
         self._alive = alive
-        self._back = local.first_from_newest.inverse()
         self.past = local.past(8, 30, motion)
         self.found: list[Place] = []
         """Best first, once all is done."""
@@ -106,16 +105,16 @@ class PlaceSearch:
         found = distinct(places, 0.06, 0.2)[: self._settings.most]
         found = [p for p in found if p.log_likelihood > found[0].log_likelihood - 1.5]
         self.alive = []
-        for first in range(0, len(self._alive), 8):
+        for first in range(0, len(self._alive), 12):
             self.alive += [
-                self._matcher.relive(self._matcher.match(p, self.rays).pose @ self._back, self.past)
-                for p in self._alive[first : first + 8]
+                self._matcher.relive(self._matcher.match(p, self.rays).pose, self.past)
+                for p in self._alive[first : first + 12]
             ]
             yield False
-        for first in range(0, len(found), 8):
+        for first in range(0, len(found), 12):
             self.found += [
-                replace(p, life=self._matcher.relive(p.pose @ self._back, self.past))
-                for p in found[first : first + 8]
+                replace(p, life=self._matcher.relive(p.pose, self.past))
+                for p in found[first : first + 12]
             ]
             yield False
         yield True
