@@ -1,54 +1,24 @@
 """A user's own models: made, watched, guarded; through the engine, without waiting."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from own_programs import EIGHT, FLAT, run, with_own
 
-from app.assembly import Program, assemble
+from app.assembly import assemble
 from app.config import Config
-from app.engine.driving import Driving
-from app.engine.engine import Engine
-from app.engine.localization import Localization
-from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     DriveCommand,
-    FigureEightCommand,
     ResetCommand,
     ScatterCommand,
     SetParametersCommand,
     StopCommand,
 )
 from app.own_models import own_models
-from app.own_models.own_models import OwnChoice, OwnModels
 from app.web.commands import CommandError, check
-from app.web.telemetry import parameter_messages
-from robot.driving.differential_drive import DifferentialDrive
-from robot.driving.drive_controller import DriveController
-from robot.driving.odometry import Odometry
-from sim.simulated import PERIOD
-
-EIGHT = FigureEightCommand(type="figure_eight")
-FLAT = """
-    import numpy as np
-
-    class Flat:
-        def log_likelihood(self, poses, scan):
-            return np.zeros(len(poses))
-"""
-STILL = """
-    class Still:
-        def sample(self, poses, moved, rng):
-            return poses
-"""
-
-
-def run(program: Program, seconds: float, *renewed) -> Snapshot:
-    for _ in range(round(seconds / PERIOD)):
-        for command in renewed:
-            program.engine.commands.put(command)
-        shown = program.engine.step()
-    return shown
+from robot.scanning.line_scanner import LineScanner
 
 
 @pytest.fixture(scope="module")
@@ -58,27 +28,7 @@ def base():
 
 @pytest.fixture
 def build(base):
-    """Makes a program with models of the user's own; robot and field are made only once."""
-
-    def make(path="", name="Flat", motion="", folder=""):
-        own = OwnModels(
-            base.field, sensor=path and f"{path}:{name}", motion=motion, folder=str(folder)
-        )
-        kinematics = DifferentialDrive(base.robot.spec)
-        base.robot.place(base.field.start)
-        base.robot.write(np.zeros(2))
-        engine = Engine(
-            base.robot,
-            Odometry(kinematics, base.config.odometry),
-            Localization(
-                base.scanner, base.field, base.config.localization, np.random.default_rng(0), own
-            ),
-            Driving(DriveController(kinematics, base.config.drive), 0.5),
-            base.field.start,
-        )
-        return replace(base, engine=engine, given=own.choice)
-
-    return make
+    return partial(with_own, base)
 
 
 def test_an_own_sensor_model_weighs_the_particles(save, build):
@@ -238,63 +188,14 @@ def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, build):
     assert shown.mode == "figure_eight"
 
 
-# --- a folder --------------------------------------------------------------------------------
-
-
-def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, build):
-    program = build(folder=tmp_path)
-    assert run(program, 0.3).own == OwnChoice()
-    save(FLAT)
-    save(STILL, "still.py")
-    shown = run(program, 0.5)
-    assert (shown.own.sensors, shown.own.motions) == (("mine.py:Flat",), ("still.py:Still",))
-    values = {"laser_model_type": "mine.py:Flat", "robot_model_type": "still.py:Still"}
-    command = SetParametersCommand(type="set_parameters", values=values)
-    check(command, program)
-    program.engine.commands.put(command)
-    shown = run(program, 0.5, EIGHT)
-    assert (shown.own.sensor, shown.own.motion) == ("mine.py:Flat", "still.py:Still")
-    messages = parameter_messages(shown.parameters, Config().localization, shown.own, program.given)
-    sensor = next(one for one in messages if one.name == "laser_model_type")
-    assert sensor.value == "mine.py:Flat"
-    assert sensor.choices[-1] == "mine.py:Flat"
-    assert sensor.default == "likelihood_field"
-
-
-def test_a_model_in_use_stays_on_offer_when_its_file_goes(save, tmp_path, build):
-    path = save(FLAT)
-    program = build(path, folder=tmp_path)
-    run(program, 0.5, EIGHT)
-    path.unlink()
-    shown = run(program, 1.0, EIGHT)
-    assert shown.fault is None
-    assert shown.own.sensors == ("mine.py:Flat",)
-
-
-def test_a_file_that_is_no_python_is_told_and_stops_nothing(save, tmp_path, build):
-    save("def x(:", "other.py")
-    shown = run(build(folder=tmp_path), 0.5, EIGHT)
-    assert shown.problems == ("other.py line 1: SyntaxError: invalid syntax",)
-    assert shown.twist.v > 0
-
-
-def test_a_model_that_is_not_on_offer_is_refused(save, tmp_path, build):
-    save(FLAT)
-    program = build(folder=tmp_path)
-    run(program, 0.1)
-    values = {"laser_model_type": "mine.py:Round"}
-    with pytest.raises(CommandError, match=r"on offer: mine\.py:Flat"):
-        check(SetParametersCommand(type="set_parameters", values=values), program)
-
-
-def test_a_model_that_vanished_since_it_was_chosen_stops_nothing(save, tmp_path, build):
-    path = save(FLAT)
-    program = build(folder=tmp_path)
-    run(program, 0.3)
-    path.unlink()
-    values = {"laser_model_type": "mine.py:Flat"}
-    run(program, 0.4)
-    program.engine.commands.put(SetParametersCommand(type="set_parameters", values=values))
-    shown = program.engine.step()
-    assert "A change was not taken" in shown.problems[0]
-    assert shown.own.sensor == ""
+def test_a_model_that_the_filter_does_not_ask_is_told(save, build):
+    program = build(save(FLAT))
+    # A camera over bare floor: nothing to weigh.
+    program.engine._localization.scanner = LineScanner(
+        program.robot.spec.floor_view, replace(program.config.scanner, tape_width=0.2)
+    )
+    shown = run(program, 3.0, EIGHT)
+    assert shown.problems == (
+        "mine.py:Flat is not asked: no tape is in sight, or this filter does without.",
+    )
+    assert shown.mode == "figure_eight"

@@ -131,6 +131,7 @@ class Engine:
             broken = f"The robot stands still: {broken}"
         self._problems.report("own models", stamp, broken)
         self._problems.report("slow models", stamp, own.slow)
+        self._problems.report("idle models", stamp, own.idle)
         self._problems.report("models on offer", stamp, " ".join(own.complaints) or None)
 
     def _localize(self, reading: Reading) -> None:

@@ -34,6 +34,8 @@ class Guard:
         """What went wrong, with file and line; None while nothing has."""
         self.seconds = 0.0
         """How long the last call took [s]."""
+        self.passed_over = 0
+        """Updates of the filter since it was last asked."""
         self._path = file.path
         self._name = method
         self._method: Callable[..., Any] | None = getattr(model, method, None)
@@ -45,6 +47,7 @@ class Guard:
         """What the model gives, of a shape; None once something went wrong."""
         if self.fault is not None or self._method is None:
             return None
+        self.passed_over = 0
         began = time.perf_counter()
         try:
             with blaming(self._path, self._line):

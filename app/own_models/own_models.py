@@ -20,6 +20,10 @@ SLOW_S = 0.05
 """A call that takes longer [s] delays the robot's next step; it is told, not ended."""
 
 
+PATIENCE = 50
+"""Updates after which a model that was not asked is told: some filters do without."""
+
+
 @dataclass(frozen=True, slots=True)
 class OwnChoice:
     """Which models of the user's own are in use and on offer, by name (``my_model.py:MyModel``)."""
@@ -80,6 +84,22 @@ class OwnModels:
             if slot.model is not None and slot.model.guard.seconds > SLOW_S:
                 took = 1e3 * slot.model.guard.seconds
                 return f"{slot.name} takes {took:.0f} ms; beyond {1e3 * SLOW_S:.0f} ms steps wait."
+        return None
+
+    def note_update(self) -> None:
+        """The filter has taken a scan: a model that it never asks is told in ``idle``."""
+        for slot in (self._sensor, self._motion):
+            if slot.model is not None:
+                slot.model.guard.passed_over += 1
+
+    @property
+    def idle(self) -> str | None:
+        """Which model the filter does not ask, in words."""
+        for slot in (self._sensor, self._motion):
+            if slot.model is not None and slot.model.guard.passed_over > PATIENCE:
+                return (
+                    f"{slot.name} is not asked: no tape is in sight, or this filter does without."
+                )
         return None
 
     @property

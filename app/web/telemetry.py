@@ -77,7 +77,6 @@ class TelemetryWriter:
                 tape_width=None,
             )
         counted = found.verdicts == Verdict.COUNTED
-        width = float(np.median(found.widths[counted])) if counted.any() else None
         start = found.scan.robot_from_scan
         return ScanMessage(
             stamp=found.scan.stamp,
@@ -87,7 +86,7 @@ class TelemetryWriter:
             robot=pose_message(snapshot.scan_pose),
             entry_px=self._pixels(found, 0, counted),
             exit_px=self._pixels(found, 1, counted),
-            tape_width=width,
+            tape_width=None if math.isnan(found.tape_width) else found.tape_width,
         )
 
     def _pixels(

@@ -1,0 +1,57 @@
+"""Programs with models of a user's own, quickly made: robot and field are made only once."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from app.assembly import Program
+from app.engine.driving import Driving
+from app.engine.engine import Engine
+from app.engine.localization import Localization
+from app.engine.snapshot import Snapshot
+from app.messages.commands import FigureEightCommand
+from app.own_models.own_models import OwnModels
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.drive_controller import DriveController
+from robot.driving.odometry import Odometry
+from sim.simulated import PERIOD
+
+EIGHT = FigureEightCommand(type="figure_eight")
+FLAT = """
+    import numpy as np
+
+    class Flat:
+        def log_likelihood(self, poses, scan):
+            return np.zeros(len(poses))
+"""
+STILL = """
+    class Still:
+        def sample(self, poses, moved, rng):
+            return poses
+"""
+
+
+def run(program: Program, seconds: float, *renewed) -> Snapshot:
+    for _ in range(round(seconds / PERIOD)):
+        for command in renewed:
+            program.engine.commands.put(command)
+        shown = program.engine.step()
+    return shown
+
+
+def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Program:
+    """A new engine around the robot of another program, back at its start."""
+    own = OwnModels(base.field, sensor=path and f"{path}:{name}", motion=motion, folder=str(folder))
+    kinematics = DifferentialDrive(base.robot.spec)
+    base.robot.place(base.field.start)
+    base.robot.write(np.zeros(2))
+    engine = Engine(
+        base.robot,
+        Odometry(kinematics, base.config.odometry),
+        Localization(
+            base.scanner, base.field, base.config.localization, np.random.default_rng(0), own
+        ),
+        Driving(DriveController(kinematics, base.config.drive), 0.5),
+        base.field.start,
+    )
+    return replace(base, engine=engine, given=own.choice)
