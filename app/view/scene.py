@@ -158,6 +158,9 @@ class Scene:
             corners = snapshot.pose.apply(self._spec.outline)
             outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
             self._nodes["estimate"].points = _lifted(outline, LIFT["estimate"])
+        else:
+            self._nodes["estimate"].points = np.full((1, 2, 3), FAR_AWAY)
+            self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
         if self._ticks % 5 == 0:
             for name, pose in (
                 ("truth", snapshot.truth),
@@ -197,6 +200,9 @@ class Scene:
 
     def _show_scan(self, snapshot: Snapshot) -> None:
         if snapshot.line_scan is None or snapshot.scan_pose is None:
+            # Nobody knows from where they would start.
+            self._nodes["rays"].points = np.full((1, 2, 3), FAR_AWAY)
+            self._nodes["hits"].points = np.full((1, 3), FAR_AWAY, dtype=np.float32)
             return
         scan = snapshot.line_scan.scan
         ends = snapshot.scan_pose.apply(scan.points())

@@ -1,0 +1,70 @@
+"""What the 3D view's nodes hold; how they look is for the browser's tests."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.assembly import assemble
+from app.config import Config
+from app.view.scene import FAR_AWAY, hypothesis_mark
+from app.view.view import View
+from robot.geometry import Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+
+
+@pytest.fixture(scope="module")
+def shown():
+    program = assemble(Config(robot="kinematic"))
+    for _ in range(10):
+        snapshot = program.engine.step()
+    view = View(program.field, program.robot.spec, program.engine.latest)
+    yield view._scene, snapshot
+    view.close()
+
+
+def with_places(snapshot, *weights):
+    places = [Hypothesis(w, Pose2(0.1 * i, 0, i), 1e-4 * np.eye(3)) for i, w in enumerate(weights)]
+    # Nodes follow measurements: a new one is a new object.
+    scan = replace(snapshot.line_scan)
+    return replace(
+        snapshot, estimate=replace(snapshot.estimate, hypotheses=tuple(places)), line_scan=scan
+    )
+
+
+def test_each_likely_place_has_its_ellipse(shown):
+    scene, snapshot = shown
+    one = len(hypothesis_mark(Pose2(), np.eye(3)))
+    for weights, count in (((1.0,), 1), ((0.5, 0.3, 0.19, 0.01), 3)):
+        scene.update(with_places(snapshot, *weights))
+        node = scene._nodes["covariance"]
+        assert len(node.points) == len(node.colors) == count * one
+
+
+def test_the_likeliest_place_has_the_fullest_colour(shown):
+    scene, snapshot = shown
+    scene.update(with_places(snapshot, 0.7, 0.3))
+    colours = scene._nodes["covariance"].colors.astype(int).sum(axis=(1, 2))
+    assert colours[0] < colours[-1]
+
+
+def test_what_is_not_known_is_not_shown(shown):
+    scene, snapshot = shown
+    nothing = Cloud(np.empty((0, 3)), np.empty(0))
+    scene.update(with_places(snapshot, 1.0))
+    scene.update(
+        replace(
+            snapshot,
+            pose=None,
+            estimate=None,
+            scan_pose=None,
+            cloud=nothing,
+            line_scan=replace(snapshot.line_scan),
+        )
+    )
+    for name in ("particles", "covariance", "estimate", "rays", "hits"):
+        assert np.all(scene._nodes[name].points == FAR_AWAY) or name == "particles"
+    assert np.all(scene._nodes["particles"].points[:, :2] == FAR_AWAY)
+    scene.update(replace(snapshot, line_scan=replace(snapshot.line_scan)))
+    assert np.abs(scene._nodes["rays"].points).max() < 5
