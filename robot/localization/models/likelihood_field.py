@@ -53,8 +53,8 @@ class LikelihoodField:
         precision = 0.5 / (self.sigma_hit**2 + scan.extra_sd**2)
         end, curve = self._curve
         # What the sum holds of the rays that it was filled up with, which are as far as can be.
-        far = 2 * min(precision * field.max_distance**2 / end, 1.0) - 1
-        spare = (rays.shape[1] - used) * float(np.polyval(curve[::-1], far))
+        far = self._log_p(min(precision * field.max_distance**2, end))
+        spare = (rays.shape[1] - used) * far
         return _sums(
             poses,
             rays,
@@ -73,12 +73,15 @@ class LikelihoodField:
 
         Past it log p is all but constant, up to it the polynomial is right to 1e-3.
         """
-        false = max(self.z_rand / self.range_max, 1e-30)
-        end = max(math.log(max(self.z_hit, 1e-30) / false), 0.0) + FADED
-        fit = Chebyshev.interpolate(
-            lambda t: np.log(self.z_hit * np.exp(-(t + 1) * end / 2) + false), DEGREE
-        )
+        end = max(self._log_p(0.0) - self._log_p(math.inf), 0.0) + FADED
+        log_p = np.vectorize(self._log_p)
+        fit = Chebyshev.interpolate(lambda t: log_p((t + 1) * end / 2), DEGREE)
         return end, fit.convert(kind=Polynomial).coef.astype(np.float32)
+
+    def _log_p(self, x: float) -> float:
+        """Of a ray that ends off an edge, by x = d^2 / 2 sigma^2."""
+        false = max(self.z_rand / self.range_max, 1e-30)
+        return math.log(self.z_hit * math.exp(-x) + false)
 
 
 @njit(cache=True, nogil=True)

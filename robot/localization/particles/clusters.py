@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from numba import int64, njit
@@ -37,7 +36,7 @@ class Cells:
         return len(_sort_into_cells(poses, self.size_xy, self.turns)[1])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Clusters:
     """Which particles belong together."""
 
@@ -51,17 +50,17 @@ class Clusters:
     """(k, 3) [m, m, rad] in the map."""
     covariances: Array = field(repr=False)
     """(k, 3, 3)"""
-
-    @cached_property
-    def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """Heaviest first."""
-        parts = zip(self.weights.tolist(), self.means.tolist(), self.covariances, strict=True)
-        return tuple(Hypothesis(weight, Pose2(*mean), spread) for weight, mean, spread in parts)
+    hypotheses: tuple[Hypothesis, ...]
+    """The same, one by one."""
 
 
 def find_clusters(poses: Array, weights: Array, cells: Cells, most: int = 8) -> Clusters:
     """Group particles (n, 3) with weights (n,) that sum to one; describe the heaviest groups."""
-    return Clusters(*_find(poses, weights, cells.size_xy, cells.turns, most))
+    found = _find(poses, weights, cells.size_xy, cells.turns, most)
+    _, _, mass, means, covariances = found
+    described = zip(mass.tolist(), means.tolist(), covariances, strict=True)
+    hypotheses = tuple([Hypothesis(w, Pose2(*mean), spread) for w, mean, spread in described])
+    return Clusters(*found, hypotheses)
 
 
 @njit(cache=True, nogil=True)
