@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from benchmarks import filter as particle_filter
-from benchmarks import live, loop, recovery, render, start
+from benchmarks import live, loop, recovery, render, scan, start
 from benchmarks.result import Result
 from robot.settings import SettingError
 
@@ -18,6 +18,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "live": live.measure,
     "recovery": recovery.measure,
     "render": render.measure,
+    "scan": scan.measure,
     "start": start.measure,
 }
 

@@ -91,10 +91,10 @@ def test_without_samples_there_is_no_noise() -> None:
 def test_noise_widens_the_kernel_and_then_raises_the_threshold() -> None:
     assert kernel_for(0.0, 2, 25.0) == (2, 25.0)
     assert kernel_for(3.0, 2, 25.0) == (2, 25.0)
-    assert kernel_for(7.0, 2, 25.0)[0] == 3
+    assert kernel_for(8.0, 2, 25.0)[0] == 3
     half, threshold = kernel_for(15.0, 2, 25.0)
-    assert half == 4
-    assert threshold == pytest.approx(4 * 15 * math.sqrt(2 / 4))
+    assert half == 3
+    assert threshold == pytest.approx(3.5 * 15 * math.sqrt(2 / 3))
 
 
 def vertical_ray(length: int = 60) -> tuple[NDArray[np.uint32], NDArray[np.float32]]:

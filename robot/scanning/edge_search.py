@@ -20,7 +20,7 @@ from robot.geometry import Array
 PAIRS = 4
 """Pairs kept on one ray; farther ones are left out."""
 
-CERTAIN = 4.0
+CERTAIN = 3.5
 """Standard deviations of noise by which an edge stands out of it."""
 
 PARTS = 2
@@ -136,10 +136,11 @@ def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]
     """Half width of the edge kernel and threshold that suit a picture's noise [grey levels].
 
     Between the means of h samples ahead and behind, noise alone makes a difference of
-    sqrt(2 / h) its size. The kernel grows up to twofold, then the threshold.
+    sqrt(2 / h) its size. The kernel grows by up to half, lest far tape's edges run into one
+    another, then the threshold.
     """
     wanted = math.ceil(2 * (CERTAIN * noise / threshold) ** 2)
-    half = min(max(kernel, wanted), 2 * kernel)
+    half = min(max(kernel, wanted), kernel + (kernel + 1) // 2)
     return half, max(threshold, CERTAIN * noise * math.sqrt(2 / half))
 
 
@@ -250,8 +251,7 @@ def refine(
     interpolated between four pixels.
 
     Args:
-        picture: (h * w,) all pixels, row by row.
-        width: pixels in a row.
+        picture: (h * w,) all pixels, row by row, ``width`` in a row.
         pixels: (m, 2) of the ray's samples.
         place: sample where the edge was found.
         half: half width of the kernel [samples].

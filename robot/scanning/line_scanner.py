@@ -42,7 +42,7 @@ class LineScannerSettings:
     )
     kernel: int = setting(
         2,
-        "Half width of the edge kernel; wider is calmer, narrower is finer; doubled in noise",
+        "Half width of the edge kernel; wider is calmer, narrower is finer; in noise it grows",
         unit="samples",
         low=1,
         high=20,
