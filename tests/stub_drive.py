@@ -1,16 +1,18 @@
-"""A robot on the field "stub", its erring odometry and its scans, for tests of filters."""
+"""A robot on the field "stub", its erring odometry and its scans, and filters that follow it."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.fields.ray_casting import cast_rays
+from robot.fields.ray_casting import cast_rays, cast_toward
 from robot.geometry import Array, Pose2, Twist2, compose
 from robot.localization.filter import Filter
 from robot.localization.models.entry_field import EntryField
@@ -87,3 +89,39 @@ def follow(f: Filter, drive: Drive, seconds: float) -> list[float]:
         f.correct(scan)
         errors.append(f.hypotheses[0].pose.distance_to(drive.true))
     return errors
+
+
+def noisy_scan(true: Pose2, sd: float, rng: np.random.Generator) -> Scan:
+    """Each end errs by itself, across the edge: as the filter supposes."""
+    ranges = np.empty(len(BEARINGS))
+    for i, bearing in enumerate(BEARINGS):
+        dx, dy = math.cos(true.theta + bearing), math.sin(true.theta + bearing)
+        distance, edge = cast_toward(true.x, true.y, dx, dy, STUB.edge_index, 1.0)
+        if edge < 0:
+            ranges[i] = np.inf
+            continue
+        ex, ey = STUB.edge_index.edges[edge, 2:] - STUB.edge_index.edges[edge, :2]
+        sine = abs(dx * ey - dy * ex) / math.hypot(ex, ey)
+        ranges[i] = distance + sd / sine * rng.standard_normal()
+    return Scan(0.0, BEARINGS, ranges)
+
+
+def check_sound(f: Filter) -> None:
+    cloud, found = f.cloud, f.hypotheses
+    assert cloud.poses.shape == (len(cloud.weights), 3) and 1 <= len(cloud.weights) <= 20_000
+    assert np.isfinite(cloud.poses).all()
+    assert (np.abs(cloud.poses[:, 2]) <= math.pi).all()
+    assert (cloud.weights >= 0).all() and cloud.weights.sum() == pytest.approx(1)
+    assert 1 - 1e-9 <= f.effective < math.inf
+    weights = [one.weight for one in found]
+    assert weights == sorted(weights, reverse=True)
+    assert all(0 < w <= 1 + 1e-9 for w in weights) and sum(weights) <= 1 + 1e-9
+    for one in found:
+        assert one.pose.is_finite()
+        check_covariance(one.covariance)
+
+
+def check_covariance(covariance: Array) -> None:
+    np.testing.assert_allclose(covariance, covariance.T, rtol=1e-9, atol=1e-15)
+    values = np.linalg.eigvalsh(covariance)
+    assert values[0] >= -1e-12 * max(values[-1], 1)

@@ -9,9 +9,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from stub_drive import BEARINGS, DEFAULTS, SENSOR, STUB, Drive, draw_poses, follow, matcher_of, near
+from stub_drive import (
+    BEARINGS,
+    DEFAULTS,
+    SENSOR,
+    STUB,
+    Drive,
+    check_sound,
+    draw_poses,
+    follow,
+    matcher_of,
+    near,
+)
 
-from robot.geometry import Array, Pose2, mean_pose, pose_covariance
+from robot.geometry import Pose2, mean_pose, pose_covariance
 from robot.localization.filter import Cloud, Filter
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.kalman_filter import KalmanFilter
@@ -43,27 +54,6 @@ each_filter = pytest.mark.parametrize("make", FILTERS, ids=lambda make: make.__n
 NARROW = np.diag(np.square([0.02, 0.02, 0.05]))
 
 
-def check_sound(f: Filter) -> None:
-    cloud, found = f.cloud, f.hypotheses
-    assert cloud.poses.shape == (len(cloud.weights), 3) and 1 <= len(cloud.weights) <= 20_000
-    assert np.isfinite(cloud.poses).all()
-    assert (np.abs(cloud.poses[:, 2]) <= math.pi).all()
-    assert (cloud.weights >= 0).all() and cloud.weights.sum() == pytest.approx(1)
-    assert 1 - 1e-9 <= f.effective < math.inf
-    weights = [one.weight for one in found]
-    assert weights == sorted(weights, reverse=True)
-    assert all(0 < w <= 1 + 1e-9 for w in weights) and sum(weights) <= 1 + 1e-9
-    for one in found:
-        assert one.pose.is_finite()
-        check_covariance(one.covariance)
-
-
-def check_covariance(covariance: Array) -> None:
-    np.testing.assert_allclose(covariance, covariance.T, rtol=1e-9, atol=1e-15)
-    values = np.linalg.eigvalsh(covariance)
-    assert values[0] >= -1e-12 * max(values[-1], 1)
-
-
 # --- what it is told
 
 
@@ -76,6 +66,9 @@ def test_a_told_pose_is_the_only_hypothesis_and_as_wide_as_told(make: Make) -> N
     assert near(one.pose, told, 0.002, 0.005) and one.weight > 0.99
     np.testing.assert_allclose(np.sqrt(np.diag(one.covariance)), [0.02, 0.02, 0.05], rtol=0.1)
     check_sound(f)
+    poses, weights = f.cloud.poses, f.cloud.weights
+    shown = pose_covariance(poses, weights, mean_pose(poses, weights))
+    np.testing.assert_allclose(np.sqrt(np.diag(shown)), [0.02, 0.02, 0.05], rtol=0.1)
 
 
 @each_filter
@@ -210,6 +203,18 @@ def test_a_scan_of_nothing_says_nothing(make: Make, rays: int) -> None:
 
 
 @each_filter
+def test_what_is_said_of_the_robot_is_new_after_each_scan_and_step(make: Make) -> None:
+    f, drive = make(0), Drive()
+    f.set_pose(drive.true, NARROW)
+    told = f.hypotheses[0]
+    f.correct(drive.scan())
+    seen = f.hypotheses[0]
+    assert seen.covariance[0, 0] < 0.5 * told.covariance[0, 0]
+    f.predict(Pose2(0.001))
+    assert f.hypotheses[0].pose.distance_to(seen.pose) > 0.0005
+
+
+@each_filter
 def test_a_scan_with_one_return_is_a_scan(make: Make) -> None:
     f, drive = make(0), Drive()
     f.set_pose(drive.true, NARROW)
@@ -221,21 +226,17 @@ def test_a_scan_with_one_return_is_a_scan(make: Make) -> None:
 
 
 @each_filter
-def test_far_outside_the_field_it_stays_sound(make: Make) -> None:
+@pytest.mark.parametrize(
+    ("told", "sds"),
+    [(Pose2(50, -70, 1), (0.5, 0.5, 1.0)), (Pose2(), (100.0, 100.0, 3.0))],
+    ids=["far outside the field", "a hundred metres wide"],
+)
+def test_what_is_absurd_is_no_burden(
+    make: Make, told: Pose2, sds: tuple[float, float, float]
+) -> None:
     f, drive = make(0), Drive()
-    f.set_pose(Pose2(50, -70, 1), np.diag(np.square([0.5, 0.5, 1.0])))
+    f.set_pose(told, np.diag(np.square(sds)))
     for moved, scan in drive.eight(0.2):
-        f.predict(moved)
-        f.correct(scan)
-        check_sound(f)
-    assert f.hypotheses[0].pose.distance_to(Pose2(50, -70)) < 2
-
-
-@each_filter
-def test_a_hundred_metres_of_doubt_are_no_burden(make: Make) -> None:
-    f, drive = make(0), Drive()
-    f.set_pose(Pose2(), np.diag(np.square([100.0, 100.0, 3.0])))
-    for moved, scan in drive.eight(0.1):
         f.predict(moved)
         f.correct(scan)
         check_sound(f)

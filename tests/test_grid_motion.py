@@ -68,8 +68,11 @@ def test_noise_is_spread_along_the_heading(heading: float) -> None:
     grid = one_box(heading)
     turned = Pose2(*grid.poses[0].tolist()).theta
     sd = grid.boxes.size[0]
-    _, covariance = moments(moved_grid(grid, Pose2(), np.diag([sd**2, 0, 0])))
-    expected = np.square([math.cos(turned) * sd, math.sin(turned) * sd])
+    noise = np.array([[1.0, 0.3, 0], [0.3, 0.4, 0], [0, 0, 0]]) * sd**2
+    _, covariance = moments(moved_grid(grid, Pose2(), noise))
+    c, s = math.cos(turned), math.sin(turned)
+    R = np.array([[c, -s], [s, c]])
+    expected = np.diag(R @ noise[:2, :2] @ R.T)
     np.testing.assert_allclose(np.diag(covariance)[:2], expected, atol=1e-9)
 
 

@@ -11,11 +11,10 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive, draw_poses, matcher_of
+from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive, draw_poses, matcher_of, noisy_scan
 
 from robot.fields.edges import outline
 from robot.fields.field import Field
-from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.filter import Cloud
 from robot.localization.kalman_filter import KalmanFilter
@@ -31,10 +30,14 @@ STEP = Twist2(0.15, 0.79).integrate(PERIOD)
 
 
 def filter_of(
-    of: Field = STUB, sd: float = SD, motion: MotionModel = MOTION, seed: int = 0
+    of: Field = STUB,
+    sd: float = SD,
+    motion: MotionModel = MOTION,
+    seed: int = 0,
+    doubt: float = 0.0,
 ) -> KalmanFilter:
     rng = np.random.default_rng(seed)
-    return KalmanFilter(motion, matcher_of(of, sd), of, np.eye(3), 61, rng)
+    return KalmanFilter(motion, matcher_of(of, sd), of, np.eye(3), 61, rng, doubt=doubt)
 
 
 def covariance(f: KalmanFilter) -> Array:
@@ -197,21 +200,6 @@ def test_without_noise_it_stays_on_the_truth() -> None:
         assert abs(pose(f).turn_to(drive.true)) < 1e-6
 
 
-def noisy_scan(true: Pose2, sd: float, rng: np.random.Generator) -> Scan:
-    """Each end errs by itself, across the edge: as the filter supposes."""
-    ranges = np.empty(len(BEARINGS))
-    for i, bearing in enumerate(BEARINGS):
-        dx, dy = math.cos(true.theta + bearing), math.sin(true.theta + bearing)
-        distance, edge = cast_toward(true.x, true.y, dx, dy, STUB.edge_index, 1.0)
-        if edge < 0:
-            ranges[i] = np.inf
-            continue
-        ex, ey = STUB.edge_index.edges[edge, 2:] - STUB.edge_index.edges[edge, :2]
-        sine = abs(dx * ey - dy * ex) / math.hypot(ex, ey)
-        ranges[i] = distance + sd / sine * rng.standard_normal()
-    return Scan(0.0, BEARINGS, ranges)
-
-
 def test_its_errors_are_as_large_as_it_claims() -> None:
     """Mean of e^T Sigma^-1 e over 60 drives (NEES): chi-squared with 180 degrees, 99.9 %."""
     squared = []
@@ -254,6 +242,26 @@ def test_told_ten_centimetres_wrong_it_stays_sound_though_it_may_be_lost() -> No
     assert pose(f).is_finite() and STUB.contains(pose(f))
     assert len(f.hypotheses) == 1 and f.hypotheses[0].weight == 1.0
     assert np.linalg.eigvalsh(covariance(f))[0] > 0
+
+
+def test_in_doubt_it_believes_ranges_less_and_lets_more_of_them_in() -> None:
+    """Told wrong by more than the gate it finds back; where it is sure nothing changes."""
+    textbook, cautious = filter_of(sd=0.0067), filter_of(sd=0.0067, doubt=1.0)
+    errors = []
+    for f in (textbook, cautious):
+        drive = Drive()
+        f.set_pose(Pose2(-0.07, 0.05, 0.2), np.diag(np.square([0.1, 0.1, 0.3])))
+        for moved, scan in drive.eight(4.0):
+            f.predict(moved)
+            f.correct(scan)
+        errors.append(pose(f).distance_to(drive.true))
+    assert errors[1] < 0.002 < errors[0]
+    sure = np.diag(np.square([1e-5, 1e-5, 1e-5]))
+    for f in (textbook, cautious):
+        f.set_pose(Pose2(0.001, 0, 0), sure)
+        f.correct(Drive().scan())
+    assert pose(textbook).distance_to(pose(cautious)) < 1e-7
+    np.testing.assert_allclose(covariance(cautious), covariance(textbook), rtol=1e-3, atol=1e-16)
 
 
 # --- what is shown and given

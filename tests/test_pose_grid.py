@@ -50,6 +50,13 @@ def some_grid(level: int = 2) -> PoseGrid:
     return f
 
 
+def test_headings_beyond_the_half_turn_are_those_on_the_other_side() -> None:
+    grid = some_grid()
+    assert set(grid.cells[:, 2]) <= set(range(grid.boxes.turns))
+    assert (grid.poses[:, 2] < -3).any() and (grid.poses[:, 2] > 3).any()
+    assert (np.abs(grid.poses[:, 2]) < np.pi).all()
+
+
 def test_cut_and_put_together_again_it_is_the_same_grid() -> None:
     grid = some_grid()
     again = grid.finer().coarser()
