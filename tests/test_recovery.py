@@ -1,0 +1,51 @@
+"""Random particles come in when scans fit worse than they used to (augmented MCL)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robot.localization.particles.recovery import Recovery
+
+EVEN = np.full(10, 0.1)
+
+
+def observed(*levels: float, rays: int = 60, slow: float = 0.01, fast: float = 0.2) -> Recovery:
+    """After scans of which each ray had a likelihood."""
+    found = Recovery()
+    for level in levels:
+        found.observe(np.full(10, rays * np.log(level)), EVEN, rays, slow, fast)
+    return found
+
+
+def test_the_first_scan_sets_both_averages() -> None:
+    assert observed(0.4).slow == observed(0.4).fast == pytest.approx(0.4)
+    assert observed(0.4).share() == 0
+
+
+def test_while_scans_fit_as_ever_or_better_nothing_is_tried() -> None:
+    assert observed(*[0.4] * 30).share() == pytest.approx(0, abs=1e-12)
+    assert observed(*[0.2] * 10, *[0.8] * 30).share() == 0
+
+
+def test_when_scans_fit_worse_the_share_is_that_of_the_book() -> None:
+    slow, fast = 0.5 + 0.01 * (0.1 - 0.5), 0.5 + 0.2 * (0.1 - 0.5)
+    assert observed(0.5, 0.1).share() == pytest.approx(1 - fast / slow)
+
+
+def test_either_alpha_of_zero_turns_it_off() -> None:
+    assert observed(0.5, 0.01, slow=0.0).share() == observed(0.5, 0.01, fast=0.0).share() == 0
+
+
+def test_scans_with_few_rays_and_with_many_compare() -> None:
+    found = Recovery()
+    for rays in (60, 7, 33):
+        found.observe(np.full(10, rays * np.log(0.3)), EVEN, rays, 0.01, 0.2)
+    assert found.fast == pytest.approx(0.3)
+
+
+def test_particles_count_by_their_weight() -> None:
+    found = Recovery()
+    weights = np.array([0.75, 0.25])
+    found.observe(10 * np.log([0.8, 0.4]), weights, 10, 0.1, 0.1)
+    assert found.slow == pytest.approx(0.75 * 0.8 + 0.25 * 0.4)
