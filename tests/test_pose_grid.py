@@ -103,10 +103,21 @@ def test_a_normal_distribution_has_its_moments(
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), expected, rtol=0.12)
 
 
+def test_a_normal_distribution_of_any_heading_goes_once_round() -> None:
+    grid = normal_grid(BOXES, Pose2(0, 0, 0.1), np.diag(np.square([0.01, 0.01, 3.0])), 10_000)
+    by_heading = np.bincount(grid.cells[:, 2], grid.mass, grid.boxes.turns)
+    assert (by_heading > 0).all()
+    # The box on the other side must not be counted from both.
+    opposite = grid.boxes.places(np.array([[0, 0, 0.1 - np.pi]]))[0, 2]
+    assert by_heading[int(opposite)] < by_heading.mean()
+
+
 def test_a_cloud_is_put_into_boxes_that_hold_several_each() -> None:
     poses = draw_poses(np.random.default_rng(0), Pose2(0, 0, 3.1), (0.03, 0.02, 0.1), 4000)
     weights = np.linspace(0, 1, 4000) / np.linspace(0, 1, 4000).sum()
     grid = cloud_grid(BOXES, Cloud(poses, weights))
+    inside = np.unique(np.floor(grid.boxes.places(poses)), axis=0)
+    assert 4000 / 32 < len(inside) <= 4000 / 4
     found, covariance = moments(grid)
     wanted = mean_pose(poses, weights)
     assert found.distance_to(wanted) < 1e-9 and abs(found.turn_to(wanted)) < 1e-3
