@@ -1,7 +1,7 @@
 """Cosine and sine inside compiled loops over particles.
 
-The C library's take 40 ns for the two together, a third of what sixty rays cost; these take 3 ns,
-as the compiler can put them into the loop.
+The C library's take 10 ns for the two together; these take 2 ns, as the compiler can put them into
+the loop.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """The table of distances as planes: one word a cell, so that a look-up reads memory once.
 
 Between the four corners of a cell the distance is all but a plane: exactly so along a straight
-edge. A word holds its value at the cell's corner and its slopes along x and y. Bilinear from four
-corners read six times as slowly.
+edge. A word holds its value at the cell's corner and its slopes along x and y.
 """
 
 from __future__ import annotations

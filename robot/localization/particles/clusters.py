@@ -2,8 +2,8 @@
 
 As in nav2_amcl the cells are boxes in x, y and theta; cells that touch, also by a corner and round
 the full turn, are one cluster. Only occupied cells are kept, in a hash table, so that particles
-which are far apart take no more memory. All that goes over particles is compiled: 10 ns for each,
-where sorting and sparse graphs of SciPy took 300.
+which are far apart take no more memory. All that goes over particles is compiled: 15 ns for each,
+where sorting and sparse graphs of SciPy took 230.
 """
 
 from __future__ import annotations

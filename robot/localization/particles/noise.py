@@ -1,6 +1,6 @@
 """Many normal random numbers at once: a filter needs six for each particle and update.
 
-NumPy's generator makes them one after the other, 8 ns each, which was half of the whole update.
+NumPy's generator makes them one after the other, 8 ns each.
 Here each number follows from its place in the row alone, so that the compiler works on sixteen at
 a time: 0.5 ns each. The generator still is the only source of chance: it gives the key of the row.
 """

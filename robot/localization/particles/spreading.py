@@ -36,7 +36,8 @@ def regularize(
     d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). With it the copies are
     drawn together by sqrt(1 - h^2) (shrinkage; West 1993), and what chance still left of a
     difference is taken away: copies of a cluster have its mean and its covariance, neither more
-    nor less. Else their width would wander at random wherever no scan holds it.
+    nor less. So the width is right on average wherever no scan holds it. It still wanders, as the
+    weights are chance there, too: told to 20 mm along a wall, 3 to 30 mm were left after 8 s.
 
     Args:
         poses: (n, 3) weighed particles.
@@ -86,7 +87,7 @@ def _by_cluster(
     """Copies (3, m), those of a cluster side by side, and where each cluster's end.
 
     Those of no described cluster are last. Rows of numbers side by side are what compilers turn
-    into work on eight at a time: this makes the rest three times as fast.
+    into work on eight at a time: spreading takes a third less time by it.
     """
     ends = np.zeros(described + 1, dtype=np.int64)
     for i in drawn:
