@@ -8,13 +8,10 @@ from collections import deque
 import numpy as np
 
 from robot.geometry import Array, Pose2
+from robot.localization.hypotheses.reliving import Past
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
-from robot.localization.scan_matching import Past
 from robot.scan import Scan, evenly
-
-START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
-"""How well a pose is known when a place is found [m, m, rad]."""
 
 
 class LocalMap:
@@ -69,7 +66,6 @@ class LocalMap:
             np.array([step.to_array() for step in moves]),
             np.array([motion.covariance(step) for step in moves]),
             np.array([rays_of(scan, beams) for _, scan in some]),
-            START_INFORMATION,
         )
 
     @property

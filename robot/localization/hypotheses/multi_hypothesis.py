@@ -2,101 +2,63 @@
 
 Each is a filter of its own. They are born where a short map of the last scans fits the field,
 weighed by how well the rays of each scan fit, and never resampled against each other: what looks
-unlikely now may be right when a mark comes into sight. Only a hopeless one is dropped.
+unlikely now may be right when a mark comes into sight. Only a hopeless one is given up.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
-from robot.localization.filter import Cloud, Filter
+from robot.localization.filter import Cloud
 from robot.localization.hypotheses.local_map import LocalMap
-from robot.localization.hypotheses.place_search import Place, PlaceSearch, SearchSettings
-from robot.localization.models.entry_field import EntryField
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.hypotheses.place_search import PlaceSearch
+from robot.localization.hypotheses.prior import Prior
+from robot.localization.hypotheses.track import Track, TrackFilter
 from robot.localization.rays import rays_of
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
 from robot.scan import Scan
 
-
-POLISH = np.diag(np.square([0.005, 0.005, 0.02]))
-"""How far a hypothesis is moved to where a scan fits, beyond its own covariance [m, m, rad]."""
-
-
-@dataclass
-class Track:
-    """One hypothesis."""
-
-    filter: Filter
-    log_weight: float
-    """Relative to the heaviest."""
-
-    @property
-    def best(self) -> Hypothesis:
-        """Where it says the robot is."""
-        return self.filter.hypotheses[0]
-
-
-@dataclass(frozen=True)
-class HypothesisSettings:
-    search: SearchSettings
-    scans_first: int = 12
-    scans_lost: int = 2
-    scans_sure: int = 24
-    scans_later: int = 8
-    scans_most: int = 24
-    spacing_xy: float = 0.009
-    spacing_theta: float = 0.05
-    least_hits: float = 0.7
-    rays_a_scan: float = 4.5
-    """So many independent rays is one scan worth."""
-    map_worth: float = 0.6
-    most_a_scan: float = 3.0
-    kidnap: float = -9.0
-    seen_anywhere: float = 1.7
-    missed_anywhere: float = -0.2
-    hopeless: float = 12.0
-    most: int = 24
-    merge_xy: float = 0.03
-    merge_theta: float = 0.1
+BEAMS = 60
+"""Rays of a scan by which hypotheses are weighed."""
+SEEN_ANYWHERE, MISSED_ANYWHERE = 1.7, -0.2
+"""Log-likelihood of a ray, by whether it returned, at a place that fits but badly."""
+FIRST, LATER, LOST, SURE = 12, 8, 2, 24
+"""Scans before the first search; between searches, also when lost, and when sure."""
+CERTAIN = 0.95
+FRESH = -3.0
+"""Log-weight of being elsewhere when places were found for the first time."""
+LEAST_SHARE = 0.2
+"""A track keeps at least this part of its particles, however many there are."""
+INDIFFERENT = 0.1
+"""Less than this, in log-likelihood, a scan does not tell for one place or another: such small
+differences come from where a fit ends, and would add up."""
 
 
 class MultiHypothesisFilter:
-    """Looks for places all the time, and follows all that are not hopeless."""
+    """Follows all places where the robot may be, and looks for others all the time.
+
+    The weights of its hypotheses sum to less than one: what is missing is the probability that the
+    robot is elsewhere. It grows while no hypothesis fits.
+    """
 
     def __init__(
-        self,
-        new_filter: Callable[[], Filter],
-        entries: EntryField,
-        matcher: ScanMatcher,
-        field: Field,
-        settings: HypothesisSettings,
-        motion: MotionModel,
-        covariance: Array,
+        self, setup: Setup, new_filter: Callable[[], TrackFilter], rng: np.random.Generator
     ) -> None:
+        self.setup = setup
         self._new_filter = new_filter
-        self._entries = entries
-        self._matcher = matcher
-        self._field = field
-        self._settings = settings
-        self._motion = motion
-        self._tracks: list[Track] = []
-        self._told: tuple[Pose2, Array] | None = None
-        self._local = self._new_map()
-        self._search: PlaceSearch | None = None
+        self._rng = rng
         self._since_search = Pose2()
-        self._wait = settings.scans_first
-        self.set_pose(field.start, covariance)
+        self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """All of all tracks, heaviest first; none while nothing was found yet."""
         found = [
             replace(one, weight=one.weight * weight)
             for track, weight in zip(self._tracks, self._weights(), strict=True)
@@ -106,168 +68,176 @@ class MultiHypothesisFilter:
 
     @property
     def cloud(self) -> Cloud:
+        """The particles of all tracks; poses all over the field while nothing was found yet."""
         if not self._tracks:
             return self._anywhere
         clouds = [track.filter.cloud for track in self._tracks]
-        w=self._weights(); weights = [c.weights * w for c, w in zip(clouds, w/w.sum(), strict=True)]
-        return Cloud(np.concatenate([c.poses for c in clouds]), np.concatenate(weights))
+        weights = self._weights()
+        parts = [c.weights * w for c, w in zip(clouds, weights / weights.sum(), strict=True)]
+        return Cloud(np.concatenate([c.poses for c in clouds]), np.concatenate(parts))
 
     @property
     def effective(self) -> float:
-        return float(1 / np.square(self.cloud.weights).sum())
+        """Effective sample size of the cloud."""
+        return float(1.0 / np.square(self.cloud.weights).sum())
+
+    def use(self, setup: Setup) -> None:
+        """Go on with other models and parameters; all hypotheses stay."""
+        self.setup = setup
+        for track in self._tracks:
+            track.filter.use(setup)
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
         one = self._new_filter()
         one.set_pose(pose, covariance)
-        self._restart([Track(one, 0.0)], (pose, covariance))
+        self._start([Track(one, 0.0)], Prior(pose, covariance))
 
     def set_cloud(self, cloud: Cloud) -> None:
+        """Start anew with one hypothesis of given weighted poses."""
         one = self._new_filter()
         one.set_cloud(cloud)
-        self._restart([Track(one, 0.0)], None)
+        self._start([Track(one, 0.0)], None)
 
     def scatter(self) -> None:
-        self._restart([], None)
-        self._anywhere = Cloud.even(self._field.free_poses(np.random.default_rng(0), 2000))
+        """Start anew without any: places are looked for."""
+        count = self.setup.parameters.filter.most_particles
+        self._anywhere = Cloud.even(self.setup.field.free_poses(self._rng, count))
+        self._start([], None)
 
     def predict(self, moved: Pose2) -> None:
+        """Follow a step by odometry."""
         for track in self._tracks:
             track.filter.predict(moved)
         self._local.move(moved)
         self._since_search = self._since_search @ moved
-        if self._told:
-            self._told = self._told[0] @ moved, self._told[1]
+        if self._prior:
+            self._prior = self._prior.moved(moved)
 
     def correct(self, scan: Scan) -> None:
+        """Correct each hypothesis by a scan, weigh them, and look for more."""
         for track in self._tracks:
             track.filter.correct(scan)
         if self._local.add(scan):
             self._wait -= 1
-            self._weigh(rays_of(scan, 60))
+            self._weigh(rays_of(scan, BEAMS))
             self._select()
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
-        s = self._settings
-        if not self._tracks:
+        """Multiply each weight by the scan's likelihood, to the power that a scan is worth."""
+        if not self._tracks or not len(rays):
             return
-        fits = np.array([self._fit(track.best, rays) for track in self._tracks])
-        gained = s.rays_a_scan * (fits - fits.max())
+        p, matcher, evidence = self.setup.hypotheses, self.setup.matcher, self.setup.evidence
+        fits = np.array([track.fit(rays, matcher, evidence) for track in self._tracks])
+        lost = p.scan_worth * (fits.max() - fits)
         # No single scan decides alone.
-        for track, gain in zip(self._tracks, np.maximum(gained, -s.most_a_scan), strict=True):
-            track.log_weight += float(gain)
-        hits = np.isfinite(rays[:, 3]).mean()
-        anywhere = s.seen_anywhere * hits + s.missed_anywhere * (1 - hits)
-        as_is = self._matcher.log_likelihood(self._tracks[int(fits.argmax())].best.pose, rays)
-        gain = s.rays_a_scan * (anywhere - as_is)
-        self._elsewhere += float(np.clip(gain, -s.most_a_scan, 1.5 * s.most_a_scan))
+        for track, loss in zip(self._tracks, np.minimum(lost, p.most_a_scan), strict=True):
+            track.log_weight -= float(loss) if loss > INDIFFERENT else 0.0
+        best = self._tracks[int(fits.argmax())]
+        hits = float(np.isfinite(rays[:, 3]).mean())
+        anywhere = SEEN_ANYWHERE * hits + MISSED_ANYWHERE * (1 - hits)
+        gain = p.scan_worth * (anywhere - evidence.log_likelihood(best.pose, rays))
+        self._elsewhere += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self._doubts = self._doubts + 1 if gain > 0 else 0
 
-    def _fit(self, of: Hypothesis, rays: Array) -> float:
-        """How well rays fit at a hypothesis, once it is moved to where they fit best.
-
-        So that a filter's luck in finding its mean does not count.
-        """
-        information = np.linalg.inv(of.covariance + POLISH)
-        pose = self._matcher.match(of.pose, rays, information).pose
-        return self._matcher.log_likelihood(pose, rays)
-
     def _select(self) -> None:
-        s = self._settings
+        """Give up what is hopeless, and the lighter of two that are in one place."""
+        p = self.setup.hypotheses
         kept: list[Track] = []
-        for track in sorted(self._tracks, key=lambda t: -t.log_weight):
-            best = track.best.pose
-            hopeless = kept and track.log_weight < kept[0].log_weight - s.hopeless
-            if not hopeless and not any(self._alike(best, k.best.pose) for k in kept):
+        for track in sorted(self._tracks, key=lambda track: -track.log_weight):
+            hopeless = kept and track.log_weight < kept[0].log_weight + p.log_hopeless
+            if not hopeless and not any(p.alike(track.pose, other.pose) for other in kept):
                 kept.append(track)
-        self._tracks = kept[: s.most]
-        if not kept: return
-        heaviest = kept[0].log_weight
+        self._tracks = kept[: p.max_hypotheses]
+        if kept:
+            self._level(kept[0].log_weight)
+
+    def _level(self, heaviest: float) -> None:
+        """Make the heaviest weight one; notice when elsewhere has become the likeliest."""
+        least = self.setup.hypotheses.log_kidnapped
         for track in self._tracks:
             track.log_weight -= heaviest
-        self._elsewhere = min(max(self._elsewhere - heaviest, s.kidnap), -s.kidnap)
+            track.filter.share = max(1 / len(self._tracks), LEAST_SHARE)
+        self._elsewhere = min(max(self._elsewhere - heaviest, least), -least)
         lost = self._elsewhere > 0
         if lost and not self._lost:
+            # The map must not hold scans of before the robot was carried.
             self._local.forget(max(self._doubts, 1))
-            self._wait = s.scans_lost
-            self._search = None
+            self._search, self._wait = None, LOST
         self._lost = lost
 
-    def _alike(self, a: Pose2, b: Pose2) -> bool:
-        s = self._settings
-        return a.distance_to(b) < s.merge_xy and abs(a.turn_to(b)) < s.merge_theta
-
     def _look_around(self) -> None:
-        s = self._settings
+        """Begin a search for places, or go on with it."""
         if self._search is not None:
             if self._search.advance():
-                self._bear(self._search.found)
+                self._bear(self._search)
                 self._search = None
-        elif self._wait <= 0 and self._local.hit_share >= s.least_hits:
+        elif self._wait <= 0 and self._local.hit_share >= self.setup.hypotheses.least_hits:
+            setup = self.setup
+            self._since_search = self._local.since
+            back = self._since_search.inverse()
+            alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(
                 self._local,
-                self._motion,
-                [t.best.pose for t in self._tracks[:1]],
-                self._entries,
-                self._matcher,
-                s.search,
+                alive,
+                setup.motion,
+                setup.entries,
+                setup.matcher,
+                setup.evidence,
+                setup.hypotheses,
             )
-            self._since_search = self._local.since
-            self._wait = s.scans_sure if self._weights()[:1].sum() > .95 else s.scans_later
+            self._wait = SURE if self._weights()[:1].sum() > CERTAIN else LATER
 
-    def _bear(self, places: list[Place]) -> None:
-        s = self._settings
-        assert self._search is not None
-        now = self._since_search
-        worth = s.rays_a_scan * self._search.entries / len(self._search.past.moves)
-        best = self._tracks[0] if self._tracks else None
-        reference = (
-            self._search.alive[0].fits
-            if self._search.alive and best
-            else max((p.life.fits for p in places), key=lambda f: f.sum())
-        )
-        for place in places:
-            life = place.life
-            pose = life.pose @ now
-            if any(self._alike(pose, track.best.pose) for track in self._tracks):
-                continue
-            weight = worth * float(np.sum(life.fits - reference))
-            if best:
-                prior = self._prior(pose)
+    def _bear(self, search: PlaceSearch) -> None:
+        """Follow the places that were found, weighed as if they had been there all along."""
+        p = self.setup.hypotheses
+        lives = [life for life in search.found if not self._is_followed(life.pose)]
+        if not lives:
+            return
+        fits = [life.fits for life in (search.alive if self._tracks else search.found)]
+        reference = max(fits, key=lambda fit: float(fit.sum()))
+        worth = p.scan_worth * search.scans / search.scans_lived
+        for life in lives:
+            weight = worth * float((life.fits - reference).sum())
+            if self._tracks:
+                prior = self._log_prior(life.pose)
                 # One of the places elsewhere is no likelier than all of them together.
-                weight = best.log_weight + min(weight + prior, max(self._elsewhere, prior))
-            if weight < -s.hopeless:
-                continue
-            born = self._new_filter()
-            born.set_pose(pose, np.linalg.inv(life.information))
-            self._tracks.append(Track(born, weight))
+                weight = min(weight + prior, max(self._elsewhere, prior))
+            if weight > p.log_hopeless:
+                self._follow(life.pose @ self._since_search, life.covariance, weight)
         self._select()
 
-    def _prior(self, pose: Pose2) -> float:
-        far = self._settings.kidnap
-        if self._told is None:
-            return far
-        told, covariance = self._told
-        off = np.array([pose.x - told.x, pose.y - told.y, told.turn_to(pose)])
-        return float(np.logaddexp(-0.5 * off @ np.linalg.solve(covariance, off), far))
+    def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
+        born = self._new_filter()
+        born.share = LEAST_SHARE
+        born.set_pose(pose, covariance)
+        self._tracks.append(Track(born, log_weight))
 
-    def _restart(self, tracks: list[Track], told: tuple[Pose2, Array] | None) -> None:
+    def _is_followed(self, pose: Pose2) -> bool:
+        here = pose @ self._since_search
+        return any(self.setup.hypotheses.alike(here, track.pose) for track in self._tracks)
+
+    def _log_prior(self, pose: Pose2) -> float:
+        """How likely a pose was before it was found, beside the one that is followed."""
+        kidnapped = self.setup.hypotheses.log_kidnapped
+        if self._prior is None:
+            return kidnapped
+        told = self._prior.log_likelihood(pose @ self._since_search)
+        return float(np.logaddexp(told, kidnapped))
+
+    def _start(self, tracks: list[Track], prior: Prior | None) -> None:
+        p = self.setup.hypotheses
         self._tracks = tracks
-        self._told = told
-        self._elsewhere = self._settings.kidnap if told else -3.0
+        self._prior = prior
+        self._elsewhere = p.log_kidnapped if tracks else FRESH
         self._lost = False
         self._doubts = 0
-        self._search = None
-        self._local = self._new_map()
-        self._wait = self._settings.scans_first
-
-    def _new_map(self) -> LocalMap:
-        s = self._settings
-        return LocalMap(s.spacing_xy, s.spacing_theta, s.scans_most)
+        self._search: PlaceSearch | None = None
+        self._wait = FIRST
+        self._local = LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)
 
     def _weights(self) -> Array:
-        if not self._tracks:
-            return np.empty(0)
         likelihood = np.exp([track.log_weight for track in self._tracks])
         weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere))
         return weights

@@ -1,0 +1,149 @@
+"""Poses evenly over a field, and how badly the ends of rays fit at each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+from robot.localization.models.entry_field import EntryField
+
+MOST_POSES = 2_000_000
+"""A large field gets a coarser grid."""
+
+
+@dataclass(frozen=True, slots=True)
+class CoarseGrid:
+    """Poses over the bounding box of a field's edges, and all headings."""
+
+    thetas: Array = field(repr=False)
+    """(t,) [rad]"""
+    ys: Array = field(repr=False)
+    """(h,) [m]"""
+    xs: Array = field(repr=False)
+    """(w,) [m]"""
+
+    @classmethod
+    def over(cls, entries: EntryField, step_xy: float, step_theta: float) -> CoarseGrid:
+        """Cover a field in steps [m] and [rad], or in larger ones if that would be too many."""
+        rows, columns = entries.distances.shape[1:]
+        low = np.add(entries.origin, entries.max_distance)
+        size = np.subtract((columns, rows), 1) * entries.resolution - 2 * entries.max_distance
+        turns = max(1, round(2 * math.pi / step_theta))
+        step = max(step_xy, math.sqrt(size[0] * size[1] * turns / MOST_POSES))
+        thetas = np.arange(turns) * (2 * math.pi / turns) - math.pi
+        return cls(thetas, _evenly(low[1], size[1], step), _evenly(low[0], size[0], step))
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many headings, rows and columns."""
+        return len(self.thetas), len(self.ys), len(self.xs)
+
+    def poses(self, cells: NDArray[np.int64]) -> Array:
+        """Poses (n, 3) of cells (n, 3): heading, row, column."""
+        turn, row, column = cells.T
+        return np.column_stack([self.xs[column], self.ys[row], self.thetas[turn]])
+
+    def score(
+        self,
+        turns: slice,
+        ends: Array,
+        entries: EntryField,
+        blur: float,
+        costs: NDArray[np.float32],
+    ) -> None:
+        """Fill in the costs (t, h, w) of some headings: sum over the ends of d^2 / (d^2 + blur^2).
+
+        Args:
+            turns: the headings.
+            ends: (n, 3) end of each ray [m] and its direction [rad], seen from the robot.
+            entries: how far it is to an edge.
+            blur: how far an end may lie off [m].
+            costs: of all headings.
+        """
+        _score(
+            ends,
+            self.thetas[turns],
+            self.xs,
+            self.ys,
+            entries.distances,
+            entries.origin,
+            entries.resolution,
+            blur,
+            costs[turns],
+        )
+
+
+def _evenly(low: float, size: float, step: float) -> Array:
+    count = max(1, math.ceil(size / step))
+    return low + size / 2 + step * (np.arange(count) - (count - 1) / 2)
+
+
+@njit(cache=True, nogil=True)
+def _score(
+    ends: Array,
+    thetas: Array,
+    xs: Array,
+    ys: Array,
+    distances: NDArray[np.float32],
+    origin: tuple[float, float],
+    resolution: float,
+    blur: float,
+    costs: NDArray[np.float32],
+) -> None:
+    directions, height, width = distances.shape
+    step = (xs[1] - xs[0]) / resolution if len(xs) > 1 else 0.0
+    square, all_of_it = np.float32(blur * blur), np.float32(1)
+    costs[:] = 0
+    for t in range(len(thetas)):
+        c, s = math.cos(thetas[t]), math.sin(thetas[t])
+        for i in range(len(ends)):
+            off_x, off_y = c * ends[i, 0] - s * ends[i, 1], s * ends[i, 0] + c * ends[i, 1]
+            toward = (thetas[t] + ends[i, 2]) * (directions / (2 * math.pi))
+            facing = int(math.floor(toward + 0.5)) % directions
+            first = (xs[0] + off_x - origin[0]) / resolution + 0.5
+            for y in range(len(ys)):
+                row = int(math.floor((ys[y] + off_y - origin[1]) / resolution + 0.5))
+                if not 0 <= row < height:
+                    costs[t, y] += all_of_it
+                    continue
+                line = distances[facing, row]
+                for x in range(len(xs)):
+                    column = int(math.floor(first + x * step))
+                    if 0 <= column < width:
+                        d = line[column] * line[column]
+                        costs[t, y, x] += d / (d + square)
+                    else:
+                        costs[t, y, x] += all_of_it
+
+
+@njit(cache=True, nogil=True)
+def cheapest(costs: NDArray[np.float32], most: int) -> NDArray[np.int64]:
+    """Cells (n, 3) that cost no more than their neighbours: the cheapest of them, in order."""
+    turns, height, width = costs.shape
+    cells = [(np.float32(0), 0, 0, 0) for _ in range(0)]
+    for t in range(turns):
+        for y in range(height):
+            for x in range(width):
+                if _is_lowest(costs, t, y, x):
+                    cells.append((costs[t, y, x], t, y, x))
+    cells.sort()
+    found = np.empty((min(most, len(cells)), 3), dtype=np.int64)
+    for i in range(len(found)):
+        _, found[i, 0], found[i, 1], found[i, 2] = cells[i]
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _is_lowest(costs: NDArray[np.float32], t: int, y: int, x: int) -> bool:
+    turns, height, width = costs.shape
+    for dt in (-1, 0, 1):
+        for v in range(max(y - 1, 0), min(y + 2, height)):
+            for u in range(max(x - 1, 0), min(x + 2, width)):
+                if costs[(t + dt) % turns, v, u] < costs[t, y, x]:
+                    return False
+    return True

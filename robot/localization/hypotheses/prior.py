@@ -1,0 +1,30 @@
+"""What was told of the pose at the start, carried along by odometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+
+LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))
+"""Nobody tells a pose better than this [m², m², rad²]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """A pose with its covariance."""
+
+    pose: Pose2
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad]"""
+
+    def moved(self, step: Pose2) -> Prior:
+        """After a step by odometry."""
+        return Prior(self.pose @ step, self.covariance)
+
+    def log_likelihood(self, pose: Pose2) -> float:
+        """Of a pose, relative to the one that was told."""
+        off = np.array([pose.x - self.pose.x, pose.y - self.pose.y, self.pose.turn_to(pose)])
+        return float(-0.5 * off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off))

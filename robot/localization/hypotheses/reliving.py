@@ -1,0 +1,100 @@
+"""What would a hypothesis have come to, had it been there all along?
+
+The scans of a short map are laid together by odometry, which errs by some degrees over such a way:
+at the right place, too, the map as a whole does not quite fit. So a place is judged by an extended
+Kalman filter that follows the way back from the newest scan, where the place is known best.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.fields.edge_index import EdgeIndex
+from robot.geometry import Array, Pose2
+from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
+from robot.localization.scan_matching import ScanMatcher, fit_rays
+
+START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
+"""How well a pose is known when a place is found [1/m², 1/m², 1/rad²]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Past:
+    """Scans of the way, the newest first, and how the robot got from each to the next."""
+
+    moves: Array = field(repr=False)
+    """(m, 3) [m, m, rad] the step to each scan from the one before, seen from its start."""
+    noise: Array = field(repr=False)
+    """(m, 3, 3) covariance of each step, seen from its start."""
+    rays: Array = field(repr=False)
+    """(m, k, 6) of each scan, as ``rays_of`` makes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Life:
+    """What a hypothesis would have come to."""
+
+    pose: Pose2
+    """At the newest scan."""
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad]"""
+    fits: Array = field(repr=False)
+    """(m,) log-likelihood of each scan, on average of its rays."""
+
+
+def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence) -> Life:
+    """Follow the way back from a pose at its newest scan."""
+    pose, information, fits = _relive(
+        start.to_array(),
+        past.moves,
+        past.noise,
+        past.rays,
+        matcher.index,
+        evidence.ends,
+        matcher.range_max,
+        matcher.sd,
+        matcher.gate,
+        evidence.sd,
+    )
+    return Life(Pose2(*pose.tolist()), np.linalg.inv(information), fits)
+
+
+@njit(cache=True, nogil=True)
+def _relive(
+    start: Array,
+    moves: Array,
+    noise: Array,
+    rays: Array,
+    index: EdgeIndex,
+    ends: NDArray[np.bool_],
+    range_max: float,
+    sd: float,
+    gate: float,
+    evidence_sd: float,
+) -> tuple[Array, Array, Array]:
+    """Pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
+    fits = np.empty(len(moves))
+    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], index, range_max, sd, gate)
+    pose, information = newest, known
+    for k in range(len(moves)):
+        if k > 0:
+            pose, information = _moved(pose, information, moves[k], noise[k])
+            pose, information, _ = fit_rays(pose, information, rays[k], index, range_max, sd, gate)
+        fits[k] = ray_log_likelihood(pose, rays[k], index, ends, range_max, evidence_sd)
+    return newest, known, fits
+
+
+@njit(cache=True, nogil=True)
+def _moved(pose: Array, information: Array, move: Array, noise: Array) -> tuple[Array, Array]:
+    """Pose and information after a step: G Sigma G^T + V M V^T."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    dx, dy = c * move[0] - s * move[1], s * move[0] + c * move[1]
+    G = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])
+    V = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    covariance = G @ np.linalg.inv(information) @ G.T + V @ np.ascontiguousarray(noise) @ V.T
+    return pose + np.array([dx, dy, move[2]]), np.linalg.inv(covariance)

@@ -1,0 +1,133 @@
+"""How well do rays fit at a pose, hits and misses alike?
+
+Particles are weighed by where rays end. To tell one place from another that looks much like it, it
+also counts that a mark should have been seen and was not. So each ray is cast, as in the beam model
+(Probabilistic Robotics, Table 6.1), and what the line scanner cannot see is left out: what lies
+nearer or farther than the picture shows, and tape that is met close to its end, which may be too
+short to be taken for tape.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.fields.edge_index import EdgeIndex
+from robot.fields.field import Field
+from robot.fields.ray_casting import cast_toward
+from robot.geometry import Array, Pose2
+
+SEEN = 0.85
+"""Share of the returns that are of the edge which is due; the others may be from anywhere."""
+STRAY = 0.12
+"""Share of the returns that are of something else, though an edge is due."""
+SURPRISE = 0.05
+"""Share of the rays that return something where no edge is due."""
+MISSED = 0.03
+"""Share of the rays that return nothing where an edge is due."""
+NEAR, FAR = 0.015, 0.06
+"""So close to where sight begins or ends [m] an edge may be missed: tape is seen as a whole."""
+END = 0.06
+"""So close to its end [m] tape may be missed, and what is behind it seen."""
+SHARP = 0.3
+"""An outline that turns by more than this [rad] ends one edge and begins another."""
+
+
+@dataclass(frozen=True, slots=True)
+class RayEvidence:
+    """Weighs poses by rays that return and rays that do not."""
+
+    index: EdgeIndex = field(repr=False)
+    ends: NDArray[np.bool_] = field(repr=False)
+    """(n, 2) whether an edge ends at its start and at its end, as ``sharp_ends`` tells."""
+    range_max: float
+    """How far rays reach [m]."""
+    sd: float
+    """Standard deviation of a range [m]."""
+
+    @classmethod
+    def of(cls, field: Field, range_max: float, sd: float) -> RayEvidence:
+        """For the edges of a field."""
+        return cls(field.edge_index, sharp_ends(field.edges), range_max, sd)
+
+    def log_likelihood(self, pose: Pose2, rays: Array) -> float:
+        """Log-likelihood of rays (n, 6) at a pose, on average of all of them."""
+        return ray_log_likelihood(
+            pose.to_array(), rays, self.index, self.ends, self.range_max, self.sd
+        )
+
+
+@njit(cache=True, nogil=True)
+def ray_log_likelihood(
+    pose: Array,
+    rays: Array,
+    index: EdgeIndex,
+    ends: NDArray[np.bool_],
+    range_max: float,
+    sd: float,
+) -> float:
+    """Log-likelihood of rays (n, 6) at a pose (3,), on average of all of them; 0 without rays."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    total = 0.0
+    for i in range(len(rays)):
+        heading = pose[2] + rays[i, 2]
+        dx, dy = math.cos(heading), math.sin(heading)
+        near, far = rays[i, 4], min(rays[i, 5], range_max)
+        x = pose[0] + c * rays[i, 0] - s * rays[i, 1] + near * dx
+        y = pose[1] + s * rays[i, 0] + c * rays[i, 1] + near * dy
+        due, edge = cast_toward(x, y, dx, dy, index, far - near)
+        at_end, across = False, 1.0
+        if edge >= 0:
+            at_end, across = _met(x + due * dx, y + due * dy, dx, dy, edge, index.edges, ends)
+        found = rays[i, 3] - near
+        if math.isfinite(found):
+            density = SURPRISE / range_max
+            if edge >= 0:
+                density = _density(found - due, sd, range_max)
+            if at_end:
+                past = due + 0.005
+                behind, edge = cast_toward(
+                    x + past * dx, y + past * dy, dx, dy, index, far - near - past
+                )
+                if edge >= 0:
+                    density = max(density, _density(found - past - behind, sd, range_max))
+            total += math.log(density)
+        elif edge >= 0 and not at_end and NEAR < due < far - near - FAR / across:
+            total += math.log(MISSED)
+    return total / max(len(rays), 1)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _density(off: float, sd: float, range_max: float) -> float:
+    """Of a return that is off the edge which is due [1/m]."""
+    peak = SEEN / (sd * math.sqrt(2 * math.pi))
+    return peak * math.exp(-0.5 * (off / sd) ** 2) + STRAY / range_max
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _met(
+    x: float, y: float, dx: float, dy: float, edge: int, edges: Array, ends: NDArray[np.bool_]
+) -> tuple[bool, float]:
+    """Whether a point of an edge is close to where it ends; the sine of its angle to the ray."""
+    ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
+    length = math.hypot(ex, ey)
+    along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
+    at_end = (ends[edge, 0] and along < END) or (ends[edge, 1] and length - along < END)
+    return at_end, abs(dx * ey - dy * ex) / length
+
+
+def sharp_ends(edges: Array) -> NDArray[np.bool_]:
+    """Whether edges (n, 4) end, or the outline turns sharply, at their start and end (n, 2)."""
+    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
+    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    sharp = np.ones((len(edges), 2), dtype=bool)
+    for place, edge in enumerate(edges):
+        after = starts.get(tuple(np.round(edge[2:], 6)))
+        if after is not None:
+            turn = abs(math.remainder(headings[after] - headings[place], 2 * math.pi))
+            sharp[place, 1] = sharp[after, 0] = turn > SHARP
+    return sharp

@@ -1,0 +1,59 @@
+"""What every filter is given: the field, the models and the parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robot.fields.field import Field
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.sensor_models import SensorModel
+from robot.localization.parameters import FilterParameters, LocalizationParameters
+from robot.localization.ray_evidence import RayEvidence
+from robot.localization.scan_matching import ScanMatcher
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Frozen: to change a model, a filter is told to go on with another setup."""
+
+    field: Field
+    entries: EntryField
+    motion: MotionModel
+    sensor: SensorModel
+    matcher: ScanMatcher
+    """Lays rays on edges where places are looked for."""
+    evidence: RayEvidence
+    parameters: LocalizationParameters
+
+    @classmethod
+    def of(
+        cls,
+        field: Field,
+        entries: EntryField,
+        motion: MotionModel,
+        sensor: SensorModel,
+        parameters: LocalizationParameters,
+    ) -> Setup:
+        """With matcher and evidence as the parameters ask for."""
+        reach, p = parameters.sensor.laser_max_range, parameters.hypotheses
+        return cls(
+            field,
+            entries,
+            motion,
+            sensor,
+            ScanMatcher(field.edge_index, reach, p.fit_sd, p.fit_gate),
+            RayEvidence.of(field, reach, p.fit_sd),
+            parameters,
+        )
+
+    @property
+    def filter(self) -> FilterParameters:
+        """Those of the particle filter."""
+        return self.parameters.filter
+
+    @property
+    def hypotheses(self) -> HypothesisParameters:
+        """Those of the hypotheses."""
+        return self.parameters.hypotheses
