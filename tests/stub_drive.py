@@ -18,7 +18,7 @@ from robot.localization.filter import Filter
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.scan_matching import ScanMatcher, sharp_ends
+from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 
 MAPS = Path(__file__).parent.parent / "maps"
@@ -33,8 +33,7 @@ PERIOD = 1 / 30
 
 
 def matcher_of(edges_of: Field = STUB, sd: float = 0.02) -> ScanMatcher:
-    index, edges = edges_of.edge_index, edges_of.edges
-    return ScanMatcher(index, sharp_ends(edges), 1.0, sd, gate=0.06, evidence_sd=0.01)
+    return ScanMatcher(edges_of.edge_index, 1.0, sd, gate=0.06)
 
 
 @dataclass

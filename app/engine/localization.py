@@ -15,12 +15,14 @@ from robot.geometry import Array, Pose2, compose, covariance_root
 from robot.interface import Frame
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud
+from robot.localization.filters import make_filter
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.particles.particle_filter import ParticleFilter
+from robot.localization.refinement import Refinement
+from robot.localization.setup import Setup
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.settings import SettingError, describe
 
@@ -65,15 +67,10 @@ class Localization:
         self._rng = rng
         self._entries: EntryField | None = None
         self._once = False
-        self._filter = ParticleFilter(
-            self._motion(),
-            self._sensor(),
-            field,
-            parameters.filter,
-            rng,
-            likelihood_weight=parameters.sensor.likelihood_weight,
+        setup = self._setup()
+        self._localizer = Localizer(
+            make_filter(setup, rng), parameters.filter, Refinement.of(setup)
         )
-        self._localizer = Localizer(self._filter, parameters.filter)
 
     @property
     def cloud(self) -> Cloud:
@@ -176,22 +173,32 @@ class Localization:
         """Go on with other parameters; the cloud stays."""
         if parameters != self.parameters:
             self.own.rebuild(parameters)
+        other = parameters.filter.filter != self.parameters.filter.filter
         self.parameters = parameters
-        self._filter.motion = self._motion()
-        self._filter.sensor = self._sensor()
-        self._filter.parameters = self._localizer.parameters = parameters.filter
-        self._filter.likelihood_weight = parameters.sensor.likelihood_weight
+        setup = self._setup()
+        if other:
+            # Another kind of filter goes on from what this one believes.
+            cloud = self._localizer.filter.cloud
+            self._localizer.filter = make_filter(setup, self._rng)
+            self._localizer.filter.set_cloud(cloud)
+        else:
+            self._localizer.filter.use(setup)
+        self._localizer.parameters = parameters.filter
+        self._localizer.refinement = Refinement.of(setup)
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:
             self.belief = Belief(estimate, pose)
 
+    def _setup(self) -> Setup:
+        sensor = self._sensor()
+        assert self._entries is not None
+        return Setup.of(self._field, self._entries, self._motion(), sensor, self.parameters)
+
     def _motion(self) -> MotionModel:
         return self.own.motion or self.parameters.motion.model()
 
     def _sensor(self) -> SensorModel:
-        if self.own.sensor is not None:
-            return self.own.sensor
         wanted = self.parameters.sensor
         if self._entries is None or self.is_slow_to_use(self.parameters):
             self._entries = EntryField.build(
@@ -199,6 +206,8 @@ class Localization:
                 resolution=wanted.field_resolution,
                 max_distance=wanted.laser_likelihood_max_dist,
             )
+        if self.own.sensor is not None:
+            return self.own.sensor
         return sensor_model(wanted, self._entries, self._field.edges)
 
 

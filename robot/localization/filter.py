@@ -9,6 +9,7 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
+from robot.localization.setup import Setup
 from robot.scan import Scan
 
 
@@ -46,6 +47,10 @@ class Filter(Protocol):
     @property
     def effective(self) -> float:
         """How many equally heavy particles the cloud is worth."""
+        ...
+
+    def use(self, setup: Setup) -> None:
+        """Go on with other models and parameters; the belief stays."""
         ...
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:

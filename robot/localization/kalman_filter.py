@@ -21,12 +21,15 @@ from robot.localization.filter import Cloud
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
 from robot.scan import Scan
 
 SHOWN = 200
 """Poses drawn from the belief, to be shown."""
 WIDEST_GATE = 0.15
 """Farther off than this a range more likely measures another edge [m]."""
+GATE = 10.0
+"""Ranges that are off by so many standard deviations do not measure the edge."""
 LEAST_VARIANCE = 1e-12
 """Nothing is known better than to a thousandth of a millimetre, and of a milliradian [m², rad²]."""
 
@@ -61,6 +64,18 @@ class KalmanFilter:
         # The same draws always, so that what is shown does not flicker.
         self._draws = _standard(rng.standard_normal((SHOWN, 3)))
         self.set_pose(field.start, covariance)
+
+    @classmethod
+    def of(cls, setup: Setup, rng: np.random.Generator) -> KalmanFilter:
+        """With the models and parameters of a setup."""
+        covariance, beams = setup.filter.initial_covariance, setup.parameters.sensor.max_beams
+        matcher = matcher_of(setup)
+        return cls(setup.motion, matcher, setup.field, covariance, beams, rng, doubt=1.0)
+
+    def use(self, setup: Setup) -> None:
+        """Go on with other models and parameters; the belief stays."""
+        self.motion, self.matcher = setup.motion, matcher_of(setup)
+        self.max_beams = setup.parameters.sensor.max_beams
 
     @property
     def cloud(self) -> Cloud:
@@ -123,6 +138,16 @@ class KalmanFilter:
         unsure = self.doubt * math.sqrt(max(place, 0.0) + reach**2 * self._covariance[2, 2])
         gate = max(self.matcher.gate, min(2 * unsure, WIDEST_GATE))
         return replace(self.matcher, sd=math.hypot(self.matcher.sd, unsure), gate=gate)
+
+
+def matcher_of(setup: Setup) -> ScanMatcher:
+    """Lays scans on edges, as exactly as the sensor's parameters say.
+
+    Rays that err together count less: as if each were wider by the root of its share.
+    """
+    sensor = setup.parameters.sensor
+    sd = sensor.sigma_hit / math.sqrt(sensor.likelihood_weight)
+    return ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
 
 
 def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:

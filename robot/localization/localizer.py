@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud, Filter
 from robot.localization.parameters import FilterParameters
+from robot.localization.refinement import Refinement
 from robot.scan import Scan
 
 
 class Localizer:
     """A filter, fed as nav2_amcl feeds it."""
 
-    def __init__(self, belief: Filter, parameters: FilterParameters) -> None:
+    def __init__(
+        self, belief: Filter, parameters: FilterParameters, refinement: Refinement | None = None
+    ) -> None:
         self.filter = belief
         self.parameters = parameters
+        self.refinement = refinement
+        """Makes the heaviest hypothesis finer; None leaves it as the filter has it."""
         self.updates = 0
         """Scans taken since the belief was last made anew."""
         self._odometry: Pose2 | None = None
@@ -74,7 +80,11 @@ class Localizer:
         self.filter.predict(moved)
         self.filter.correct(scan)
         self.updates += 1
-        return self.estimate(scan.stamp)
+        estimate = self.estimate(scan.stamp)
+        if estimate is None or self.refinement is None:
+            return estimate
+        finer = self.refinement.refine(estimate.hypotheses[0], scan)
+        return replace(estimate, hypotheses=(finer, *estimate.hypotheses[1:]))
 
     def estimate(self, stamp: float) -> Estimate | None:
         """What the filter says now; None while it cannot say anything."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.motion_models import (
     DifferentialMotion,
     MotionModel,
@@ -20,6 +21,7 @@ from robot.localization.models.motion_models import (
 from robot.settings import check_settings, setting
 
 MOTION_MODELS = ("differential", "omni", "velocity", "stationary")
+FILTERS = ("hypotheses", "particles", "kalman", "grid")
 SENSOR_MODELS = ("likelihood_field", "likelihood_field_prob", "beam")
 
 
@@ -156,8 +158,17 @@ class SensorParameters:
 
 @dataclass(frozen=True)
 class FilterParameters:
-    """How the cloud is kept."""
+    """How the belief is kept."""
 
+    filter: str = setting(
+        "hypotheses",
+        "Many particle filters that find places by themselves, one particle filter (nav2_amcl's), "
+        "an extended Kalman filter, or a grid",
+        choices=FILTERS,
+    )
+    refine: bool = setting(
+        True, "Lay the scan on the edges at the estimate, for a finer one (Gauss-Newton)"
+    )
     min_particles: int = setting(500, "Fewest particles", low=10, high=20_000)
     max_particles: int = setting(
         4000, "Most particles; no fewer than the fewest", low=10, high=20_000
@@ -226,3 +237,4 @@ class LocalizationParameters:
     motion: MotionParameters = MotionParameters()
     sensor: SensorParameters = SensorParameters()
     filter: FilterParameters = FilterParameters()
+    hypotheses: HypothesisParameters = HypothesisParameters()

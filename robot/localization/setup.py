@@ -25,6 +25,7 @@ class Setup:
     matcher: ScanMatcher
     """Lays rays on edges where places are looked for."""
     evidence: RayEvidence
+    """Weighs places."""
     parameters: LocalizationParameters
 
     @classmethod
@@ -47,6 +48,11 @@ class Setup:
             RayEvidence.of(field, reach, p.fit_sd),
             parameters,
         )
+
+    @property
+    def likelihood_weight(self) -> float:
+        """Share of each ray's log-likelihood that counts."""
+        return self.parameters.sensor.likelihood_weight
 
     @property
     def filter(self) -> FilterParameters:

@@ -19,6 +19,7 @@ from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import effective_sample_size, low_variance
+from robot.localization.setup import Setup
 from robot.scan import Scan
 
 SHOWN = 4000
@@ -81,6 +82,22 @@ class GridFilter:
         self._noise: Array
         """Covariance (3, 3) of their end."""
         self.set_pose(field.start, covariance)
+
+    @classmethod
+    def of(cls, setup: Setup) -> GridFilter:
+        """With the models and parameters of a setup."""
+        return cls(
+            setup.motion,
+            setup.sensor,
+            setup.field,
+            setup.filter.initial_covariance,
+            likelihood_weight=setup.likelihood_weight,
+        )
+
+    def use(self, setup: Setup) -> None:
+        """Go on with other models and parameters; the belief stays."""
+        self.motion, self.sensor = setup.motion, setup.sensor
+        self.likelihood_weight = setup.likelihood_weight
 
     @property
     def cloud(self) -> Cloud:

@@ -35,7 +35,7 @@ class CoarseGrid:
         size = np.subtract((columns, rows), 1) * entries.resolution - 2 * entries.max_distance
         turns = max(1, round(2 * math.pi / step_theta))
         step = max(step_xy, math.sqrt(size[0] * size[1] * turns / MOST_POSES))
-        thetas = np.arange(turns) * (2 * math.pi / turns) - math.pi
+        thetas = np.linspace(-math.pi, math.pi, turns, endpoint=False)
         return cls(thetas, _evenly(low[1], size[1], step), _evenly(low[0], size[0], step))
 
     @property
@@ -80,7 +80,8 @@ class CoarseGrid:
 
 def _evenly(low: float, size: float, step: float) -> Array:
     count = max(1, math.ceil(size / step))
-    return low + size / 2 + step * (np.arange(count) - (count - 1) / 2)
+    half = step * (count - 1) / 2
+    return np.linspace(low + size / 2 - half, low + size / 2 + half, count)
 
 
 @njit(cache=True, nogil=True)

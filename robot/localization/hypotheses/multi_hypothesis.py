@@ -35,9 +35,11 @@ FRESH = -3.0
 """Log-weight of being elsewhere when places were found for the first time."""
 LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
-INDIFFERENT = 0.1
-"""Less than this, in log-likelihood, a scan does not tell for one place or another: such small
-differences come from where a fit ends, and would add up."""
+INDIFFERENT = 0.3
+"""Less than this, in log-likelihood, a scan does not tell for one place or another: less than one
+ray makes. Such small differences come from where a fit ends, and would add up."""
+EARLY = 4
+"""Short maps' lengths after the start in which a place may have been overlooked."""
 
 
 class MultiHypothesisFilter:
@@ -48,12 +50,28 @@ class MultiHypothesisFilter:
     """
 
     def __init__(
-        self, setup: Setup, new_filter: Callable[[], TrackFilter], rng: np.random.Generator
+        self, setup: Setup, new_filter: Callable[[Setup], TrackFilter], rng: np.random.Generator
     ) -> None:
         self.setup = setup
         self._new_filter = new_filter
         self._rng = rng
+        self._tracks: list[Track] = []
+        self._prior: Prior | None = None
+        self._anywhere: Cloud
+        """Shown while nothing was found yet."""
+        self._local: LocalMap
+        self._search: PlaceSearch | None = None
         self._since_search = Pose2()
+        """How the robot moved since the newest scan of the search."""
+        self._scans = 0
+        """Kept since the start."""
+        self._wait = FIRST
+        """Scans until the next search."""
+        self._elsewhere = FRESH
+        """Log-weight of being at no place that is followed, relative to the heaviest."""
+        self._lost = False
+        self._doubts = 0
+        """Scans in a row that fit no place."""
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
@@ -89,13 +107,13 @@ class MultiHypothesisFilter:
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
-        one = self._new_filter()
+        one = self._new_filter(self.setup)
         one.set_pose(pose, covariance)
         self._start([Track(one, 0.0)], Prior(pose, covariance))
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew with one hypothesis of given weighted poses."""
-        one = self._new_filter()
+        one = self._new_filter(self.setup)
         one.set_cloud(cloud)
         self._start([Track(one, 0.0)], None)
 
@@ -120,6 +138,7 @@ class MultiHypothesisFilter:
             track.filter.correct(scan)
         if self._local.add(scan):
             self._wait -= 1
+            self._scans += 1
             self._weigh(rays_of(scan, BEAMS))
             self._select()
         self._look_around()
@@ -195,12 +214,13 @@ class MultiHypothesisFilter:
         lives = [life for life in search.found if not self._is_followed(life.pose)]
         if not lives:
             return
-        fits = [life.fits for life in (search.alive if self._tracks else search.found)]
+        newcomers = bool(self._tracks)
+        fits = [life.fits for life in (search.alive if newcomers else search.found)]
         reference = max(fits, key=lambda fit: float(fit.sum()))
         worth = p.scan_worth * search.scans / search.scans_lived
         for life in lives:
             weight = worth * float((life.fits - reference).sum())
-            if self._tracks:
+            if newcomers and not self._remembers_all:
                 prior = self._log_prior(life.pose)
                 # One of the places elsewhere is no likelier than all of them together.
                 weight = min(weight + prior, max(self._elsewhere, prior))
@@ -209,7 +229,7 @@ class MultiHypothesisFilter:
         self._select()
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
-        born = self._new_filter()
+        born = self._new_filter(self.setup)
         born.share = LEAST_SHARE
         born.set_pose(pose, covariance)
         self._tracks.append(Track(born, log_weight))
@@ -222,9 +242,18 @@ class MultiHypothesisFilter:
         """How likely a pose was before it was found, beside the one that is followed."""
         kidnapped = self.setup.hypotheses.log_kidnapped
         if self._prior is None:
-            return kidnapped
+            early = self._scans < EARLY * self.setup.hypotheses.map_scans
+            return max(FRESH, kidnapped) if early else kidnapped
         told = self._prior.log_likelihood(pose @ self._since_search)
         return float(np.logaddexp(told, kidnapped))
+
+    @property
+    def _remembers_all(self) -> bool:
+        """Whether the short map goes back to a start of which nothing was told.
+
+        Then a place found now is as likely as one that was found before and fits as well.
+        """
+        return self._prior is None and self._scans <= self.setup.hypotheses.map_scans
 
     def _start(self, tracks: list[Track], prior: Prior | None) -> None:
         p = self.setup.hypotheses
@@ -232,8 +261,8 @@ class MultiHypothesisFilter:
         self._prior = prior
         self._elsewhere = p.log_kidnapped if tracks else FRESH
         self._lost = False
-        self._doubts = 0
-        self._search: PlaceSearch | None = None
+        self._doubts = self._scans = 0
+        self._search = None
         self._wait = FIRST
         self._local = LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)
 

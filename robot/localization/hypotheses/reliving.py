@@ -61,7 +61,8 @@ def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence
         matcher.gate,
         evidence.sd,
     )
-    return Life(Pose2(*pose.tolist()), np.linalg.inv(information), fits)
+    covariance: Array = np.linalg.inv(information).astype(np.float64)
+    return Life(Pose2(*pose.tolist()), covariance, fits)
 
 
 @njit(cache=True, nogil=True)

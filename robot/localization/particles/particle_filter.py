@@ -25,7 +25,11 @@ from robot.localization.particles.resampling import (
     temper,
 )
 from robot.localization.particles.spreading import regularize
+from robot.localization.setup import Setup
 from robot.scan import Scan
+
+FEWEST = 10
+"""Particles that are always kept."""
 
 
 class ParticleFilter:
@@ -46,8 +50,27 @@ class ParticleFilter:
         self.field = field
         self.parameters = parameters
         self.likelihood_weight = likelihood_weight
+        self.share = 1.0
+        """Part of the particles that it may keep, when it is one of many."""
         self._rng = rng
         self.set_pose(field.start, parameters.initial_covariance)
+
+    @classmethod
+    def of(cls, setup: Setup, rng: np.random.Generator) -> ParticleFilter:
+        """With the models and parameters of a setup."""
+        return cls(
+            setup.motion,
+            setup.sensor,
+            setup.field,
+            setup.filter,
+            rng,
+            likelihood_weight=setup.likelihood_weight,
+        )
+
+    def use(self, setup: Setup) -> None:
+        """Go on with other models and parameters; the particles stay."""
+        self.motion, self.sensor = setup.motion, setup.sensor
+        self.parameters, self.likelihood_weight = setup.filter, setup.likelihood_weight
 
     @property
     def cloud(self) -> Cloud:
@@ -68,7 +91,7 @@ class ParticleFilter:
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
-        noise = self._rng.standard_normal((self.parameters.most_particles, 3))
+        noise = self._rng.standard_normal((self._limits()[1], 3))
         poses = pose.to_array() + noise @ covariance_root(covariance).T
         poses[:, 2] = wrap_angle(poses[:, 2])
         self.set_cloud(Cloud.even(poses))
@@ -82,7 +105,7 @@ class ParticleFilter:
 
     def scatter(self) -> None:
         """Start anew, evenly over the free field."""
-        self.set_cloud(Cloud.even(self.field.free_poses(self._rng, self.parameters.most_particles)))
+        self.set_cloud(Cloud.even(self.field.free_poses(self._rng, self._limits()[1])))
 
     def predict(self, moved: Pose2) -> None:
         """Move each particle by odometry, and by chance."""
@@ -138,13 +161,18 @@ class ParticleFilter:
 
     def _wanted(self, weights: Array) -> int:
         """How many particles go on (KLD sampling)."""
-        least, most = self.parameters.min_particles, self.parameters.most_particles
+        least, most = self._limits()
         if least == most:
             return most
         drawn = low_variance(weights, most, self._rng)
         occupied = count_cells(self._clusters.cells, drawn)
         wanted = kld_sample_size(occupied, self.parameters.pf_err, self.parameters.pf_z)
         return min(max(wanted, least), most)
+
+    def _limits(self) -> tuple[int, int]:
+        """Fewest and most particles."""
+        fewest = round(self.share * self.parameters.min_particles)
+        return max(fewest, FEWEST), max(round(self.share * self.parameters.most_particles), FEWEST)
 
     def _describe(self) -> None:
         poses, weights = self._particles.poses, self._particles.weights

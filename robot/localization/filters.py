@@ -1,0 +1,28 @@
+"""The filters on offer, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from robot.localization.filter import Filter
+from robot.localization.grid.grid_filter import GridFilter
+from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
+from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.particles.particle_filter import ParticleFilter
+from robot.localization.setup import Setup
+
+MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
+    "hypotheses": lambda setup, rng: MultiHypothesisFilter(
+        setup, lambda now: ParticleFilter.of(now, rng), rng
+    ),
+    "particles": ParticleFilter.of,
+    "kalman": KalmanFilter.of,
+    "grid": lambda setup, _: GridFilter.of(setup),
+}
+
+
+def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
+    """The filter that the parameters ask for, at the field's start."""
+    return MAKERS[setup.filter.filter](setup, rng)

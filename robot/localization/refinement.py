@@ -1,0 +1,55 @@
+"""A finer estimate: the scan laid on the edges at the pose that the filter found.
+
+A cloud of some hundred particles has a mean that is off by the luck of its draws. Gauss-Newton
+steps on the distances of the rays' ends from the edges take that away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robot.localization.estimate import Hypothesis
+from robot.localization.rays import rays_of
+from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
+from robot.scan import Scan
+
+MOST_BEAMS = 100
+"""Rays cost little here, and each makes the pose finer."""
+GATE = 10.0
+"""Ranges that are off by so many standard deviations do not measure the edge."""
+WIDEST = 5.0
+"""A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
+lie between two places."""
+LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
+"""How far the filter's mean may be off besides its covariance [m², m², rad²]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """Lays scans on edges at hypotheses that are already close."""
+
+    matcher: ScanMatcher
+    max_beams: int
+    """Rays used of a scan."""
+
+    @classmethod
+    def of(cls, setup: Setup) -> Refinement | None:
+        """As the parameters ask for; None if they do not."""
+        sensor = setup.parameters.sensor
+        if not setup.filter.refine:
+            return None
+        sd = sensor.sigma_hit
+        matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
+        return cls(matcher, max(sensor.max_beams, MOST_BEAMS))
+
+    def refine(self, one: Hypothesis, scan: Scan) -> Hypothesis:
+        """The same hypothesis where the scan fits best, weighed with what was known of it."""
+        if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.sd:
+            return one
+        known = np.linalg.inv(one.covariance + LUCK)
+        return replace(
+            one, pose=self.matcher.match(one.pose, rays_of(scan, self.max_beams), known).pose
+        )
