@@ -127,7 +127,7 @@ export interface LoopMessage {
 /** One parameter of the filter, with its meaning. */
 export interface ParameterMessage {
   name: string;
-  group: "motion" | "sensor" | "filter";
+  group: "motion" | "sensor" | "filter" | "hypotheses";
   value: number | string | boolean;
   default: number | string | boolean;
   meaning: string;

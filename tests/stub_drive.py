@@ -24,9 +24,8 @@ from robot.scan import Scan
 MAPS = Path(__file__).parent.parent / "maps"
 STUB = load_field("stub", MAPS)
 DEFAULTS = LocalizationParameters()
-SENSOR = sensor_model(
-    DEFAULTS.sensor, EntryField.build(STUB, resolution=0.005, max_distance=0.15), STUB.edges
-)
+ENTRIES = EntryField.build(STUB, resolution=0.005, max_distance=0.15)
+SENSOR = sensor_model(DEFAULTS.sensor, ENTRIES, STUB.edges)
 BEARINGS = np.radians(np.linspace(-31, 31, 61))
 NOISE_M = 0.0003
 PERIOD = 1 / 30

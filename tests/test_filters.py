@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from stub_drive import (
     BEARINGS,
     DEFAULTS,
+    ENTRIES,
     SENSOR,
     STUB,
     Drive,
@@ -24,12 +25,15 @@ from stub_drive import (
 
 from robot.geometry import Pose2, mean_pose, pose_covariance
 from robot.localization.filter import Cloud, Filter
+from robot.localization.filters import make_filter
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.particles.particle_filter import ParticleFilter
+from robot.localization.setup import Setup
 from robot.scan import Scan
 
 MOTION = DEFAULTS.motion.model()
+SETUP = Setup.of(STUB, ENTRIES, MOTION, SENSOR, DEFAULTS)
 START = DEFAULTS.filter.initial_covariance
 
 
@@ -48,8 +52,12 @@ def grid(seed: int) -> Filter:
     return GridFilter(MOTION, SENSOR, STUB, START, likelihood_weight=share)
 
 
+def hypotheses(seed: int) -> Filter:
+    return make_filter(SETUP, np.random.default_rng(seed))
+
+
 Make = Callable[[int], Filter]
-FILTERS: list[Make] = [particles, kalman, grid]
+FILTERS: list[Make] = [particles, kalman, grid, hypotheses]
 each_filter = pytest.mark.parametrize("make", FILTERS, ids=lambda make: make.__name__)
 NARROW = np.diag(np.square([0.02, 0.02, 0.05]))
 

@@ -42,7 +42,7 @@ class ParameterMessage(Message):
     """One parameter of the filter, with its meaning."""
 
     name: str
-    group: Literal["motion", "sensor", "filter"]
+    group: Literal["motion", "sensor", "filter", "hypotheses"]
     value: float | str | bool
     default: float | str | bool
     meaning: str

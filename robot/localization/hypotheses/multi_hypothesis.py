@@ -35,6 +35,8 @@ FRESH = -3.0
 """Log-weight of being elsewhere when places were found for the first time."""
 LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
+BORN_SHARE = 0.05
+"""A place is found within centimetres: a few particles do to begin with."""
 INDIFFERENT = 0.3
 """Less than this, in log-likelihood, a scan does not tell for one place or another: less than one
 ray makes. Such small differences come from where a fit ends, and would add up."""
@@ -230,7 +232,7 @@ class MultiHypothesisFilter:
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup)
-        born.share = LEAST_SHARE
+        born.share = BORN_SHARE
         born.set_pose(pose, covariance)
         self._tracks.append(Track(born, log_weight))
 
