@@ -14,9 +14,12 @@ from app.own_models.own_models import OwnModels
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
+from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.simulated import PERIOD
 
 EIGHT = FigureEightCommand(type="figure_eight")
+ONE_CLOUD = LocalizationParameters(filter=FilterParameters(filter="particles"))
+"""A filter that asks no other evidence than the model under test."""
 FLAT = """
     import numpy as np
 
@@ -49,7 +52,7 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
         base.robot,
         Odometry(kinematics, base.config.odometry),
         Localization(
-            base.scanner, base.field, base.config.localization, np.random.default_rng(0), own
+            base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own
         ),
         Driving(DriveController(kinematics, base.config.drive), 0.5),
         base.field.start,
