@@ -1,0 +1,208 @@
+"""When a filter is asked: no motion is lost, and a scan counts once the robot has moved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+from stub_drive import STUB, Drive
+
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+from robot.localization.localizer import Localizer
+from robot.localization.parameters import FilterParameters
+from robot.localization.refinement import Refinement
+from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
+from robot.scan import Scan
+
+SCAN = Drive().scan()
+NARROW = np.diag(np.square([0.001, 0.001, 0.005]))
+
+
+@dataclass
+class Told:
+    """A filter that only writes down what it is told."""
+
+    hypotheses: tuple[Hypothesis, ...] = (
+        Hypothesis(0.6, Pose2(0.003, 0, 0.01), NARROW),
+        Hypothesis(0.4, Pose2(0.003, 0.002, 0.02), NARROW),
+    )
+    effective: float = 33.0
+    told: list[object] = field(default_factory=list)
+    cloud: Cloud = field(default_factory=lambda: Cloud.even(np.zeros((1, 3))))
+
+    def use(self, setup: Setup) -> None:
+        self.told.append(setup)
+
+    def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        self.told.append((pose, covariance.tolist()))
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        self.told.append(cloud)
+
+    def scatter(self) -> None:
+        self.told.append("scatter")
+
+    def predict(self, moved: Pose2) -> None:
+        self.told.append(moved)
+
+    def correct(self, scan: Scan) -> None:
+        self.told.append(scan)
+
+
+def localizer(refinement: Refinement | None = None, **changes: float) -> tuple[Localizer, Told]:
+    told = Told()
+    return Localizer(told, FilterParameters(**changes), refinement), told  # type: ignore[arg-type]
+
+
+# --- what starts it anew
+
+
+def test_a_pose_without_a_covariance_has_the_one_that_is_set() -> None:
+    one, told = localizer(initial_sd_xy=0.2, initial_sd_theta=0.5)
+    one.set_pose(Pose2(1, 2, 3))
+    one.set_pose(Pose2(1, 2, 3), NARROW)
+    wide = np.diag([0.2**2, 0.2**2, 0.5**2]).tolist()
+    assert told.told == [(Pose2(1, 2, 3), wide), (Pose2(1, 2, 3), NARROW.tolist())]
+
+
+def test_a_cloud_and_the_wish_to_scatter_are_passed_on() -> None:
+    one, told = localizer()
+    cloud = Cloud.even(np.zeros((2, 3)))
+    one.set_cloud(cloud)
+    one.scatter()
+    assert told.told == [cloud, "scatter"]
+
+
+@pytest.mark.parametrize("how", ["pose", "cloud", "scatter"])
+def test_what_was_driven_before_a_start_is_in_it_already(how: str) -> None:
+    one, told = localizer()
+    one.update(Pose2(), SCAN)
+    one.update(Pose2(0.5), SCAN)
+    assert one.updates == 2
+    if how == "pose":
+        one.set_pose(Pose2())
+    elif how == "cloud":
+        one.set_cloud(told.cloud)
+    else:
+        one.scatter()
+    assert one.updates == 0
+    told.told.clear()
+    assert one.update(Pose2(0.9), SCAN) is not None, "the first scan counts"
+    assert told.told == [Pose2(), SCAN]
+    assert one.updates == 1
+
+
+# --- when a scan counts
+
+
+def test_the_first_scan_counts_and_then_none_while_it_stands() -> None:
+    one, told = localizer()
+    assert one.update(Pose2(3, 4), SCAN) is not None
+    assert told.told == [Pose2(), SCAN]
+    assert one.update(Pose2(3, 4), SCAN) is None
+    assert told.told == [Pose2(), SCAN] and one.updates == 1
+
+
+@pytest.mark.parametrize(
+    ("moved", "counts"),
+    [
+        (Pose2(0.0099), False),
+        (Pose2(0.0101), True),
+        (Pose2(-0.0101), True),
+        (Pose2(0.006, 0.006), False),
+        (Pose2(0.0075, 0.0075), True),
+        (Pose2(0, 0, 0.099), False),
+        (Pose2(0, 0, 0.101), True),
+        (Pose2(0, 0, -0.101), True),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("start", [Pose2(), Pose2(2, 3, math.pi - 0.05)], ids=str)
+def test_enough_way_or_turn_makes_a_scan_count(start: Pose2, moved: Pose2, counts: bool) -> None:
+    one, _ = localizer(update_min_d=0.01, update_min_a=0.1)
+    one.update(start, SCAN)
+    assert (one.update(start @ moved, SCAN) is not None) == counts
+    assert one.updates == 1 + counts
+
+
+def test_small_steps_add_up_until_they_count() -> None:
+    one, told = localizer(update_min_d=0.01)
+    counted = [one.update(Pose2(0.003 * tick), SCAN) is not None for tick in range(9)]
+    assert [tick for tick, c in enumerate(counted) if c] == [0, 4, 8]
+    steps = [step.x for step in told.told if isinstance(step, Pose2)]
+    assert steps == pytest.approx([0, 0.012, 0.012])
+
+
+def test_steps_are_seen_from_where_they_start() -> None:
+    one, told = localizer()
+    one.update(Pose2(1, 1, math.pi / 2), SCAN)
+    one.update(Pose2(1, 1.5, math.pi), SCAN)
+    step = told.told[2]
+    assert isinstance(step, Pose2)
+    np.testing.assert_allclose(step.to_array(), [0.5, 0, math.pi / 2], atol=1e-12)
+
+
+def test_a_forced_update_counts_once_though_it_stands() -> None:
+    one, _ = localizer()
+    one.update(Pose2(), SCAN)
+    one.force_update()
+    assert one.update(Pose2(), SCAN) is not None
+    assert one.update(Pose2(), SCAN) is None
+
+
+def test_odometry_alone_is_followed_by_the_same_rule_and_counts_no_scan() -> None:
+    one, told = localizer(update_min_d=0.01)
+    assert [one.predict(Pose2(0.003 * tick)) for tick in range(6)] == [*[False] * 4, True, False]
+    assert len(told.told) == 1 and one.updates == 0
+    one.update(Pose2(0.02), SCAN)
+    steps = [step.x for step in told.told if isinstance(step, Pose2)]
+    assert steps == pytest.approx([0.012, 0.008]), "what was not yet followed is not lost"
+
+
+def test_new_parameters_count_at_once() -> None:
+    one, _ = localizer(update_min_d=0.01)
+    one.update(Pose2(), SCAN)
+    one.parameters = replace(one.parameters, update_min_d=0.5)
+    assert one.update(Pose2(0.4), SCAN) is None
+
+
+# --- what it says
+
+
+def test_an_estimate_is_the_filters_with_the_stamp_of_the_scan() -> None:
+    one, told = localizer()
+    found = one.update(Pose2(), SCAN)
+    assert found is not None
+    assert found.stamp == SCAN.stamp and found.effective == 33
+    assert found.hypotheses == told.hypotheses
+    later = one.estimate(9.0)
+    assert later is not None and later.stamp == 9 and later.hypotheses == told.hypotheses
+
+
+def test_while_nothing_is_known_nothing_is_said_but_scans_are_taken() -> None:
+    one, told = localizer(refinement())
+    told.hypotheses = ()
+    assert one.update(Pose2(), SCAN) is None
+    assert one.estimate(0.0) is None
+    assert told.told == [Pose2(), SCAN] and one.updates == 1
+
+
+def refinement() -> Refinement:
+    return Refinement(ScanMatcher(STUB.edge_index, 1.0, 0.003, 0.03), 100)
+
+
+def test_only_the_heaviest_is_made_finer_and_the_filter_does_not_learn_of_it() -> None:
+    one, told = localizer(refinement())
+    rough = told.hypotheses
+    found = one.update(Pose2(), SCAN)
+    assert found is not None
+    assert found.pose == refinement().refine(rough[0], SCAN).pose != rough[0].pose
+    assert abs(found.pose.x) < 0.0005
+    assert found.hypotheses[0].weight == 0.6
+    assert found.hypotheses[1:] == rough[1:]
+    assert told.hypotheses == rough and told.told == [Pose2(), SCAN]

@@ -1,0 +1,93 @@
+"""The estimate is laid on the edges, where it is close enough to know on which."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
+
+from robot.geometry import Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.parameters import LocalizationParameters
+from robot.localization.refinement import WIDEST, Refinement
+from robot.localization.setup import Setup
+
+SD = DEFAULTS.sensor.sigma_hit
+NARROW = np.diag(np.square([0.002, 0.002, 0.008]))
+
+
+def refinement(parameters: LocalizationParameters = DEFAULTS) -> Refinement | None:
+    return Refinement.of(Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, parameters))
+
+
+def made() -> Refinement:
+    one = refinement()
+    assert one is not None
+    return one
+
+
+def test_it_is_there_if_asked_for_and_has_the_sensors_figures() -> None:
+    assert refinement(replace(DEFAULTS, filter=replace(DEFAULTS.filter, refine=False))) is None
+    matcher = made().matcher
+    assert matcher.sd == SD and matcher.range_max == DEFAULTS.sensor.laser_max_range
+    assert matcher.index is STUB.edge_index
+
+
+def test_it_uses_more_rays_than_the_filter_but_never_fewer() -> None:
+    def beams(most: int) -> int:
+        one = refinement(replace(DEFAULTS, sensor=replace(DEFAULTS.sensor, max_beams=most)))
+        assert one is not None
+        return one.max_beams
+
+    assert beams(60) >= 60 and beams(300) == 300
+
+
+def test_it_takes_away_the_luck_of_the_draws() -> None:
+    """Estimates that err by some millimetres, along a drive; along a single side they stay so."""
+    rng, drive, one = np.random.default_rng(0), Drive(), made()
+    before, after, turned, turned_after = [], [], [], []
+    for _, scan in drive.eight(3.0):
+        off = rng.normal(0, [0.002, 0.002, 0.008])
+        rough = Hypothesis(0.7, Pose2.from_array(drive.true.to_array() + off), NARROW)
+        fine = one.refine(rough, scan)
+        before.append(rough.pose.distance_to(drive.true))
+        after.append(fine.pose.distance_to(drive.true))
+        turned.append(abs(rough.pose.turn_to(drive.true)))
+        turned_after.append(abs(fine.pose.turn_to(drive.true)))
+    assert np.mean(after) < 0.5 * np.mean(before)
+    assert np.mean(turned_after) < 0.4 * np.mean(turned)
+
+
+def test_weight_and_covariance_stay_those_of_the_filter() -> None:
+    rough = Hypothesis(0.7, Pose2(0.002, -0.001, 0.01), NARROW)
+    fine = made().refine(rough, Drive().scan())
+    assert fine.pose != rough.pose
+    assert fine.weight == 0.7 and fine.covariance is NARROW
+
+
+def test_what_is_known_better_than_a_scan_tells_hardly_moves() -> None:
+    """Before one side, along which the scan tells nothing, and from far off the edge."""
+    rough = Hypothesis(1.0, Pose2(0.0005, 0.0, 0.0), np.diag([1e-12, 1e-12, 1e-12]))
+    tight, loose = (
+        made().refine(replace(rough, covariance=covariance), Drive().scan()).pose
+        for covariance in (rough.covariance, NARROW)
+    )
+    assert abs(loose.x) < abs(tight.x) < 0.0005
+
+
+def test_a_wide_hypothesis_is_left_alone() -> None:
+    """Its mean may lie between two places."""
+    one, scan = made(), Drive().scan()
+    for axis in range(2):
+        variances = np.square([0.001, 0.001, 0.01])
+        variances[axis] = (1.01 * WIDEST * SD) ** 2
+        wide = Hypothesis(1.0, Pose2(0.003, 0.002, 0.01), np.diag(variances))
+        assert one.refine(wide, scan) is wide
+        variances[axis] = (0.99 * WIDEST * SD) ** 2
+        assert one.refine(replace(wide, covariance=np.diag(variances)), scan).pose != wide.pose
+
+
+def test_a_scan_that_does_not_fit_here_moves_nothing() -> None:
+    away = Hypothesis(1.0, Pose2(0.65, 0.65, 0.8), NARROW)
+    assert made().refine(away, Drive().scan()).pose == away.pose
