@@ -3,6 +3,7 @@
 import math
 import re
 
+import httpx
 import pytest
 from browsing import opened
 from playwright.sync_api import expect
@@ -67,6 +68,61 @@ def test_it_says_when_it_is_sure_and_when_it_knows_nothing(page, live):
     ask(live, type="pause")
     page.get_by_role("button", name="scatter", exact=True).first.click()
     expect(said).to_have_text("looking around: drive a little")
+
+
+FOUND, GONE, REST = [0.9], [0.2, 0.1], [0.42, 0.4]
+
+
+@pytest.mark.parametrize(
+    ("weights", "alike", "v", "words"),
+    [
+        ([], 0, 0.0, "looking around: drive a little"),
+        ([], 0, 0.1, "looking around"),
+        (GONE, 0, 0.1, "lost: looking around"),
+        (GONE, 0, 0.0, "lost: drive a little"),
+        (FOUND, 0, 0.1, "looking around"),  # one wide cloud
+        (FOUND, 1, 0.1, "probably here: 90 %"),
+        (REST, 2, 0.1, "two places look alike, 18 % elsewhere"),
+        ([0.5, 0.45], 2, 0.1, "two places look alike"),
+    ],
+)
+def test_weight_that_is_missing_is_told_as_elsewhere(page, weights, alike, v, words):
+    said = page.evaluate(
+        """async ([weights, alike, v]) => {
+            const { certainty } = await import("/static/map/places.js");
+            const covariance = [1e-6, 0, 0, 0, 1e-6, 0, 0, 0, 1e-4];
+            const hypotheses = weights.map((weight) => ({ weight, covariance }));
+            const filter = { alike, updates: 1 };
+            return certainty({ particles: { hypotheses }, filter, twist: { v, omega: 0 } }).words;
+        }""",
+        [weights, alike, v],
+    )
+    assert said == words
+
+
+@pytest.mark.parametrize("kind", ["particles", "kalman", "grid", "hypotheses"])
+def test_the_filter_is_changed_while_it_runs(page, live, kind):
+    page.get_by_role("button", name="Figure-eight").click()
+    filters = page.locator("select[aria-labelledby=name-filter]")
+    filters.select_option("kalman" if kind == "particles" else "particles")
+    filters.select_option(kind)
+    before = until(live, lambda now: now["twist"]["v"] > 0.1)
+    ticks = before["filter"]["updates"] + 10
+    until(live, lambda now: now["filter"]["updates"] > ticks and now["estimate"])
+    expect(filters).to_have_value(kind)
+    expect(page.locator("#map-certainty")).to_have_text("sure", timeout=20_000)
+
+
+def test_every_group_of_parameters_is_listed_and_opens(page, server):
+    groups = page.locator("#parameters details")
+    expect(groups.locator("summary h3")).to_have_text(["Motion", "Sensor", "Filter", "Hypotheses"])
+    row = page.locator("#name-max_hypotheses")
+    expect(row).to_be_hidden()
+    page.get_by_text("how places are found, weighed and given up").click()
+    expect(row).to_be_visible()
+    with httpx.Client(base_url=server.url) as client:
+        names = {one["name"] for one in client.get("/api/parameters").json()}
+    assert page.locator("#parameters .parameter").count() == len(names)
 
 
 def test_tape_that_is_measured_otherwise_than_drawn_is_a_question_to_the_camera(page):

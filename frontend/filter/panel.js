@@ -24,7 +24,13 @@ const FIRST = {
   laser_model_type: "Sensor model",
   robot_model_type: "Motion model",
 };
-const GROUPS = { motion: "Motion", sensor: "Sensor", filter: "Filter" };
+/** @type {Record<string, string>} */
+const GROUPS = {
+  motion: "how odometry errs",
+  sensor: "how the scan errs",
+  filter: "how the belief is kept",
+  hypotheses: "how places are found, weighed and given up",
+};
 /** Changes are sent not oftener than this while a slider moves [ms]. */
 const SETTLE_MS = 120;
 /** Somebody else may change parameters too [ms]. */
@@ -108,25 +114,29 @@ export class FilterPanel {
       parameters.filter((one) => one.name === name),
     );
     const rest = parameters.filter((one) => !first.includes(one));
-    const groups = Object.entries(GROUPS).map(([group, title]) =>
-      this.#group(
-        title,
-        rest.filter((one) => one.group === group),
-      ),
+    const open = new Set(
+      [...this.#list.querySelectorAll("details[open]")].map((details) => details.id),
     );
-    this.#list.replaceChildren(this.#group("Most used", first), ...groups);
+    const most = make("section", {}, make("h3", {}, "Most used"), ...this.#rowsOf(first));
+    const groups = [...new Set(rest.map(({ group }) => group))].map((group) => {
+      const id = `group-${group}`;
+      const mine = rest.filter((one) => one.group === group);
+      const details = make("details", { id }, heading(group, mine), ...this.#rowsOf(mine));
+      details.toggleAttribute("open", open.has(id));
+      return details;
+    });
+    this.#list.replaceChildren(most, ...groups);
   }
 
-  /** @param {string} title @param {ParameterMessage[]} parameters */
-  #group(title, parameters) {
-    const rows = parameters.map((parameter) => {
+  /** @param {ParameterMessage[]} parameters */
+  #rowsOf(parameters) {
+    return parameters.map((parameter) => {
       const change = (/** @type {string} */ name, /** @type {Value} */ value) =>
         this.#want(name, value);
       const row = new ParameterRow(parameter, FIRST[parameter.name] ?? "", change);
       this.#rows.set(parameter.name, row);
       return row.element;
     });
-    return rows.length ? make("section", {}, make("h3", {}, title), ...rows) : "";
   }
 
   /**
@@ -153,4 +163,22 @@ export class FilterPanel {
       if (!this.#wanted.has(name)) this.#rows.get(name)?.accept(value);
     }
   }
+}
+
+/**
+ * A group's name, what it is about, and how many there are.
+ * @param {string} group
+ * @param {ParameterMessage[]} parameters
+ */
+function heading(group, parameters) {
+  const name = group.charAt(0).toUpperCase() + group.slice(1);
+  const about = make("span", { class: "quiet" }, GROUPS[group] ?? "");
+  return make(
+    "summary",
+    {},
+    make("h3", {}, name),
+    " ",
+    about,
+    make("span", { class: "count" }, String(parameters.length)),
+  );
 }

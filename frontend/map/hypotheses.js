@@ -26,17 +26,18 @@ const HALF_HEIGHT = 9;
 const ARROW_RADIUS = 12;
 
 /**
- * Places where the robot may be, as arrows with their weights; the heaviest, first, stands out.
+ * Places where the robot may be, as arrows with their weights.
  * @param {CanvasRenderingContext2D} context
  * @param {MapView} view
- * @param {HypothesisMessage[]} hypotheses
+ * @param {HypothesisMessage[]} hypotheses heaviest first
+ * @param {boolean} clear whether the first is drawn to stand out
  */
-export function drawHypotheses(context, view, hypotheses) {
+export function drawHypotheses(context, view, hypotheses, clear) {
   const points = hypotheses.map(({ x, y }) => view.toScreen(x, y));
   // The heaviest last, so that none lies over it.
   hypotheses.forEach((_, i) => {
     const last = hypotheses.length - 1 - i;
-    drawArrow(context, points[last], hypotheses[last].theta, last === 0);
+    drawArrow(context, points[last], hypotheses[last].theta, clear && last === 0);
   });
   context.textBaseline = "middle";
   context.textAlign = "center";
@@ -45,7 +46,7 @@ export function drawHypotheses(context, view, hypotheses) {
   hypotheses.forEach(({ weight }, i) => {
     const place = free(points[i], points, taken);
     taken.push(place);
-    context.font = i === 0 ? `bold ${palette.font}` : palette.font;
+    context.font = clear && i === 0 ? `bold ${palette.font}` : palette.font;
     label(context, percent(weight), ...place);
   });
 }

@@ -59,10 +59,11 @@ export class Paths {
   #trails = { truth: new Trail(), odometry: new Trail(), estimate: new Trail() };
 
   /** @param {TelemetryMessage} telemetry */
-  add({ truth, odometry, estimate }) {
+  add({ truth, odometry, estimate, filter }) {
     if (truth) this.#trails.truth.add(truth);
     if (odometry) this.#trails.odometry.add(odometry);
-    if (estimate) this.#trails.estimate.add(estimate);
+    // While places look alike, now one and now another is the likeliest: that is no way.
+    if (estimate && filter.alike < 2) this.#trails.estimate.add(estimate);
   }
 
   clear() {

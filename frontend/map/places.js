@@ -9,6 +9,10 @@ import { millimetres } from "../page/format.js";
 const LIKELY = 0.02;
 /** From this weight on nobody need doubt. */
 const SURE = 0.95;
+/** Hypotheses with less weight than this together are no answer: the robot is rather elsewhere. */
+const TOLD = 0.5;
+/** A chance of being elsewhere that is worth saying. */
+const ELSEWHERE = 0.1;
 /** Where the robot is known better than this [m], it is known. */
 const NEAR = 0.1;
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
@@ -31,11 +35,17 @@ export function places({ particles: { hypotheses }, filter: { alike } }) {
  * @param {TelemetryMessage} telemetry
  * @returns {{certainty: Certainty, words: string}}
  */
-export function certainty({ particles: { hypotheses }, filter: { alike, updates } }) {
-  if (alike === 0) return { certainty: "lost", words: "looking around: drive a little" };
+export function certainty({ particles: { hypotheses }, filter: { alike, updates }, twist }) {
+  const told = hypotheses.reduce((sum, { weight }) => sum + weight, 0);
+  if (alike === 0) {
+    const moves = twist.v !== 0 || twist.omega !== 0;
+    const lost = hypotheses.length > 0 && told < TOLD;
+    return { certainty: "lost", words: searching(lost, moves) };
+  }
   if (alike > 1) {
     const count = NUMBERS[alike] ?? String(alike);
-    return { certainty: "alike", words: `${count} places look alike` };
+    const rest = 1 - told >= ELSEWHERE ? `, ${percent(1 - told)} elsewhere` : "";
+    return { certainty: "alike", words: `${count} places look alike${rest}` };
   }
   const [{ weight, covariance }] = hypotheses;
   if (weight <= SURE) return { certainty: "likely", words: `probably here: ${percent(weight)}` };
@@ -43,6 +53,12 @@ export function certainty({ particles: { hypotheses }, filter: { alike, updates 
   if (reach > NEAR) return { certainty: "likely", words: `about here, ± ${millimetres(tens(reach))}` };
   // A cloud that was just put somewhere knows only what it was told.
   return updates === 0 ? { certainty: "", words: "" } : { certainty: "sure", words: "sure" };
+}
+
+/** @param {boolean} lost whether no place fits that did before @param {boolean} moves */
+function searching(lost, moves) {
+  if (lost) return moves ? "lost: looking around" : "lost: drive a little";
+  return moves ? "looking around" : "looking around: drive a little";
 }
 
 /**

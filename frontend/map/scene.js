@@ -65,7 +65,7 @@ export class Scene {
       found.forEach((place, i) => drawing.drawCertainty(context, place, pixel, i > 0));
       this.#paintRobots(context, telemetry, pixel, found.length === 0 && alike > 0);
     });
-    drawHypotheses(context, this.view, found);
+    drawHypotheses(context, this.view, found, alike === 1);
   }
 
   /**
@@ -78,10 +78,12 @@ export class Scene {
     if (estimate && clear) drawing.drawCertainty(context, estimate, pixel, false);
     const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
     if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
+    // The arrows of places that look alike say more than a robot at one of them.
+    if (!estimate || filter.alike > 1) return;
     // What is no more than the middle of a cloud all over the field is not drawn like a robot.
     const vague = { colour: palette["floor-estimate"], dash: [2, 4] };
     const believed = filter.alike > 0 ? { colour: vague.colour, fill: 0.15 } : vague;
-    if (estimate) drawing.drawRobot(context, estimate, this.#outline, pixel, believed);
+    drawing.drawRobot(context, estimate, this.#outline, pixel, believed);
   }
 
   /** @param {CanvasRenderingContext2D} context @param {Draft} draft @param {number} pixel [m] */
