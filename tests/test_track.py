@@ -1,0 +1,77 @@
+"""A hypothesis is weighed where its scan fits, not where the luck of its particles put it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
+
+from robot.geometry import Pose2
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
+from robot.localization.hypotheses.track import Track
+from robot.localization.particles.particle_filter import ParticleFilter
+from robot.localization.rays import rays_of
+from robot.localization.setup import Setup
+
+SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
+TRUE = Pose2(-0.1, 0.1, 2.3)
+NARROW = np.diag(np.square([0.001, 0.001, 0.003]))
+RAYS = rays_of(Drive(TRUE).scan(), 60)
+
+
+def track_at(pose: Pose2) -> Track:
+    one = ParticleFilter.of(SETUP, np.random.default_rng(0))
+    one.set_pose(pose, NARROW)
+    return Track(one, 0.0)
+
+
+def fit(pose: Pose2) -> float:
+    return track_at(pose).fit(RAYS, SETUP.matcher, SETUP.evidence)
+
+
+def test_its_pose_is_that_of_its_heaviest_hypothesis() -> None:
+    track = track_at(TRUE)
+    assert track.best.pose == track.pose == track.filter.hypotheses[0].pose
+
+
+@pytest.mark.parametrize("off", [Pose2(0.004, -0.003, 0.01), Pose2(-0.003, 0.004, -0.015)], ids=str)
+def test_a_few_millimetres_off_it_fits_as_well(off: Pose2) -> None:
+    """Where unpolished poses would differ by more than places do."""
+    assert fit(TRUE @ off) == pytest.approx(fit(TRUE), abs=0.01)
+    rough = SETUP.evidence.log_likelihood(TRUE @ off, RAYS)
+    assert rough < fit(TRUE) - 0.03
+
+
+def test_polished_or_not_elsewhere_does_not_fit() -> None:
+    for off in (Pose2(0.1, 0.1, 0.3), Pose2(-0.15, 0, 1.0)):
+        assert fit(TRUE @ off) < fit(TRUE) - 1
+
+
+def test_to_look_how_it_fits_moves_nothing() -> None:
+    track = track_at(TRUE @ Pose2(0.004, 0, 0))
+    before = track.pose
+    track.fit(RAYS, SETUP.matcher, SETUP.evidence)
+    assert track.pose == before and track.log_weight == 0
+
+
+@pytest.mark.parametrize(
+    ("other", "same"),
+    [
+        (Pose2(0.02, 0.02, 3.15), True),
+        (Pose2(0.031, 0.0, 3.1), False),
+        (Pose2(0.0, 0.0, 3.21), False),
+        (Pose2(0.0, 0.0, -3.1), True),
+    ],
+    ids=str,
+)
+def test_places_near_each_other_and_alike_in_heading_are_one(other: Pose2, same: bool) -> None:
+    here, parameters = Pose2(0, 0, 3.1), HypothesisParameters(same_xy=0.03, same_theta=0.1)
+    assert parameters.alike(here, other) == parameters.alike(other, here) == same
+
+
+def test_probabilities_are_given_as_logarithms_also_of_nothing() -> None:
+    one = HypothesisParameters(kidnapped=1e-3, hopeless=1e-2)
+    assert np.exp([one.log_kidnapped, one.log_hopeless]) == pytest.approx([1e-3, 1e-2])
+    assert np.isfinite(replace(one, hopeless=0.0).log_hopeless)
