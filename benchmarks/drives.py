@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +17,7 @@ from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.geometry import Pose2
+from robot.geometry import Pose2, interpolate
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
 from sim.simulated import no_wait
@@ -42,6 +43,13 @@ class Drive:
 
     field: Field
     ticks: list[Tick]
+
+    def truth_at(self, stamp: float) -> Pose2:
+        """The true pose at a moment, between two readings."""
+        after = min(bisect_right(self.ticks, stamp, key=lambda t: t.stamp), len(self.ticks) - 1)
+        low, high = self.ticks[max(after - 1, 0)], self.ticks[after]
+        part = (stamp - low.stamp) / max(high.stamp - low.stamp, 1e-9)
+        return interpolate(low.truth, high.truth, min(max(part, 0.0), 1.0))
 
 
 def on_eight(rng: np.random.Generator, elapsed: float) -> Pose2:

@@ -7,12 +7,13 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from benchmarks import accuracy, live, loop, recovery, render, scan, start
 from benchmarks import filter as particle_filter
-from benchmarks import live, loop, recovery, render, scan, start
 from benchmarks.result import Result
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
+    "accuracy": accuracy.measure,
     "filter": particle_filter.measure,
     "loop": loop.measure,
     "live": live.measure,

@@ -179,7 +179,8 @@ class MultiHypothesisFilter:
         least = self.setup.hypotheses.log_kidnapped
         for track in self._tracks:
             track.log_weight -= heaviest
-            track.filter.share = max(1 / len(self._tracks), LEAST_SHARE)
+        for track, weight in zip(self._tracks, self._weights(), strict=True):
+            track.filter.share = max(float(weight), LEAST_SHARE)
         self._elsewhere = min(max(self._elsewhere - heaviest, least), -least)
         lost = self._elsewhere > 0
         if lost and not self._lost:

@@ -1,0 +1,269 @@
+"""How exact is the filter, does it find itself, and is it honest about what it does not know?
+
+Robots of the simulator with all imperfections drive the figure-eight; each drive is recorded once
+and every filter is tried on the same ones. Parameters were chosen on seeds from 100 on.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import partial
+from multiprocessing import get_context
+from typing import TypeVar
+
+import numpy as np
+
+from app.config import Config
+from benchmarks.drives import on_eight, record
+from benchmarks.result import Result
+from benchmarks.trials import (
+    Calibration,
+    Shown,
+    decided_at,
+    is_right,
+    right_for_good,
+    try_filter,
+    wrong_first_claim,
+)
+from robot.geometry import Pose2
+from robot.localization.parameters import FilterParameters, LocalizationParameters
+from sim.floor_camera import CameraSettings
+
+SEEDS = range(12)
+GLOBAL_SEEDS = range(24)
+KIDNAP_SEEDS = range(16)
+MARKED = ("stub", "stubs", "tee")
+LAPS = 31.8
+"""Two laps of the figure-eight [s]."""
+LAP = 16.0
+CARRIED_AT, CARRIED_FOR = 10.0, 5.0
+"""When the robot is carried off, and how long it may take to find itself [s]."""
+SETTLED = 1.0
+"""Left out after the start [s]."""
+TOLD = np.diag(np.square([0.01, 0.01, 0.03]))
+"""How well the start is known when tracking is measured."""
+BORDERS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 0.95, 1.001)
+
+T = TypeVar("T")
+S = TypeVar("S")
+
+
+def with_filter(**changes: object) -> LocalizationParameters:
+    """The defaults, but for some parameters of the filter."""
+    return LocalizationParameters(filter=replace(FilterParameters(), **changes))  # type: ignore[arg-type]
+
+
+TRACKERS = {
+    "hypotheses": with_filter(),
+    "particles, not refined": with_filter(filter="particles", refine=False),
+    "particles": with_filter(filter="particles"),
+    "Kalman": with_filter(filter="kalman", refine=False),
+    "grid": with_filter(filter="grid", refine=False),
+}
+FINDERS = {
+    "hypotheses": with_filter(),
+    "particles, uniform start": with_filter(filter="particles", max_particles=20_000),
+}
+FINDERS_AGAIN = {
+    "hypotheses": with_filter(),
+    "augmented MCL": with_filter(
+        filter="particles", recovery_alpha_slow=0.01, recovery_alpha_fast=0.2
+    ),
+}
+
+
+def each(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
+    """Do jobs in as many processes as there are cores."""
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
+        return list(pool.map(work, jobs))
+
+
+@dataclass(frozen=True, slots=True)
+class Tracked:
+    """Errors over one drive: root mean square [m] and [rad], and of dead reckoning [m]."""
+
+    xy: float
+    theta: float
+    odometry: float
+
+
+def track(clutter: str, seed: int) -> dict[str, Tracked]:
+    """Follow one robot on the square for two laps, with each filter."""
+    config = Config(robot="sim", seed=seed, camera=CameraSettings(clutter=clutter))
+    drive = record(config, LAPS)
+    start = drive.ticks[0].truth
+    reckoned = [start @ drive.ticks[0].odometry.inverse() @ tick.odometry for tick in drive.ticks]
+    off = [a.distance_to(tick.truth) for a, tick in zip(reckoned, drive.ticks, strict=True)]
+    found = {}
+    for name, parameters in TRACKERS.items():
+        shown = try_filter(drive, parameters, seed, start, TOLD)
+        settled = [one for one in shown if one.stamp > SETTLED]
+        found[name] = Tracked(
+            rms([one.error for one in settled]), rms([one.turn_error for one in settled]), rms(off)
+        )
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """How one filter fared on one drive that began, or went on, at an unknown place."""
+
+    right: bool
+    """At the end."""
+    seconds: float
+    """Until right for good; inf if never."""
+    wrong_claim: bool
+    """The first claim to be certain was wrong."""
+    images: int
+    """How many of the four poses that look alike on the square are among the hypotheses."""
+    even: bool
+    """Their weights are within a factor of two."""
+    shown: list[Shown]
+
+
+def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
+    """Scatter, and drive one lap: seconds until the field decides, and how each filter fares."""
+    of, seed = map_and_seed
+    rng = np.random.default_rng([seed, 7])
+    elapsed = float(rng.uniform(0, LAP))
+    start = on_eight(rng, elapsed)
+    drive = record(Config(robot="sim", seed=seed, map=of), LAP, start=start, elapsed=elapsed)
+    tried = {name: try_filter(drive, p, seed) for name, p in FINDERS.items()}
+    return decided_at(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
+
+
+def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
+    """The same, for a robot that knew its place and was carried off unseen."""
+    of, seed = map_and_seed
+    rng = np.random.default_rng([seed, 7])
+    elapsed = float(rng.uniform(0, LAP))
+    start, elsewhere = on_eight(rng, elapsed), on_eight(rng, elapsed + CARRIED_AT)
+    drive = record(
+        Config(robot="sim", seed=seed, map=of),
+        CARRIED_AT + CARRIED_FOR,
+        start=start,
+        elapsed=elapsed,
+        kidnap=(CARRIED_AT, elsewhere),
+    )
+    tried = {name: try_filter(drive, p, seed, start) for name, p in FINDERS_AGAIN.items()}
+    after = CARRIED_AT + 0.05
+    return decided_at(drive, after) - CARRIED_AT, {
+        name: judged(shown, after) for name, shown in tried.items()
+    }
+
+
+def judged(shown: list[Shown], since: float) -> Found:
+    """How a filter fared from a moment on."""
+    last = shown[-1]
+    turned = [Pose2(theta=quarter * math.pi / 2) @ last.truth for quarter in range(4)]
+    weights = [
+        max((h.weight for h in last.hypotheses if is_right(h.pose, pose)), default=0.0)
+        for pose in turned
+    ]
+    return Found(
+        last.right,
+        right_for_good(shown, since) - since,
+        wrong_first_claim([one for one in shown if one.stamp >= since]),
+        sum(weight > 0 for weight in weights),
+        min(weights) > 0 and max(weights) <= 2 * min(weights),
+        shown,
+    )
+
+
+def rms(values: Sequence[float]) -> float:
+    """Root mean square."""
+    return float(np.sqrt(np.mean(np.square(values))))
+
+
+def measure() -> Result:
+    """All of it: several minutes."""
+    more = tracking("none") | tracking("all")
+    calibration = Calibration()
+    more |= places(calibration) | carried_off(calibration)
+    for claimed, right, count in calibration.table(BORDERS):
+        more[f"claimed {claimed:.2f}: found right, of {count}"] = right
+    return Result("mm position error (RMSE) tracking", more["tracking: hypotheses [mm]"],
+                  {"odometry alone": more["tracking: odometry alone [mm]"]}, more)  # fmt: skip
+
+
+def tracking(clutter: str) -> dict[str, float]:
+    """Twelve robots on the square, two laps; without and with clutter on the floor."""
+    name = "tracking" if clutter == "none" else "among clutter"
+    runs = each(partial(track, clutter), SEEDS)
+    more: dict[str, float] = {}
+    for tracker in TRACKERS:
+        more[f"{name}: {tracker} [mm]"] = 1e3 * float(np.mean([r[tracker].xy for r in runs]))
+        more[f"{name}: {tracker} [deg]"] = math.degrees(np.mean([r[tracker].theta for r in runs]))
+    more[f"{name}: hypotheses, worst robot [mm]"] = 1e3 * max(r["hypotheses"].xy for r in runs)
+    more[f"{name}: odometry alone [mm]"] = 1e3 * float(
+        np.mean([r["hypotheses"].odometry for r in runs])
+    )
+    return more
+
+
+def places(calibration: Calibration) -> dict[str, float]:
+    """Scattered on marked fields and on the plain square."""
+    more: dict[str, float] = {}
+    for of in (*MARKED, "square"):
+        runs = each(find, [(of, seed) for seed in GLOBAL_SEEDS])
+        count = len(runs)
+        for name in FINDERS:
+            found = [run[name] for _, run in runs]
+            start = f"global start, {of}, {name}"
+            if of == "square":
+                more[f"{start}: all four places, of {count}"] = sum(f.images == 4 for f in found)
+                more[f"{start}: evenly weighed, of {count}"] = sum(f.even for f in found)
+            else:
+                more[f"{start}: right, of {count}"] = sum(f.right for f in found)
+                more[f"{start}: median until right for good [s]"] = median(found)
+            more[f"{start}: first sure claim wrong, of {count}"] = sum(f.wrong_claim for f in found)
+        if of != "square":
+            more[f"global start, {of}, oracle: median until decided [s]"] = float(
+                np.median([decided for decided, _ in runs])
+            )
+        ours = [run["hypotheses"] for _, run in runs]
+        more |= cost(f"global start, {of}", ours)
+        for one in ours:
+            calibration.add(one.shown)
+    return more
+
+
+def carried_off(calibration: Calibration) -> dict[str, float]:
+    """Carried off on marked fields, unseen."""
+    more: dict[str, float] = {}
+    for of in MARKED:
+        runs = each(find_again, [(of, seed) for seed in KIDNAP_SEEDS])
+        decidable = [found for decided, found in runs if decided < CARRIED_FOR]
+        for name in FINDERS_AGAIN:
+            found = [run[name] for run in decidable]
+            start = f"carried off, {of}, {name}"
+            more[f"{start}: right, of {len(found)} decidable"] = sum(f.right for f in found)
+            more[f"{start}: median until right for good [s]"] = median(found)
+        more[f"carried off, {of}, oracle: median until decided [s]"] = float(
+            np.median([decided for decided, _ in runs])
+        )
+        ours = [run["hypotheses"] for _, run in runs]
+        more |= cost(f"carried off, {of}", ours)
+        for one in ours:
+            calibration.add(one.shown)
+    return more
+
+
+def median(found: list[Found]) -> float:
+    """Seconds until right for good."""
+    return float(np.median([one.seconds for one in found]))
+
+
+def cost(name: str, found: list[Found]) -> dict[str, float]:
+    """What the filter takes of a processor's time."""
+    # The first pictures of a process may have to load compiled code.
+    spent = [1e3 * shown.cpu for one in found for shown in one.shown[10:]]
+    return {
+        f"{name}: mean of a frame [ms]": float(np.mean(spent)),
+        f"{name}: 99.9 % of frames below [ms]": float(np.percentile(spent, 99.9)),
+        f"{name}: longest frame [ms]": max(spent),
+    }

@@ -1,0 +1,206 @@
+"""A filter tried on a recorded drive: what it said of each picture, and whether that was right."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+
+from benchmarks.drives import Drive
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.filters import make_filter
+from robot.localization.localizer import Localizer
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.sensor_models import sensor_model
+from robot.localization.parameters import LocalizationParameters
+from robot.localization.ray_evidence import RayEvidence
+from robot.localization.rays import rays_of
+from robot.localization.refinement import Refinement
+from robot.localization.setup import Setup
+
+LOADING = 150
+"""Ticks in which every part of a filter is used once."""
+_LOADED: set[str] = set()
+
+RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
+"""A hypothesis this close to the truth is right [m], [rad]."""
+CERTAIN = 0.95
+DECIDED = 3.0
+"""Log-likelihood ratio from which on the field has told one place from another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What was believed at one picture, and the truth at that moment."""
+
+    stamp: float
+    truth: Pose2
+    hypotheses: tuple[Hypothesis, ...]
+    """Heaviest first; none while nothing is known."""
+    cpu: float
+    """Time that the filter took [s]."""
+
+    @property
+    def error(self) -> float:
+        """Distance of the heaviest from the truth [m]; inf without one."""
+        return self.hypotheses[0].pose.distance_to(self.truth) if self.hypotheses else math.inf
+
+    @property
+    def turn_error(self) -> float:
+        """The same of the heading [rad]."""
+        return abs(self.hypotheses[0].pose.turn_to(self.truth)) if self.hypotheses else math.inf
+
+    @property
+    def right(self) -> bool:
+        """Whether the heaviest is right."""
+        return bool(self.hypotheses) and is_right(self.hypotheses[0].pose, self.truth)
+
+    @property
+    def claim(self) -> float:
+        """Weight of the heaviest."""
+        return self.hypotheses[0].weight if self.hypotheses else 0.0
+
+
+def is_right(pose: Pose2, truth: Pose2) -> bool:
+    """Whether a pose is about the truth."""
+    return pose.distance_to(truth) < RIGHT_XY and abs(pose.turn_to(truth)) < RIGHT_THETA
+
+
+def try_filter(
+    drive: Drive,
+    parameters: LocalizationParameters,
+    seed: int,
+    told: Pose2 | None = None,
+    covariance: Array | None = None,
+) -> list[Shown]:
+    """Run a filter over a drive.
+
+    Args:
+        drive: what the robot saw.
+        parameters: which filter, and how it is set.
+        seed: of the filter's chance.
+        told: the pose at the start; None scatters over the field.
+        covariance: of the told pose; None is the one of the parameters.
+    """
+    setup = setup_of(drive.field, parameters)
+    load_compiled(setup, drive)
+    localizer = Localizer(
+        make_filter(setup, np.random.default_rng(seed)), parameters.filter, Refinement.of(setup)
+    )
+    if told is None:
+        localizer.scatter()
+    else:
+        localizer.set_pose(told, covariance)
+    shown: list[Shown] = []
+    last: tuple[Estimate, Pose2] | None = None
+    for tick in drive.ticks:
+        if tick.scan is None or tick.odometry_at_scan is None:
+            continue
+        began = time.thread_time()
+        estimate = localizer.update(tick.odometry_at_scan, tick.scan)
+        took = time.thread_time() - began
+        if estimate is not None:
+            last = estimate, tick.odometry_at_scan
+        found = carried(*last, tick.odometry_at_scan) if last else ()
+        shown.append(Shown(tick.scan.stamp, drive.truth_at(tick.scan.stamp), found, took))
+    return shown
+
+
+def load_compiled(setup: Setup, drive: Drive) -> None:
+    """Use what is compiled once in each process, so that reading it from disk is not measured."""
+    if setup.filter.filter in _LOADED:
+        return
+    _LOADED.add(setup.filter.filter)
+    localizer = Localizer(make_filter(setup, np.random.default_rng(0)), setup.filter)
+    localizer.scatter()
+    for tick in drive.ticks[:LOADING]:
+        if tick.scan is not None and tick.odometry_at_scan is not None:
+            localizer.update(tick.odometry_at_scan, tick.scan)
+
+
+def carried(estimate: Estimate, odometry: Pose2, now: Pose2) -> tuple[Hypothesis, ...]:
+    """Hypotheses carried forward by odometry."""
+    step = odometry.inverse() @ now
+    return tuple(Hypothesis(h.weight, h.pose @ step, h.covariance) for h in estimate.hypotheses)
+
+
+def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
+    """All that a filter is given."""
+    sensor = parameters.sensor
+    entries = EntryField.build(
+        of, resolution=sensor.field_resolution, max_distance=sensor.laser_likelihood_max_dist
+    )
+    return Setup.of(
+        of, entries, parameters.motion.model(), sensor_model(sensor, entries, of.edges), parameters
+    )
+
+
+def decided_at(drive: Drive, since: float) -> float:
+    """Stamp at which the field has told the true place from its rotations; inf if it never does.
+
+    An oracle that knows the truth adds up, scan by scan, how much better the rays fit there than
+    at the pose turned by a quarter, a half and three quarters about the field's centre.
+    """
+    evidence = RayEvidence.of(drive.field, 1.0, 0.01)
+    told, scans = np.zeros(3), 0
+    for tick in drive.ticks:
+        if tick.scan is None or tick.scan.stamp < since:
+            continue
+        scans += 1
+        if scans % 2:
+            continue  # neighbouring pictures err together
+        rays, truth = rays_of(tick.scan, 60), drive.truth_at(tick.scan.stamp)
+        turned = [Pose2(theta=quarter * math.pi / 2) @ truth for quarter in (1, 2, 3)]
+        here = evidence.log_likelihood(truth, rays)
+        told += [4.5 * (here - evidence.log_likelihood(pose, rays)) for pose in turned]
+        if told.min() > DECIDED:
+            return tick.stamp
+    return math.inf
+
+
+def right_for_good(shown: list[Shown], since: float) -> float:
+    """Stamp from which on the heaviest hypothesis is right to the end; inf if it ends wrong."""
+    stamp = math.inf
+    for one in reversed(shown):
+        if not one.right or one.stamp < since:
+            break
+        stamp = one.stamp
+    return stamp
+
+
+def wrong_first_claim(shown: list[Shown]) -> bool:
+    """Whether the first claim to be certain was wrong."""
+    claims = [one.right for one in shown if one.claim > CERTAIN]
+    return bool(claims) and not claims[0]
+
+
+@dataclass
+class Calibration:
+    """Claimed weights against how often they were right."""
+
+    claimed: list[float] = field(default_factory=list)
+    right: list[bool] = field(default_factory=list)
+
+    def add(self, shown: list[Shown]) -> None:
+        """Count every hypothesis of every picture."""
+        for one in shown:
+            for hypothesis in one.hypotheses:
+                self.claimed.append(hypothesis.weight)
+                self.right.append(is_right(hypothesis.pose, one.truth))
+
+    def table(self, borders: tuple[float, ...]) -> list[tuple[float, float, int]]:
+        """Mean claim, share found right, and number, between borders."""
+        claimed, right = np.array(self.claimed), np.array(self.right)
+        rows = []
+        for low, high in pairwise(borders):
+            some = (claimed >= low) & (claimed < high)
+            if some.any():
+                rows.append(
+                    (float(claimed[some].mean()), float(right[some].mean()), int(some.sum()))
+                )
+        return rows
