@@ -15,7 +15,7 @@ from robot.localization.setup import Setup
 
 MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
     "hypotheses": lambda setup, rng: MultiHypothesisFilter(
-        setup, lambda now: ParticleFilter.of(now, rng), rng
+        setup, lambda now, share: ParticleFilter.of(now, rng, share), rng
     ),
     "particles": ParticleFilter.of,
     "kalman": KalmanFilter.of,

@@ -38,6 +38,7 @@ class Setup:
         parameters: LocalizationParameters,
     ) -> Setup:
         """With matcher and evidence as the parameters ask for."""
+        _ = entries.planes  # made now, and not while a frame waits for it
         reach, p = parameters.sensor.laser_max_range, parameters.hypotheses
         return cls(
             field,

@@ -28,9 +28,9 @@ BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
 SEEN_ANYWHERE, MISSED_ANYWHERE = 1.7, -0.2
 """Log-likelihood of a ray, by whether it returned, at a place that fits but badly."""
-FIRST, LATER, LOST, SURE = 12, 8, 2, 24
-"""Scans before the first search; between searches, also when lost, and when sure."""
-CERTAIN = 0.95
+FIRST, LOST, SOON, LATE = 12, 2, 8, 24
+"""Scans before the first search, and when lost; between searches that find something, and at most,
+when they find nothing."""
 FRESH = -3.0
 """Log-weight of being elsewhere when places were found for the first time."""
 LEAST_SHARE = 0.2
@@ -52,8 +52,18 @@ class MultiHypothesisFilter:
     """
 
     def __init__(
-        self, setup: Setup, new_filter: Callable[[Setup], TrackFilter], rng: np.random.Generator
+        self,
+        setup: Setup,
+        new_filter: Callable[[Setup, float], TrackFilter],
+        rng: np.random.Generator,
     ) -> None:
+        """At the field's start.
+
+        Args:
+            setup: field, models and parameters.
+            new_filter: makes a filter that keeps a share of the particles, 0 to 1.
+            rng: the only source of chance.
+        """
         self.setup = setup
         self._new_filter = new_filter
         self._rng = rng
@@ -69,6 +79,8 @@ class MultiHypothesisFilter:
         """Kept since the start."""
         self._wait = FIRST
         """Scans until the next search."""
+        self._patience = SOON
+        """Scans between searches, at present."""
         self._elsewhere = FRESH
         """Log-weight of being at no place that is followed, relative to the heaviest."""
         self._lost = False
@@ -109,13 +121,13 @@ class MultiHypothesisFilter:
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
-        one = self._new_filter(self.setup)
+        one = self._new_filter(self.setup, 1.0)
         one.set_pose(pose, covariance)
         self._start([Track(one, 0.0)], Prior(pose, covariance))
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew with one hypothesis of given weighted poses."""
-        one = self._new_filter(self.setup)
+        one = self._new_filter(self.setup, 1.0)
         one.set_cloud(cloud)
         self._start([Track(one, 0.0)], None)
 
@@ -209,13 +221,15 @@ class MultiHypothesisFilter:
                 setup.evidence,
                 setup.hypotheses,
             )
-            self._wait = SURE if self._weights()[:1].sum() > CERTAIN else LATER
+            self._wait = self._patience
 
     def _bear(self, search: PlaceSearch) -> None:
         """Follow the places that were found, weighed as if they had been there all along."""
         p = self.setup.hypotheses
         lives = [life for life in search.found if not self._is_followed(life.pose)]
+        before = len(self._tracks)
         if not lives:
+            self._patience = min(2 * self._patience, LATE)
             return
         newcomers = bool(self._tracks)
         fits = [life.fits for life in (search.alive if newcomers else search.found)]
@@ -229,11 +243,12 @@ class MultiHypothesisFilter:
                 weight = min(weight + prior, max(self._elsewhere, prior))
             if weight > p.log_hopeless:
                 self._follow(life.pose @ self._since_search, life.covariance, weight)
+        # What is not followed yet, and not hopeless, may be the first of more.
+        self._patience = SOON if len(self._tracks) > before else min(2 * self._patience, LATE)
         self._select()
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
-        born = self._new_filter(self.setup)
-        born.share = BORN_SHARE
+        born = self._new_filter(self.setup, BORN_SHARE)
         born.set_pose(pose, covariance)
         self._tracks.append(Track(born, log_weight))
 
@@ -266,7 +281,7 @@ class MultiHypothesisFilter:
         self._lost = False
         self._doubts = self._scans = 0
         self._search = None
-        self._wait = FIRST
+        self._wait, self._patience = FIRST, SOON
         self._local = LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)
 
     def _weights(self) -> Array:

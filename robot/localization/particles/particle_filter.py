@@ -44,20 +44,21 @@ class ParticleFilter:
         rng: np.random.Generator,
         *,
         likelihood_weight: float = 1.0,
+        share: float = 1.0,
     ) -> None:
         self.motion = motion
         self.sensor = sensor
         self.field = field
         self.parameters = parameters
         self.likelihood_weight = likelihood_weight
-        self.share = 1.0
+        self.share = share
         """Part of the particles that it may keep, when it is one of many."""
         self._rng = rng
         self.set_pose(field.start, parameters.initial_covariance)
 
     @classmethod
-    def of(cls, setup: Setup, rng: np.random.Generator) -> ParticleFilter:
-        """With the models and parameters of a setup."""
+    def of(cls, setup: Setup, rng: np.random.Generator, share: float = 1.0) -> ParticleFilter:
+        """With the models and parameters of a setup, and a share of the particles."""
         return cls(
             setup.motion,
             setup.sensor,
@@ -65,6 +66,7 @@ class ParticleFilter:
             setup.filter,
             rng,
             likelihood_weight=setup.likelihood_weight,
+            share=share,
         )
 
     def use(self, setup: Setup) -> None:
