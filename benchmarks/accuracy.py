@@ -18,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 
 from app.config import Config
-from benchmarks.drives import on_eight, record
+from benchmarks.drives import Drive, on_eight, record
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,
@@ -26,11 +26,13 @@ from benchmarks.trials import (
     decided_at,
     is_right,
     right_for_good,
+    setup_of,
     try_filter,
     wrong_first_claim,
 )
 from robot.geometry import Pose2
 from robot.localization.parameters import FilterParameters, LocalizationParameters
+from robot.localization.setup import Setup
 from sim.floor_camera import CameraSettings
 
 SEEDS = range(12)
@@ -125,13 +127,26 @@ class Found:
     shown: list[Shown]
 
 
-def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
-    """Scatter, and drive one lap: seconds until the field decides, and how each filter fares."""
-    of, seed = map_and_seed
+def lap(of: str, seed: int) -> Drive:
+    """One lap from somewhere."""
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
     start = on_eight(rng, elapsed)
-    drive = record(Config(robot="sim", seed=seed, map=of), LAP, start=start, elapsed=elapsed)
+    return record(Config(robot="sim", seed=seed, map=of), LAP, start=start, elapsed=elapsed)
+
+
+def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> Found:
+    """Scatter, and drive one lap with the default filter and something changed."""
+    of, seed = map_and_seed
+    drive, parameters = lap(of, seed), LocalizationParameters()
+    setup = change(setup_of(drive.field, parameters))
+    return judged(try_filter(drive, parameters, seed, setup=setup), 0.0)
+
+
+def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
+    """Scatter, and drive one lap: seconds until the field decides, and how each filter fares."""
+    of, seed = map_and_seed
+    drive = lap(of, seed)
     tried = {name: try_filter(drive, p, seed) for name, p in FINDERS.items()}
     return decided_at(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
 

@@ -17,7 +17,7 @@ from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.geometry import Pose2, interpolate
+from robot.geometry import Pose2, Twist2, interpolate
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
 from sim.simulated import no_wait
@@ -72,6 +72,7 @@ def record(
     start: Pose2 | None = None,
     elapsed: float = 0.0,
     kidnap: tuple[float, Pose2] | None = None,
+    unskew: bool = True,
 ) -> Drive:
     """Drive the figure-eight and keep readings and scans.
 
@@ -81,6 +82,7 @@ def record(
         start: pose in the map; by default the field's.
         elapsed: time on the figure-eight at the start [s].
         kidnap: when [s] and where to the robot is put, unseen by itself.
+        unskew: undo the rolling shutter's skew.
     """
     of, spec = load_field(config.map, MAPS), RobotSpec.load()
     if start is not None:
@@ -99,7 +101,8 @@ def record(
         tick = Tick(reading.stamp, reading.truth, now.odom_from_robot)
         if reading.frame is not None:
             then = odometry.at(reading.frame.stamp)
-            scan = scanner.scan(reading.frame, then.twist).scan
+            twist = then.twist if unskew else Twist2()
+            scan = scanner.scan(reading.frame, twist).scan
             tick = replace(tick, scan=scan, odometry_at_scan=then.odom_from_robot)
         ticks.append(tick)
         if kidnap is not None and reading.stamp >= kidnap[0]:

@@ -77,6 +77,7 @@ def try_filter(
     seed: int,
     told: Pose2 | None = None,
     covariance: Array | None = None,
+    setup: Setup | None = None,
 ) -> list[Shown]:
     """Run a filter over a drive.
 
@@ -86,8 +87,9 @@ def try_filter(
         seed: of the filter's chance.
         told: the pose at the start; None scatters over the field.
         covariance: of the told pose; None is the one of the parameters.
+        setup: models that are not as the parameters have them.
     """
-    setup = setup_of(drive.field, parameters)
+    setup = setup or setup_of(drive.field, parameters)
     load_compiled(setup, drive)
     localizer = Localizer(
         make_filter(setup, np.random.default_rng(seed)), parameters.filter, Refinement.of(setup)

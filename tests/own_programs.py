@@ -51,9 +51,7 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
     engine = Engine(
         base.robot,
         Odometry(kinematics, base.config.odometry),
-        Localization(
-            base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own
-        ),
+        Localization(base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
         Driving(DriveController(kinematics, base.config.drive), 0.5),
         base.field.start,
     )

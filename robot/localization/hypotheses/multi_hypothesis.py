@@ -115,6 +115,8 @@ class MultiHypothesisFilter:
 
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; all hypotheses stay."""
+        if setup.hypotheses != self.setup.hypotheses:
+            self._local, self._search = _new_map(setup), None
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -282,9 +284,14 @@ class MultiHypothesisFilter:
         self._doubts = self._scans = 0
         self._search = None
         self._wait, self._patience = FIRST, SOON
-        self._local = LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)
+        self._local = _new_map(self.setup)
 
     def _weights(self) -> Array:
         likelihood = np.exp([track.log_weight for track in self._tracks])
         weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere))
         return weights
+
+
+def _new_map(setup: Setup) -> LocalMap:
+    p = setup.hypotheses
+    return LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)

@@ -32,7 +32,7 @@ PEAKS = 90
 """Places on the grid that are laid on the edges."""
 WORSE = 1.5
 """A place that fits by so much less than the best, in log-likelihood a ray, is none."""
-POSES_A_PIECE, FITS_A_PIECE, LIVES_A_PIECE = 40_000, 45, 12
+POSES_A_PIECE, FITS_A_PIECE, LIVES_A_PIECE = 20_000, 45, 12
 """Work that is done in one go: 2 to 4 ms."""
 
 

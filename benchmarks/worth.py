@@ -1,0 +1,138 @@
+"""What is each choice of the localization worth? Each is undone alone, on the same drives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from app.config import Config
+from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, rms, with_filter
+from benchmarks.drives import Drive, record
+from benchmarks.result import Result
+from benchmarks.trials import setup_of, try_filter
+from robot.geometry import Array, Pose2
+from robot.localization.models.entry_field import EntryField
+from robot.localization.models.sensor_models import sensor_model
+from robot.localization.parameters import LocalizationParameters, SensorParameters
+from robot.localization.ray_evidence import RayEvidence
+from robot.localization.setup import Setup
+
+SEEDS = range(12)
+GLOBAL_SEEDS = range(24)
+ONE_CLOUD = with_filter(filter="particles")
+"""Where only tracking is measured, hypotheses elsewhere would be in the way."""
+
+Undo = Callable[[Setup], Setup]
+
+
+def as_it_is(setup: Setup) -> Setup:
+    """Undo nothing."""
+    return setup
+
+
+def no_direction(setup: Setup) -> Setup:
+    """An edge attracts ends of rays from any direction."""
+    nearest = np.abs(setup.entries.distances).min(axis=0)
+    same = np.broadcast_to(nearest, setup.entries.distances.shape).copy()
+    return with_entries(setup, replace(setup.entries, distances=same))
+
+
+def no_sign(setup: Setup) -> Setup:
+    """Distances without a sign near edges: there, cells are bent."""
+    return with_entries(setup, replace(setup.entries, distances=np.abs(setup.entries.distances)))
+
+
+def with_entries(setup: Setup, entries: EntryField) -> Setup:
+    """Another table of distances."""
+    sensor = sensor_model(setup.parameters.sensor, entries, setup.field.edges)
+    return replace(setup, entries=entries, sensor=sensor)
+
+
+class OnlyHits(RayEvidence):
+    """Rays without a return tell nothing."""
+
+    def log_likelihood(self, pose: Pose2, rays: Array) -> float:
+        """Of the rays that returned."""
+        return super().log_likelihood(pose, rays[np.isfinite(rays[:, 3])])
+
+
+def no_negative_evidence(setup: Setup) -> Setup:
+    """What should be seen and is not does not count."""
+    evidence = setup.evidence
+    return replace(
+        setup,
+        evidence=OnlyHits(evidence.index, evidence.ends, evidence.range_max, evidence.sd),
+    )
+
+
+def late(drive: Drive) -> Drive:
+    """Scans with the odometry of when they arrive, not of when the picture was exposed."""
+    ticks = [replace(tick, odometry_at_scan=tick.odometry) for tick in drive.ticks]
+    return Drive(drive.field, ticks)
+
+
+def sensor(**changes: float) -> LocalizationParameters:
+    """One cloud, with other parameters of the sensor."""
+    return replace(ONE_CLOUD, sensor=replace(SensorParameters(), **changes))  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Something that was done otherwise."""
+
+    parameters: LocalizationParameters = ONE_CLOUD
+    undo: Undo = as_it_is
+    drive: Callable[[Drive], Drive] | None = None
+
+
+CHOICES = {
+    "as it is": Choice(),
+    "not refined": Choice(with_filter(filter="particles", refine=False)),
+    "edges without direction": Choice(undo=no_direction),
+    "distances without sign": Choice(undo=no_sign),
+    "cells of 10 mm": Choice(sensor(field_resolution=0.01)),
+    "cells of 20 mm": Choice(sensor(field_resolution=0.02)),
+    "odometry of when the picture arrives": Choice(drive=late),
+    "sigma_hit 20 mm": Choice(sensor(sigma_hit=0.02)),
+    "100 particles": Choice(with_filter(filter="particles", min_particles=100, max_particles=100)),
+    "15 beams": Choice(sensor(max_beams=15)),
+    "copies not spread": Choice(with_filter(filter="particles", regularization=0.0)),
+}
+
+
+def track(seed: int) -> dict[str, float]:
+    """Errors [m] of one robot over two laps, with each choice; and with the readout's skew left."""
+    drive = record(Config(robot="sim", seed=seed), LAPS)
+    skewed = record(Config(robot="sim", seed=seed), LAPS, unskew=False)
+    found = {name: error(choice, drive, seed) for name, choice in CHOICES.items()}
+    found["readout not corrected"] = error(Choice(), skewed, seed)
+    return found
+
+
+def error(choice: Choice, drive: Drive, seed: int) -> float:
+    """Root mean square of the position's error [m]."""
+    seen = choice.drive(drive) if choice.drive else drive
+    setup = choice.undo(setup_of(drive.field, choice.parameters))
+    shown = try_filter(seen, choice.parameters, seed, drive.ticks[0].truth, TOLD, setup=setup)
+    return rms([one.error for one in shown if one.stamp > SETTLED])
+
+
+def measure() -> Result:
+    """Tracking with each choice undone; global starts without negative evidence."""
+    runs = each(track, SEEDS)
+    more = {}
+    for name in runs[0]:
+        errors = [1e3 * run[name] for run in runs]
+        more[f"{name} [mm]"] = float(np.mean(errors))
+        more[f"{name}, worst robot [mm]"] = max(errors)
+    for name, undo in (("with", as_it_is), ("without", no_negative_evidence)):
+        found = each(partial(find_with, undo), [("tee", seed) for seed in GLOBAL_SEEDS])
+        start = f"global start, tee, {name} negative evidence"
+        more[f"{start}: right, of {len(found)}"] = sum(one.right for one in found)
+        more[f"{start}: first sure claim wrong"] = sum(one.wrong_claim for one in found)
+        seconds = [one.seconds for one in found]
+        more[f"{start}: median until right for good [s]"] = float(np.median(seconds))
+    return Result("mm position error (RMSE) tracking", more["as it is [mm]"], more=more)
