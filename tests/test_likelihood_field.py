@@ -67,3 +67,21 @@ def test_an_end_beyond_the_greatest_distance_counts_as_that_far() -> None:
     there = at(model, TRUTH, scan_at(TRUTH, bearings=np.zeros(1)))
     peak = 1 + PARAMETERS.z_hit * PARAMETERS.laser_max_range / PARAMETERS.z_rand
     assert there - far[0] == pytest.approx(math.log(peak), abs=0.05)
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 511, 513, 1100])
+def test_a_pose_is_weighed_alike_alone_and_among_any_number(count: int) -> None:
+    model, scan = model_of("likelihood_field"), scan_at(TRUTH)
+    poses = FIELD.free_poses(np.random.default_rng(0), count)
+    together = model.log_likelihood(poses, scan)
+    alone = [model.log_likelihood(poses[i : i + 1], scan)[0] for i in range(0, count, 7)]
+    np.testing.assert_array_equal(together[::7], alone)
+
+
+def test_a_heading_counts_the_same_some_turns_on() -> None:
+    model, scan = model_of("likelihood_field"), scan_at(TRUTH)
+    poses = FIELD.free_poses(np.random.default_rng(0), 100)
+    turned = poses + np.array([0.0, 0.0, 4 * math.pi])
+    np.testing.assert_allclose(
+        model.log_likelihood(poses, scan), model.log_likelihood(turned, scan), atol=1e-3
+    )
