@@ -11,7 +11,11 @@ from scipy.stats import kstest, norm
 
 from robot.geometry import Array, wrap_angle
 from robot.localization.headings import heading_vector, wrapped
-from robot.localization.particles.noise import normal_noise
+from robot.localization.particles.noise import noise_key, normal_rows
+
+
+def normal_noise(rng: np.random.Generator, rows: int, count: int) -> Array:
+    return normal_rows(noise_key(rng), rows, count)[:, :count]
 
 
 def noise(seed: int, rows: int = 3, count: int = 40_000) -> Array:

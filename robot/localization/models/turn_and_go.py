@@ -7,11 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from robot.geometry import Array
 from robot.localization.headings import heading_vector, wrapped
-from robot.localization.particles.noise import normal_noise
+from robot.localization.particles.noise import noise_key, normal_rows
 
 
 class Legs(NamedTuple):
@@ -29,17 +28,18 @@ class Legs(NamedTuple):
 
 def sample_legs(poses: Array, legs: Legs, deviations: Legs, rng: np.random.Generator) -> Array:
     """Where poses (n, 3) get to when each part errs by itself, by a normal distribution."""
-    return _step(poses, (*legs,), (*deviations,), normal_noise(rng, 4, len(poses)))
+    return _step(poses, (*legs,), (*deviations,), noise_key(rng))
 
 
 Parts = tuple[float, float, float, float]
 
 
 @njit(cache=True, nogil=True, fastmath={"contract", "reassoc", "nsz"}, error_model="numpy")
-def _step(poses: Array, legs: Parts, deviations: Parts, noise: NDArray[np.float32]) -> Array:
+def _step(poses: Array, legs: Parts, deviations: Parts, key: int) -> Array:
     """Noise and motion in one; column by column, so that eight particles are moved at a time."""
     turn, ahead, aside, last = legs
     sd_turn, sd_ahead, sd_aside, sd_last = deviations
+    noise = normal_rows(key, 4, len(poses))
     a, b, c, d = noise[0], noise[1], noise[2], noise[3]
     x, y, theta = poses[:, 0].copy(), poses[:, 1].copy(), poses[:, 2].copy()
     for i in range(len(poses)):

@@ -37,11 +37,9 @@ C0, C1, C2, C3, C4, C5, C6 = _COSINE
 _LOG_2 = np.float32(math.log(2.0))
 
 
-def normal_noise(rng: np.random.Generator, rows: int, count: int) -> NDArray[np.float32]:
-    """Independent standard normal numbers (rows, count)."""
-    noise = np.empty((rows, count + count % 2), dtype=np.float32)
-    _fill(np.uint64(rng.bit_generator.random_raw()), noise.reshape(-1))
-    return noise[:, :count]
+def noise_key(rng: np.random.Generator) -> int:
+    """What ``normal_rows`` makes numbers of; 63 bits, which fit what compiled code takes."""
+    return rng.bit_generator.random_raw() >> 1
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
@@ -78,3 +76,11 @@ def _radius(word: np.uint32) -> np.float32:
     # Rounding may bring the logarithm of one a little above zero.
     minus = float32(-2.0) * (log + exponent * _LOG_2)
     return float32(math.sqrt(max(minus, float32(0.0))))
+
+
+@njit(cache=True, nogil=True)
+def normal_rows(key: int, rows: int, count: int) -> NDArray[np.float32]:
+    """Independent standard normal numbers (rows, count), or one more in each row."""
+    noise = np.empty((rows, count + count % 2), dtype=np.float32)
+    _fill(np.uint64(key), noise.reshape(-1))
+    return noise

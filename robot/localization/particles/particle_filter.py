@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -125,14 +124,13 @@ class ParticleFilter:
             self._resample()
 
     def _weigh(self, scan: Scan) -> None:
-        rays = int(np.count_nonzero(scan.hit))
-        if not rays:
-            return
         poses, weights = self._particles.poses, self._particles.weights
         # The clusters are those of the last scan: they move and widen little in between.
         known, settings = self._clusters, self.parameters
-        apart = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
-        log_likelihood = self.sensor.log_likelihood(poses, replace(scan, extra_sd=apart))
+        apart, rays = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
+        if not rays:
+            return
+        log_likelihood = self.sensor.log_likelihood(poses, _believed(scan, apart))
         self._recovery.observe(
             log_likelihood,
             weights,
@@ -184,3 +182,8 @@ class ParticleFilter:
     def _cells(self) -> Cells:
         turns = max(1, round(2 * math.pi / self.parameters.cell_theta))
         return Cells(self.parameters.cell_xy, turns)
+
+
+def _believed(scan: Scan, extra_sd: float) -> Scan:
+    """A scan believed so much less; ``dataclasses.replace`` would take thrice as long."""
+    return Scan(scan.stamp, scan.bearings, scan.ranges, scan.robot_from_scan, scan.sight, extra_sd)

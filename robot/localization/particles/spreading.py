@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from robot.geometry import Array
 from robot.localization.headings import wrapped
 from robot.localization.particles.clusters import Clusters
-from robot.localization.particles.noise import normal_noise
+from robot.localization.particles.noise import noise_key, normal_rows
 
 Noise = NDArray[np.float32]
 
@@ -48,9 +48,8 @@ def regularize(
     """
     if scale == 0:
         return poses[drawn]
-    noise = normal_noise(rng, 3, len(drawn))
     means, covariances = clusters.means, clusters.covariances
-    return _spread(poses, clusters.labels, means, covariances, drawn, scale, noise)
+    return _spread(poses, clusters.labels, means, covariances, drawn, scale, noise_key(rng))
 
 
 @njit(cache=True, nogil=True)
@@ -61,9 +60,10 @@ def _spread(
     covariances: Array,
     drawn: NDArray[np.int64],
     scale: float,
-    noise: Noise,
+    key: int,
 ) -> Array:
     columns, ends = _by_cluster(poses, labels, drawn, len(means))
+    noise = normal_rows(key, 3, len(drawn))
     start = 0
     for k in range(len(means)):
         end = ends[k]
