@@ -76,6 +76,12 @@ def test_what_is_known_better_than_a_scan_tells_hardly_moves() -> None:
     assert abs(loose.x) < abs(tight.x) < 0.0005
 
 
+def test_a_cloud_that_has_become_too_narrow_is_mended_all_the_same() -> None:
+    """Its mean may be off by the luck of its draws, whatever its spread says."""
+    drawn_together = Hypothesis(1.0, Pose2(0.002, 0.0, 0.0), np.diag([1e-9, 1e-9, 1e-9]))
+    assert abs(made().refine(drawn_together, Drive().scan()).pose.x) < 0.001
+
+
 def test_a_wide_hypothesis_is_left_alone() -> None:
     """Its mean may lie between two places."""
     one, scan = made(), Drive().scan()
