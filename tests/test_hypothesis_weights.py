@@ -1,0 +1,195 @@
+"""Places are weighed by scans, kept while they may be right, and given up when they are not."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from square_drive import NARROW, ON_SQUARE, ON_STUB, SQUARE, drive_on, right, setup_of
+from stub_drive import DEFAULTS, Drive
+
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
+from robot.localization.hypotheses.multi_hypothesis import LEAST_SHARE, MultiHypothesisFilter
+from robot.localization.hypotheses.track import Track
+from robot.localization.setup import Setup
+from robot.scan import Scan
+
+
+@dataclass
+class Fixed:
+    """A filter of one hypothesis that only follows odometry."""
+
+    pose: Pose2
+    weights: tuple[float, ...] = (1.0,)
+    share: float = 1.0
+    told: list[object] = field(default_factory=list)
+    effective: float = 1.0
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        return tuple(
+            Hypothesis(weight, self.pose @ Pose2(0.1 * i), NARROW)
+            for i, weight in enumerate(self.weights)
+        )
+
+    @property
+    def cloud(self) -> Cloud:
+        return Cloud.even(np.tile(self.pose.to_array(), (4, 1)))
+
+    def use(self, setup: Setup) -> None:
+        self.told.append(setup)
+
+    def set_pose(self, pose: Pose2, covariance: Array) -> None:
+        self.pose = pose
+
+    def set_cloud(self, cloud: Cloud) -> None:
+        self.told.append(cloud)
+
+    def scatter(self) -> None:
+        self.told.append("scatter")
+
+    def predict(self, moved: Pose2) -> None:
+        self.pose = self.pose @ moved
+
+    def correct(self, scan: Scan) -> None:
+        self.told.append(scan)
+
+
+def at_places(*places: tuple[Pose2, float], setup: Setup = ON_STUB) -> MultiHypothesisFilter:
+    """Follows given places with given log-weights."""
+    f = MultiHypothesisFilter(setup, lambda *_: Fixed(Pose2()), np.random.default_rng(0))
+    f.set_pose(Pose2(), NARROW)
+    f._tracks = [Track(Fixed(pose), weight) for pose, weight in places]
+    return f
+
+
+def poses(f: MultiHypothesisFilter) -> list[Pose2]:
+    return [one.pose for one in f.hypotheses]
+
+
+ELSEWHERE = Pose2(-0.2, 0.1, 2.0)
+
+
+def test_weights_are_shares_heaviest_first_and_leave_room_for_elsewhere() -> None:
+    f = at_places((Pose2(), -1.0), (ELSEWHERE, 0.0))
+    heavy, light = f.hypotheses
+    assert heavy.pose == ELSEWHERE
+    assert light.weight / heavy.weight == pytest.approx(math.exp(-1))
+    gone = DEFAULTS.hypotheses.kidnapped
+    assert heavy.weight + light.weight == pytest.approx(1 - gone / (1 + math.exp(-1)), rel=1e-4)
+
+
+def test_a_place_with_several_hypotheses_shares_its_weight_among_them() -> None:
+    f = at_places((Pose2(), 0.0), (ELSEWHERE, math.log(0.5)))
+    f._tracks[0].filter.weights = (0.4, 0.3)  # type: ignore[attr-defined]
+    weights = [one.weight for one in f.hypotheses]
+    assert weights == pytest.approx([1 / 3, 0.4 * 2 / 3, 0.3 * 2 / 3], rel=1e-3)
+
+
+def test_the_cloud_is_that_of_all_places_by_their_weights() -> None:
+    f = at_places((Pose2(), 0.0), (ELSEWHERE, math.log(0.25)))
+    np.testing.assert_allclose(f.cloud.weights, [0.2] * 4 + [0.05] * 4)
+    np.testing.assert_array_equal(f.cloud.poses[4], ELSEWHERE.to_array())
+    assert f.effective == pytest.approx(1 / (4 * 0.2**2 + 4 * 0.05**2))
+
+
+def test_a_place_that_does_not_fit_is_given_up_but_not_for_one_scan() -> None:
+    f, drive = at_places((Pose2(), 0.0), (ELSEWHERE, 0.0)), Drive()
+    f.correct(drive.scan())
+    _, light = f.hypotheses
+    assert light.pose == ELSEWHERE
+    assert light.weight / f.hypotheses[0].weight == pytest.approx(
+        math.exp(-DEFAULTS.hypotheses.most_a_scan)
+    )
+    for _ in range(6):
+        f.predict(Pose2(0.01))
+        drive.true = drive.true @ Pose2(0.01)
+        f.correct(drive.scan())
+    assert len(f.hypotheses) == 1
+    assert right(f.hypotheses[0], drive)
+
+
+def test_a_place_that_looks_worse_for_a_while_may_win_later() -> None:
+    """It starts far lighter; scans tell for it."""
+    f, drive = at_places((Pose2(), -8.0), (ELSEWHERE, 0.0)), Drive()
+    for _ in range(6):
+        f.correct(drive.scan())
+        f.predict(Pose2(0.01))
+        drive.true = drive.true @ Pose2(0.01)
+    assert right(f.hypotheses[0], drive) and f.hypotheses[0].weight > 0.9
+
+
+def test_the_hopelessly_light_one_is_given_up_at_once() -> None:
+    limit = DEFAULTS.hypotheses.log_hopeless
+    for weight, kept in ((limit + 0.1, True), (limit - 0.1, False)):
+        turned = Pose2(0, 0, math.pi / 2)
+        start = Pose2(0.05, 0.1, 0.5)
+        f = at_places((start, 0.0), (turned @ start, weight), setup=ON_SQUARE)
+        f.correct(drive_on(SQUARE, start).scan())
+        assert (len(f.hypotheses) == 2) == kept
+
+
+def test_places_that_come_together_are_one_and_the_heavier_stays() -> None:
+    heavy, light = Pose2(0.004, 0, 0), Pose2(0, 0.004, 0.01)
+    f = at_places((light, -0.5), (heavy, 0.0), (ELSEWHERE, 0.0))
+    f.correct(Drive().scan())
+    assert set(poses(f)) == {heavy, ELSEWHERE}
+
+
+def test_places_that_differ_in_heading_alone_are_two() -> None:
+    f = at_places((Pose2(), 0.0), (Pose2(0, 0, 0.3), 0.0))
+    f.correct(Drive().scan())
+    assert len(f.hypotheses) == 2
+
+
+def test_no_more_are_followed_than_may_be_and_the_lightest_go() -> None:
+    start = Pose2(0.05, 0.1, 0.5)
+    places = [(Pose2(0, 0, n * math.pi / 2) @ start, -0.1 * n) for n in range(4)]
+    setup = setup_of(SQUARE, ON_SQUARE.entries, max_hypotheses=2)
+    f = at_places(*reversed(places), setup=setup)
+    f.correct(drive_on(SQUARE, start).scan())
+    assert poses(f) == [pose for pose, _ in places[:2]]
+
+
+def test_particles_are_shared_by_weight_but_none_has_too_few() -> None:
+    start = Pose2(0.05, 0.1, 0.5)
+    places = [
+        (Pose2(0, 0, n * math.pi / 2) @ start, weight) for n, weight in enumerate([0.0, -1.0, -4.0])
+    ]
+    f = at_places(*places, setup=ON_SQUARE)
+    f.correct(drive_on(SQUARE, start).scan())
+    shares = [track.filter.share for track in f._tracks]
+    assert shares == pytest.approx(
+        [*(one.weight for one in f.hypotheses[:2]), LEAST_SHARE], abs=1e-3
+    )
+
+
+def test_small_differences_between_places_do_not_add_up() -> None:
+    """On a square, with places a little off as a particle filter has them."""
+    rng, start = np.random.default_rng(0), Pose2(0.05, 0.1, 0.5)
+    drive = drive_on(SQUARE, start)
+    f = at_places(*((Pose2(0, 0, n * math.pi / 2) @ start, 0.0) for n in range(4)), setup=ON_SQUARE)
+    for _ in range(60):
+        f.predict(Pose2(0.01, 0, 0.06))
+        drive.true = drive.true @ Pose2(0.01, 0, 0.06)
+        for n, track in enumerate(f._tracks):
+            off = rng.normal(0, [0.001, 0.001, 0.004])
+            track.filter.set_pose(
+                Pose2(0, 0, n * math.pi / 2) @ drive.true @ Pose2.from_array(off), NARROW
+            )
+        f.correct(drive.scan())
+    weights = [track.log_weight for track in f._tracks]
+    assert len(weights) >= 4 and np.ptp(weights[:4]) < math.log(2)
+
+
+def test_scans_and_setups_reach_every_place() -> None:
+    f = at_places((Pose2(), 0.0), (ELSEWHERE, 0.0))
+    fixed = [track.filter for track in f._tracks]
+    scan = Drive().scan()
+    f.correct(scan)
+    f.use(ON_STUB)
+    assert [one.told for one in fixed] == [[scan, ON_STUB]] * 2  # type: ignore[attr-defined]
