@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from stub_drive import DEFAULTS, ENTRIES, PERIOD, SENSOR, STUB, Drive, near
 
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2, compose, pose_covariance
 from robot.localization.hypotheses.local_map import LocalMap
-from robot.localization.hypotheses.reliving import START_INFORMATION, Life, Past, relive
+from robot.localization.hypotheses.reliving import START_INFORMATION, Life, Past, _moved, relive
 from robot.localization.setup import Setup
 
 SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
@@ -126,3 +126,20 @@ def test_blind_it_follows_odometry_back_and_fits_nowhere_better() -> None:
     assert found.pose == outside
     np.testing.assert_allclose(found.covariance, np.linalg.inv(START_INFORMATION))
     assert np.isfinite(found.fits).all()
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.2, -2.8])
+def test_a_step_back_spreads_as_draws_of_pose_and_step_do(heading: float) -> None:
+    rng, step = np.random.default_rng(0), Pose2(-0.3, 0.1, 0.4)
+    pose = Pose2(0.1, 0.2, heading)
+    covariance = np.array([[4e-4, 1e-4, 0], [1e-4, 2e-4, 0], [0, 0, 1e-3]])
+    noise = np.array([[9e-4, 0, 1e-4], [0, 1e-5, 0], [1e-4, 0, 4e-4]])
+    draws = compose(
+        rng.multivariate_normal(pose.to_array(), covariance, 40_000),
+        rng.multivariate_normal(step.to_array(), noise, 40_000),
+    )
+    found, information = _moved(pose.to_array(), np.linalg.inv(covariance), step.to_array(), noise)
+    there = pose @ step
+    assert near(Pose2.from_array(found), there, 1e-12, 1e-12)
+    wanted = pose_covariance(draws, np.ones(len(draws)), there)
+    np.testing.assert_allclose(np.linalg.inv(information), wanted, atol=3e-5)
