@@ -13,8 +13,13 @@ from stub_drive import DEFAULTS, Drive
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
-from robot.localization.hypotheses.multi_hypothesis import LEAST_SHARE, MultiHypothesisFilter
+from robot.localization.hypotheses.multi_hypothesis import (
+    INDIFFERENT,
+    LEAST_SHARE,
+    MultiHypothesisFilter,
+)
 from robot.localization.hypotheses.track import Track
+from robot.localization.rays import rays_of
 from robot.localization.setup import Setup
 from robot.scan import Scan
 
@@ -166,6 +171,21 @@ def test_particles_are_shared_by_weight_but_none_has_too_few() -> None:
     assert shares == pytest.approx(
         [*(one.weight for one in f.hypotheses[:2]), LEAST_SHARE], abs=1e-3
     )
+
+
+@pytest.mark.parametrize(("share", "counts"), [(0.9, False), (1.1, True)])
+def test_a_difference_of_less_than_a_ray_does_not_count_however_often(
+    share: float, counts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lower = share * INDIFFERENT / DEFAULTS.hypotheses.scan_worth
+    fits = {Pose2(): 3.0, ELSEWHERE: 3.0 - lower}
+    monkeypatch.setattr(Track, "fit", lambda track, *_: fits[track.pose])
+    f = at_places((Pose2(), 0.0), (ELSEWHERE, 0.0))
+    for _ in range(5):
+        f._weigh(rays_of(Drive().scan(), 60))
+    heavy, light = f.hypotheses
+    wanted = math.exp(-5 * share * INDIFFERENT) if counts else 1.0
+    assert light.weight / heavy.weight == pytest.approx(wanted)
 
 
 def test_small_differences_between_places_do_not_add_up() -> None:
