@@ -213,3 +213,13 @@ def test_scans_and_setups_reach_every_place() -> None:
     f.correct(scan)
     f.use(ON_STUB)
     assert [one.told for one in fixed] == [[scan, ON_STUB]] * 2  # type: ignore[attr-defined]
+
+
+def test_what_was_told_of_the_start_moves_with_odometry() -> None:
+    """A place found later is as likely as the start it would have come from."""
+    f = at_places((Pose2(), 0.0))
+    step = Pose2(0.2, 0.1, 0.5)
+    f.predict(step)
+    # Places are found where the newest scan was taken: here, before the step.
+    assert f._log_prior(Pose2()) == pytest.approx(0, abs=1e-3)
+    assert f._log_prior(step.inverse()) == pytest.approx(DEFAULTS.hypotheses.log_kidnapped)

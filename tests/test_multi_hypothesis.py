@@ -197,7 +197,9 @@ def test_carried_elsewhere_it_knows_that_it_is_lost_and_finds_itself(
     for found in follow(f, drive, 0.4):
         wrong = sum(one.weight for one in found if not right(one, drive))
     assert wrong < 0.5, "soon it does not believe that it is where it was"
-    for found in follow(f, drive, 2.6):
+    found = run(f, drive, 0.4)
+    assert any(right(one, drive) for one in found), "lost, it looks for places at once"
+    for found in follow(f, drive, 2.2):
         if found[0].weight > CLAIM:
             assert right(found[0], drive)
     assert right(f.hypotheses[0], drive) and f.hypotheses[0].weight > 0.9
