@@ -3,6 +3,7 @@ PYTHON ?= $(firstword $(shell command -v python3.11 python3 python 2>/dev/null))
 HOST ?= 127.0.0.1
 PORT ?= 8080
 BIN := .venv/bin
+PEER := $(shell sed -n 's/^peers = \["\(.*\)"\].*/\1/p' pyproject.toml)
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
@@ -32,11 +33,11 @@ bench: .venv/installed-dev peers ## measure, beside peers
 	$(BIN)/brickpose bench
 
 peers: .venv/installed-dev
-	@[ -e .venv/peers/nav2_amcl-0.1.2.so ] || { \
+	@[ -e .venv/peers/nav2_$(subst ==,-,$(PEER)).so ] || { \
 	  echo "Building peers to measure against (once) ..." && \
 	  $(BIN)/python -m pip --disable-pip-version-check download --quiet --no-deps --no-binary amcl \
-	    --dest .venv/peers amcl==0.1.2 && \
-	  $(BIN)/python -m benchmarks.nav2_amcl .venv/peers/amcl-0.1.2.tar.gz; } || \
+	    --dest .venv/peers '$(PEER)' && \
+	  $(BIN)/python -m benchmarks.nav2_amcl .venv/peers/$(subst ==,-,$(PEER)).tar.gz; } || \
 	echo "Measuring without nav2_amcl: it needs a C++ compiler and PyPI." >&2
 
 browser:

@@ -2,7 +2,8 @@
 
 The sources are those of the package ``amcl`` from PyPI, which took them from nav2. They are built
 here with -O3 -march=native and called through five C functions of our own: the package's own class
-only offers the beam model, and nav2's default is the likelihood field.
+only offers the beam model, and nav2's default is the likelihood field. Its licence is the GPL: it
+is a tool for measuring alone, which the product neither imports nor ships.
 """
 
 from __future__ import annotations
