@@ -68,7 +68,7 @@ TRACKERS = {
 }
 FINDERS = {
     "hypotheses": with_filter(),
-    "particles, uniform start": with_filter(filter="particles", max_particles=20_000),
+    "particles, uniform start": with_filter(filter="particles", max_particles=10_000),
 }
 FINDERS_AGAIN = {
     "hypotheses": with_filter(),

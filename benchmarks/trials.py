@@ -26,6 +26,8 @@ from robot.localization.setup import Setup
 LOADING = 150
 """Ticks in which every part of a filter is used once."""
 _LOADED: set[str] = set()
+_ENTRIES: dict[tuple[str, float, float], EntryField] = {}
+"""Tables of distances that were made already, by field, resolution and greatest distance."""
 
 RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
 """A hypothesis this close to the truth is right [m], [rad]."""
@@ -134,9 +136,10 @@ def carried(estimate: Estimate, odometry: Pose2, now: Pose2) -> tuple[Hypothesis
 def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
     """All that a filter is given."""
     sensor = parameters.sensor
-    entries = EntryField.build(
-        of, resolution=sensor.field_resolution, max_distance=sensor.laser_likelihood_max_dist
-    )
+    made = of.name, sensor.field_resolution, sensor.laser_likelihood_max_dist
+    if made not in _ENTRIES:
+        _ENTRIES[made] = EntryField.build(of, resolution=made[1], max_distance=made[2])
+    entries = _ENTRIES[made]
     return Setup.of(
         of, entries, parameters.motion.model(), sensor_model(sensor, entries, of.edges), parameters
     )
