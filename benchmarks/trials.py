@@ -32,6 +32,8 @@ _ENTRIES: dict[tuple[str, float, float], EntryField] = {}
 RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
 """A hypothesis this close to the truth is right [m], [rad]."""
 CERTAIN = 0.95
+ORACLE_REACH, ORACLE_SD, ORACLE_BEAMS, ORACLE_WORTH = 1.0, 0.01, 60, 4.5
+"""The oracle's own: range [m], its spread [m], rays of a scan, and independent rays it is worth."""
 DECIDED = 3.0
 """Log-likelihood ratio from which on the field has told one place from another."""
 
@@ -94,7 +96,10 @@ def try_filter(
     setup = setup or setup_of(drive.field, parameters)
     load_compiled(setup, drive)
     localizer = Localizer(
-        make_filter(setup, np.random.default_rng(seed)), parameters.filter, Refinement.of(setup)
+        make_filter(setup, np.random.default_rng(seed)),
+        parameters.filter,
+        Refinement.of(setup),
+        setup.reach,
     )
     if told is None:
         localizer.scatter()
@@ -151,7 +156,7 @@ def decided_at(drive: Drive, since: float) -> float:
     An oracle that knows the truth adds up, scan by scan, how much better the rays fit there than
     at the pose turned by a quarter, a half and three quarters about the field's centre.
     """
-    evidence = RayEvidence.of(drive.field, 1.0, 0.01)
+    evidence = RayEvidence.of(drive.field, ORACLE_REACH, ORACLE_SD)
     told, scans = np.zeros(3), 0
     for tick in drive.ticks:
         if tick.scan is None or tick.scan.stamp < since:
@@ -159,12 +164,12 @@ def decided_at(drive: Drive, since: float) -> float:
         scans += 1
         if scans % 2:
             continue  # neighbouring pictures err together
-        rays, truth = rays_of(tick.scan, 60), drive.truth_at(tick.scan.stamp)
+        rays, truth = rays_of(tick.scan, ORACLE_BEAMS), drive.truth_at(tick.scan.stamp)
         turned = [Pose2(theta=quarter * math.pi / 2) @ truth for quarter in (1, 2, 3)]
         here = evidence.log_likelihood(truth, rays)
-        told += [4.5 * (here - evidence.log_likelihood(pose, rays)) for pose in turned]
+        told += [ORACLE_WORTH * (here - evidence.log_likelihood(pose, rays)) for pose in turned]
         if told.min() > DECIDED:
-            return tick.stamp
+            return tick.scan.stamp
     return math.inf
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,20 @@ class Scan:
     """(k, 2) from where to where each ray can see [m], nan if nowhere; None is everywhere."""
     extra_sd: float = 0.0
     """Standard deviation [m] that a sensor model adds to its own for this scan."""
+
+    def within(self, low: float, high: float) -> Scan:
+        """The same scan as a laser of such a range would report it.
+
+        A return from nearer says nothing: its ray sees nowhere. One from farther is no return.
+        """
+        near, far = self.ranges < low, self.hit & (self.ranges > high)
+        if not (near | far).any():
+            return self
+        sight = self.sight
+        if near.any():
+            sight = np.tile([0.0, np.inf], (len(near), 1)) if sight is None else sight.copy()
+            sight[near] = np.nan
+        return replace(self, ranges=np.where(near | far, np.inf, self.ranges), sight=sight)
 
     @property
     def hit(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:

@@ -16,7 +16,7 @@ from stub_drive import ENTRIES, MAPS, Drive
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.hypotheses import coarse_grid
-from robot.localization.hypotheses.coarse_grid import CoarseGrid, cheapest
+from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
 from robot.localization.models.entry_field import DIRECTIONS, EntryField
 from robot.localization.rays import rays_of
 
@@ -157,6 +157,22 @@ def test_the_largest_drawing_here_is_covered() -> None:
 
 
 # --- which are the cheapest
+
+
+def cheapest(costs: NDArray[np.float32], most: int) -> NDArray[np.int64]:
+    """Looked for in pieces of two headings, as a search does."""
+    found = Cheapest(most, 1e9)
+    for first in range(0, len(costs), 2):
+        found.look(costs, slice(first, first + 2))
+    return found.cells
+
+
+def test_what_costs_more_than_the_limit_is_no_place() -> None:
+    costs = np.full((4, 3, 3), 5, dtype=np.float32)
+    costs[1, 1, 1] = 2
+    found = Cheapest(10, 4.5)
+    found.look(costs, slice(0, 4))
+    assert found.cells.tolist() == [[1, 1, 1]]
 
 
 def lowest_by_force(costs: NDArray[np.float32]) -> list[tuple[float, int, int, int]]:

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from stub_drive import MAPS, STUB, Drive
 
-from robot.fields.edges import outline
+from robot.fields.edges import outline, sharp_ends
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
@@ -24,7 +24,6 @@ from robot.localization.ray_evidence import (
     STRAY,
     SURPRISE,
     RayEvidence,
-    sharp_ends,
 )
 from robot.localization.rays import rays_of
 

@@ -69,7 +69,7 @@ class Localization:
         self._once = False
         setup = self._setup()
         self._localizer = Localizer(
-            make_filter(setup, rng), parameters.filter, Refinement.of(setup)
+            make_filter(setup, rng), parameters.filter, Refinement.of(setup), setup.reach
         )
 
     @property
@@ -185,6 +185,7 @@ class Localization:
             self._localizer.filter.use(setup)
         self._localizer.parameters = parameters.filter
         self._localizer.refinement = Refinement.of(setup)
+        self._localizer.reach = setup.reach
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:

@@ -6,6 +6,7 @@ first to the second point, so the normal that points to the light side is (dy, -
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,9 @@ import shapely
 from numpy.typing import NDArray
 
 from robot.geometry import Array
+
+SHARP = 0.3
+"""An outline that turns by more than this [rad] ends one edge and begins another."""
 
 
 def lengths(edges: Array) -> Array:
@@ -88,3 +92,16 @@ def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
     row, start = np.nonzero(change[:, :-1] & (steps != 0))
     _, end = np.nonzero(change[:, 1:] & (steps != 0))
     return row, start, end + 1, steps[row, start]
+
+
+def sharp_ends(edges: Array) -> NDArray[np.bool_]:
+    """Whether edges (n, 4) end, or the outline turns sharply, at their start and end (n, 2)."""
+    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
+    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    sharp = np.ones((len(edges), 2), dtype=bool)
+    for place, edge in enumerate(edges):
+        after = starts.get(tuple(np.round(edge[2:], 6)))
+        if after is not None:
+            turn = abs(math.remainder(headings[after] - headings[place], 2 * math.pi))
+            sharp[place, 1] = sharp[after, 0] = turn > SHARP
+    return sharp

@@ -62,6 +62,11 @@ class Field:
         """The edges by place, for casting rays."""
         return index_edges(self.edges)
 
+    @cached_property
+    def sharp_ends(self) -> NDArray[np.bool_]:
+        """Whether each edge ends, or turns sharply, at its start and at its end (n, 2)."""
+        return edge_geometry.sharp_ends(self.edges)
+
     @property
     def extent(self) -> Extent:
         """xmin, ymin, xmax, ymax [m] of the floor in the map frame."""

@@ -9,10 +9,10 @@ from robot.geometry import Array, Pose2
 
 @dataclass(frozen=True, slots=True)
 class Hypothesis:
-    """One cluster of particles."""
+    """One place where the robot may be: a cluster of particles or boxes, or a Gaussian."""
 
     weight: float
-    """Share of the particles' weight, 0 to 1."""
+    """Probability, 0 to 1. Those of an estimate sum to one, or to less: the rest is elsewhere."""
     pose: Pose2
     """Weighted mean in the map."""
     covariance: Array = field(repr=False)

@@ -17,8 +17,14 @@ class Localizer:
     """A filter, fed as nav2_amcl feeds it."""
 
     def __init__(
-        self, belief: Filter, parameters: FilterParameters, refinement: Refinement | None = None
+        self,
+        belief: Filter,
+        parameters: FilterParameters,
+        refinement: Refinement | None = None,
+        reach: tuple[float, float] = (0.0, math.inf),
     ) -> None:
+        self.reach = reach
+        """Shortest and longest range that are believed [m]."""
         self.filter = belief
         self.parameters = parameters
         self.refinement = refinement
@@ -78,12 +84,13 @@ class Localizer:
         # The window of odometry advances only here, so no motion is lost between updates.
         self._odometry = odometry
         self.filter.predict(moved)
-        self.filter.correct(scan)
+        seen = scan.within(*self.reach)
+        self.filter.correct(seen)
         self.updates += 1
         estimate = self.estimate(scan.stamp)
         if estimate is None or self.refinement is None:
             return estimate
-        finer = self.refinement.refine(estimate.hypotheses[0], scan)
+        finer = self.refinement.refine(estimate.hypotheses[0], seen)
         return replace(estimate, hypotheses=(finer, *estimate.hypotheses[1:]))
 
     def estimate(self, stamp: float) -> Estimate | None:

@@ -33,8 +33,6 @@ NEAR, FAR = 0.015, 0.06
 """So close to where sight begins or ends [m] an edge may be missed: tape is seen as a whole."""
 END = 0.06
 """So close to its end [m] tape may be missed, and what is behind it seen."""
-SHARP = 0.3
-"""An outline that turns by more than this [rad] ends one edge and begins another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,21 +41,23 @@ class RayEvidence:
 
     index: EdgeIndex = field(repr=False)
     ends: NDArray[np.bool_] = field(repr=False)
-    """(n, 2) whether an edge ends at its start and at its end, as ``sharp_ends`` tells."""
+    """(n, 2) whether an edge ends at its start and at its end, as ``Field.sharp_ends`` tells."""
     range_max: float
     """How far rays reach [m]."""
     sd: float
     """Standard deviation of a range [m]."""
+    missed: float = MISSED
+    """Likelihood of no return where an edge is due; 1 would let it tell nothing."""
 
     @classmethod
     def of(cls, field: Field, range_max: float, sd: float) -> RayEvidence:
         """For the edges of a field."""
-        return cls(field.edge_index, sharp_ends(field.edges), range_max, sd)
+        return cls(field.edge_index, field.sharp_ends, range_max, sd)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
         """Log-likelihood of rays (n, 6) at a pose, on average of all of them."""
         return ray_log_likelihood(
-            pose.to_array(), rays, self.index, self.ends, self.range_max, self.sd
+            pose.to_array(), rays, self.index, self.ends, self.range_max, self.sd, self.missed
         )
 
 
@@ -69,11 +69,15 @@ def ray_log_likelihood(
     ends: NDArray[np.bool_],
     range_max: float,
     sd: float,
+    missed: float,
 ) -> float:
     """Log-likelihood of rays (n, 6) at a pose (3,), on average of all of them; 0 without rays."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    total = 0.0
+    total, counted = 0.0, 0
     for i in range(len(rays)):
+        if math.isnan(rays[i, 4]):
+            continue
+        counted += 1
         heading = pose[2] + rays[i, 2]
         dx, dy = math.cos(heading), math.sin(heading)
         near, far = rays[i, 4], min(rays[i, 5], range_max)
@@ -97,8 +101,8 @@ def ray_log_likelihood(
                     density = max(density, _density(found - past - behind, sd, range_max))
             total += math.log(density)
         elif edge >= 0 and not at_end and NEAR < due < far - near - FAR / across:
-            total += math.log(MISSED)
-    return total / max(len(rays), 1)
+            total += math.log(missed)
+    return total / max(counted, 1)
 
 
 @njit(cache=True, nogil=True, inline="always")
@@ -118,16 +122,3 @@ def _met(
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
     at_end = (ends[edge, 0] and along < END) or (ends[edge, 1] and length - along < END)
     return at_end, abs(dx * ey - dy * ex) / length
-
-
-def sharp_ends(edges: Array) -> NDArray[np.bool_]:
-    """Whether edges (n, 4) end, or the outline turns sharply, at their start and end (n, 2)."""
-    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
-    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
-    sharp = np.ones((len(edges), 2), dtype=bool)
-    for place, edge in enumerate(edges):
-        after = starts.get(tuple(np.round(edge[2:], 6)))
-        if after is not None:
-            turn = abs(math.remainder(headings[after] - headings[place], 2 * math.pi))
-            sharp[place, 1] = sharp[after, 0] = turn > SHARP
-    return sharp

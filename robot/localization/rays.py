@@ -9,9 +9,10 @@ from robot.scan import Scan, evenly
 
 
 def rays_of(scan: Scan, most: int) -> Array:
-    """At most so many rays of a scan (n, 6), those that can see anything.
+    """At most so many rays of a scan (n, 6).
 
-    Columns: x, y [m], direction [rad], range [m] or +inf; from where to where the ray sees [m].
+    Columns: x, y [m], direction [rad], range [m] or +inf; from where to where the ray sees [m], nan
+    if it sees nowhere.
     """
     used = evenly(len(scan.ranges), most)
     rays = np.empty((len(used), 6))
@@ -19,4 +20,4 @@ def rays_of(scan: Scan, most: int) -> Array:
     rays[:, 2] = scan.robot_from_scan.theta + scan.bearings[used]
     rays[:, 3] = scan.ranges[used]
     rays[:, 4:] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
-    return rays[~np.isnan(rays[:, 4])]
+    return rays

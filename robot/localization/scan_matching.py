@@ -122,6 +122,8 @@ def _add_rays(
         heading = pose[2] + rays[i, 2]
         dx, dy = math.cos(heading), math.sin(heading)
         near = rays[i, 4]
+        if math.isnan(near):
+            continue
         x, y = pose[0] + ahead + near * dx, pose[1] + aside + near * dy
         expected, edge = cast_toward(x, y, dx, dy, index, range_max - near)
         expected += near

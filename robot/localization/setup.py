@@ -51,6 +51,11 @@ class Setup:
         )
 
     @property
+    def reach(self) -> tuple[float, float]:
+        """Shortest and longest range that are believed [m]."""
+        return self.parameters.sensor.laser_min_range, self.parameters.sensor.laser_max_range
+
+    @property
     def likelihood_weight(self) -> float:
         """Share of each ray's log-likelihood that counts."""
         return self.parameters.sensor.likelihood_weight

@@ -122,25 +122,53 @@ def _score(
                         costs[t, y, x] += all_of_it
 
 
+class Cheapest:
+    """The cells that cost no more than their neighbours: the cheapest of them, in order."""
+
+    def __init__(self, most: int, limit: float) -> None:
+        """Keep so many, and none that costs more than a limit."""
+        self._costs = np.full(most, limit, dtype=np.float32)
+        self._cells = np.zeros((most, 3), dtype=np.int64)
+        self._limit = limit
+
+    @property
+    def cells(self) -> NDArray[np.int64]:
+        """(n, 3) heading, row, column."""
+        return self._cells[self._costs < self._limit]
+
+    def look(self, costs: NDArray[np.float32], turns: slice) -> None:
+        """Look through some headings of all costs (t, h, w)."""
+        first, last, _ = turns.indices(len(costs))
+        _look(costs, first, last, self._costs, self._cells)
+
+
 @njit(cache=True, nogil=True)
-def cheapest(costs: NDArray[np.float32], most: int) -> NDArray[np.int64]:
-    """Cells (n, 3) that cost no more than their neighbours: the cheapest of them, in order."""
-    turns, height, width = costs.shape
-    cells = [(np.float32(0), 0, 0, 0) for _ in range(0)]
-    for t in range(turns):
+def _look(
+    costs: NDArray[np.float32],
+    first: int,
+    last: int,
+    best: NDArray[np.float32],
+    cells: NDArray[np.int64],
+) -> None:
+    """Put the lowest of some headings where they belong among the best (n,), in order."""
+    _, height, width = costs.shape
+    for t in range(first, last):
         for y in range(height):
             for x in range(width):
-                if _is_lowest(costs, t, y, x):
-                    cells.append((costs[t, y, x], t, y, x))
-    cells.sort()
-    found = np.empty((min(most, len(cells)), 3), dtype=np.int64)
-    for i in range(len(found)):
-        _, found[i, 0], found[i, 1], found[i, 2] = cells[i]
-    return found
+                if costs[t, y, x] < best[-1] and _is_lowest(costs, t, y, x):
+                    place = np.searchsorted(best, costs[t, y, x], side="right")
+                    best[place + 1 :] = best[place:-1].copy()
+                    cells[place + 1 :] = cells[place:-1].copy()
+                    best[place] = costs[t, y, x]
+                    cells[place, 0], cells[place, 1], cells[place, 2] = t, y, x
 
 
 @njit(cache=True, nogil=True)
 def _is_lowest(costs: NDArray[np.float32], t: int, y: int, x: int) -> bool:
+    """Whether no neighbour costs less.
+
+    Where only a wall is seen, a whole row of cells costs the same, and each may be the place.
+    """
     turns, height, width = costs.shape
     for dt in (-1, 0, 1):
         for v in range(max(y - 1, 0), min(y + 2, height)):

@@ -47,7 +47,7 @@ class LocalMap:
         return True
 
     def rays(self, scans: int, beams: int) -> Array:
-        """At most so many rays of so many scans (n, 4), as ``rays_of`` has them, from the newest.
+        """At most so many rays of so many scans (n, 6), as ``rays_of`` has them, from the newest.
 
         They are seen from where the robot was at the newest kept scan.
         """
@@ -65,7 +65,7 @@ class LocalMap:
         return Past(
             np.array([step.to_array() for step in moves]),
             np.array([motion.covariance(step) for step in moves]),
-            np.array([rays_of(scan, beams) for _, scan in some]),
+            _stacked([rays_of(scan, beams) for _, scan in some]),
         )
 
     @property
@@ -75,8 +75,10 @@ class LocalMap:
 
     @property
     def hit_share(self) -> float:
-        """Share of the rays that returned something."""
-        return float(np.mean([scan.hit.mean() for _, scan in self._scans]))
+        """Share of the rays that returned something, of those that see anything."""
+        rays = np.concatenate([rays_of(scan, len(scan.ranges)) for _, scan in self._scans])
+        seeing = rays[~np.isnan(rays[:, 4])]
+        return float(np.isfinite(seeing[:, 3]).mean()) if len(seeing) else 0.0
 
 
 def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
@@ -84,3 +86,12 @@ def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
     rays[:, :2] = here_from_robot.apply(rays[:, :2])
     rays[:, 2] += here_from_robot.theta
     return rays
+
+
+def _stacked(scans: list[Array]) -> Array:
+    """Rays of several scans (m, k, 6), filled up with rays that see nowhere."""
+    most = max(len(rays) for rays in scans)
+    stacked = np.full((len(scans), most, 6), np.nan)
+    for place, rays in enumerate(scans):
+        stacked[place, : len(rays)] = rays
+    return stacked

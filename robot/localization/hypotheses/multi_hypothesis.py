@@ -16,6 +16,7 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
+from robot.localization.hypotheses.given_places import clusters_of
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
@@ -68,7 +69,11 @@ class MultiHypothesisFilter:
         self._new_filter = new_filter
         self._rng = rng
         self._tracks: list[Track] = []
-        self._prior: Prior | None = None
+        self._told: list[Prior] = []
+        """What was said of the start; nothing after ``scatter``."""
+        self._whole = False
+        """Whether the short map goes back to a start of which nothing was told: then a place found
+        now is as likely as one that was found before and fits as well."""
         self._anywhere: Cloud
         """Shown while nothing was found yet."""
         self._local: LocalMap
@@ -94,7 +99,7 @@ class MultiHypothesisFilter:
         found = [
             replace(one, weight=one.weight * weight)
             for track, weight in zip(self._tracks, self._weights(), strict=True)
-            for one in track.filter.hypotheses
+            for one in track.hypotheses
         ]
         return tuple(sorted(found, key=lambda one: -one.weight))
 
@@ -117,6 +122,7 @@ class MultiHypothesisFilter:
         """Go on with other models and parameters; all hypotheses stay."""
         if setup.hypotheses != self.setup.hypotheses:
             self._local, self._search = _new_map(setup), None
+            self._wait, self._whole = FIRST, False
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -125,19 +131,31 @@ class MultiHypothesisFilter:
         """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
         one = self._new_filter(self.setup, 1.0)
         one.set_pose(pose, covariance)
-        self._start([Track(one, 0.0)], Prior(pose, covariance))
+        self._start([Track(one, 0.0)], [Prior(pose, covariance)])
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew with one hypothesis of given weighted poses."""
-        one = self._new_filter(self.setup, 1.0)
-        one.set_cloud(cloud)
-        self._start([Track(one, 0.0)], None)
+        """Start anew with a hypothesis for each cluster of given weighted poses.
+
+        Poses that are all over the field are no places: then it is looked for them.
+        """
+        places = clusters_of(cloud, self.setup)
+        if not places:
+            self.scatter()
+            return
+        tracks, told = [], []
+        for place in places:
+            one = self._new_filter(self.setup, place.hypothesis.weight)
+            place.begin(one)
+            log_weight = math.log(place.hypothesis.weight / places[0].hypothesis.weight)
+            tracks.append(Track(one, log_weight))
+            told.append(Prior(place.hypothesis.pose, place.hypothesis.covariance, log_weight))
+        self._start(tracks, told)
 
     def scatter(self) -> None:
         """Start anew without any: places are looked for."""
         count = self.setup.parameters.filter.most_particles
         self._anywhere = Cloud.even(self.setup.field.free_poses(self._rng, count))
-        self._start([], None)
+        self._start([], [])
 
     def predict(self, moved: Pose2) -> None:
         """Follow a step by odometry."""
@@ -145,8 +163,7 @@ class MultiHypothesisFilter:
             track.filter.predict(moved)
         self._local.move(moved)
         self._since_search = self._since_search @ moved
-        if self._prior:
-            self._prior = self._prior.moved(moved)
+        self._told = [prior.moved(moved) for prior in self._told]
 
     def correct(self, scan: Scan) -> None:
         """Correct each hypothesis by a scan, weigh them, and look for more."""
@@ -155,12 +172,14 @@ class MultiHypothesisFilter:
         if self._local.add(scan):
             self._wait -= 1
             self._scans += 1
+            self._whole &= self._scans <= self.setup.hypotheses.map_scans
             self._weigh(rays_of(scan, BEAMS))
             self._select()
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
         """Multiply each weight by the scan's likelihood, to the power that a scan is worth."""
+        rays = rays[~np.isnan(rays[:, 4])]
         if not self._tracks or not len(rays):
             return
         p, matcher, evidence = self.setup.hypotheses, self.setup.matcher, self.setup.evidence
@@ -172,12 +191,16 @@ class MultiHypothesisFilter:
         best = self._tracks[int(fits.argmax())]
         hits = float(np.isfinite(rays[:, 3]).mean())
         anywhere = SEEN_ANYWHERE * hits + MISSED_ANYWHERE * (1 - hits)
+        # As the filter has it: laid on the edges, a wrong place would fit too well to be noticed.
         gain = p.scan_worth * (anywhere - evidence.log_likelihood(best.pose, rays))
         self._elsewhere += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self._doubts = self._doubts + 1 if gain > 0 else 0
 
     def _select(self) -> None:
-        """Give up what is hopeless, and the lighter of two that are in one place."""
+        """Give up what is hopeless, and the lighter of two that are in one place.
+
+        The lighter one's weight is not added: it is the same place, found or followed twice.
+        """
         p = self.setup.hypotheses
         kept: list[Track] = []
         for track in sorted(self._tracks, key=lambda track: -track.log_weight):
@@ -200,7 +223,7 @@ class MultiHypothesisFilter:
         if lost and not self._lost:
             # The map must not hold scans of before the robot was carried.
             self._local.forget(max(self._doubts, 1))
-            self._search, self._wait = None, LOST
+            self._search, self._wait, self._whole = None, LOST, False
         self._lost = lost
 
     def _look_around(self) -> None:
@@ -239,15 +262,20 @@ class MultiHypothesisFilter:
         worth = p.scan_worth * search.scans / search.scans_lived
         for life in lives:
             weight = worth * float((life.fits - reference).sum())
-            if newcomers and not self._remembers_all:
+            if newcomers and not self._whole:
                 prior = self._log_prior(life.pose)
                 # One of the places elsewhere is no likelier than all of them together.
                 weight = min(weight + prior, max(self._elsewhere, prior))
             if weight > p.log_hopeless:
                 self._follow(life.pose @ self._since_search, life.covariance, weight)
-        # What is not followed yet, and not hopeless, may be the first of more.
-        self._patience = SOON if len(self._tracks) > before else min(2 * self._patience, LATE)
+        # A place that is new, and not hopeless, may be the first of more.
+        found = len(self._tracks) > before
+        self._patience = SOON if found else min(2 * self._patience, LATE)
+        self._wait = min(self._wait, self._patience)
         self._select()
+        if self._whole:
+            # To fit better than what fitted badly is no certainty.
+            self._elsewhere = max(self._elsewhere, FRESH)
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
@@ -261,24 +289,19 @@ class MultiHypothesisFilter:
     def _log_prior(self, pose: Pose2) -> float:
         """How likely a pose was before it was found, beside the one that is followed."""
         kidnapped = self.setup.hypotheses.log_kidnapped
-        if self._prior is None:
+        if not self._told:
             early = self._scans < EARLY * self.setup.hypotheses.map_scans
             return max(FRESH, kidnapped) if early else kidnapped
-        told = self._prior.log_likelihood(pose @ self._since_search)
-        return float(np.logaddexp(told, kidnapped))
+        here = pose @ self._since_search
+        return float(
+            np.logaddexp(max(prior.log_likelihood(here) for prior in self._told), kidnapped)
+        )
 
-    @property
-    def _remembers_all(self) -> bool:
-        """Whether the short map goes back to a start of which nothing was told.
-
-        Then a place found now is as likely as one that was found before and fits as well.
-        """
-        return self._prior is None and self._scans <= self.setup.hypotheses.map_scans
-
-    def _start(self, tracks: list[Track], prior: Prior | None) -> None:
+    def _start(self, tracks: list[Track], told: list[Prior]) -> None:
         p = self.setup.hypotheses
         self._tracks = tracks
-        self._prior = prior
+        self._told = told
+        self._whole = not told
         self._elsewhere = p.log_kidnapped if tracks else FRESH
         self._lost = False
         self._doubts = self._scans = 0

@@ -19,12 +19,16 @@ class Prior:
     pose: Pose2
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad]"""
+    log_weight: float = 0.0
+    """Relative to the likeliest that was told."""
 
     def moved(self, step: Pose2) -> Prior:
         """After a step by odometry."""
-        return Prior(self.pose @ step, self.covariance)
+        return Prior(self.pose @ step, self.covariance, self.log_weight)
 
     def log_likelihood(self, pose: Pose2) -> float:
-        """Of a pose, relative to the one that was told."""
+        """Of a pose, relative to the likeliest that was told."""
         off = np.array([pose.x - self.pose.x, pose.y - self.pose.y, self.pose.turn_to(pose)])
-        return float(-0.5 * off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off))
+        return self.log_weight - 0.5 * float(
+            off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off)
+        )

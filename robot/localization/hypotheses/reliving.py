@@ -60,6 +60,7 @@ def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence
         matcher.sd,
         matcher.gate,
         evidence.sd,
+        evidence.missed,
     )
     covariance: Array = np.linalg.inv(information).astype(np.float64)
     return Life(Pose2(*pose.tolist()), covariance, fits)
@@ -77,6 +78,7 @@ def _relive(
     sd: float,
     gate: float,
     evidence_sd: float,
+    missed: float,
 ) -> tuple[Array, Array, Array]:
     """Pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
@@ -86,7 +88,7 @@ def _relive(
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
             pose, information, _ = fit_rays(pose, information, rays[k], index, range_max, sd, gate)
-        fits[k] = ray_log_likelihood(pose, rays[k], index, ends, range_max, evidence_sd)
+        fits[k] = ray_log_likelihood(pose, rays[k], index, ends, range_max, evidence_sd, missed)
     return newest, known, fits
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -15,6 +15,9 @@ from robot.localization.scan_matching import ScanMatcher
 
 POLISH = np.diag(np.square([0.005, 0.005, 0.02]))
 """How far a hypothesis may be moved to where a scan fits, beyond its covariance [m², m², rad²]."""
+
+STRAY = 0.05
+"""Clusters below this share of a track's heaviest are no places of their own."""
 
 
 class TrackFilter(Filter, Protocol):
@@ -31,6 +34,14 @@ class Track:
     filter: TrackFilter
     log_weight: float
     """Relative to the heaviest."""
+
+    @property
+    def hypotheses(self) -> tuple[Hypothesis, ...]:
+        """The filter's, but for stray particles: they would make equal weights flicker."""
+        found = self.filter.hypotheses
+        kept = [one for one in found if one.weight > STRAY * found[0].weight]
+        all_of_it = sum(one.weight for one in found) / sum(one.weight for one in kept)
+        return tuple(replace(one, weight=one.weight * all_of_it) for one in kept)
 
     @property
     def best(self) -> Hypothesis:

@@ -1,0 +1,59 @@
+"""Places in a set of poses that was given to start from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud, Filter
+from robot.localization.hypotheses.prior import LEAST_VARIANCE
+from robot.localization.particles.clusters import Cells, find_clusters
+from robot.localization.setup import Setup
+
+ENOUGH = 50
+"""Poses that stand for a place by themselves; of fewer, the mean and the spread are taken."""
+WIDEST = 10.0
+"""A cluster wider than so many distances within which places are one is no place."""
+COVERED = 0.9
+"""Share of the weight that the places must have."""
+
+
+@dataclass(frozen=True, slots=True)
+class GivenPlace:
+    """A cluster of given poses."""
+
+    hypothesis: Hypothesis
+    cloud: Cloud
+
+    def begin(self, one: Filter) -> None:
+        """Let a filter start there."""
+        if len(self.cloud.weights) >= ENOUGH:
+            one.set_cloud(self.cloud)
+        else:
+            covariance = self.hypothesis.covariance + LEAST_VARIANCE
+            one.set_pose(self.hypothesis.pose, covariance)
+
+
+def clusters_of(cloud: Cloud, setup: Setup) -> list[GivenPlace]:
+    """The places that a cloud is made of, heaviest first; none if it is all over the field."""
+    p = setup.hypotheses
+    cells = Cells(setup.filter.cell_xy, max(1, round(2 * math.pi / setup.filter.cell_theta)))
+    found = find_clusters(cloud.poses, cloud.weights, cells, p.max_hypotheses)
+    places = []
+    for label, one in enumerate(found.hypotheses):
+        if one.weight > 0 and math.sqrt(one.covariance[:2, :2].trace()) < WIDEST * p.same_xy:
+            mine = np.flatnonzero(found.labels == label)
+            weights = cloud.weights[mine]
+            places.append(GivenPlace(one, Cloud(cloud.poses[mine], weights / weights.sum())))
+    covered = sum(place.hypothesis.weight for place in places)
+    if covered < COVERED:
+        return []
+    return [
+        replace(
+            place, hypothesis=replace(place.hypothesis, weight=place.hypothesis.weight / covered)
+        )
+        for place in places
+    ]
