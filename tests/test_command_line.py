@@ -98,7 +98,10 @@ def test_a_signal_while_it_starts_ends_it_with_0(sent):
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as starting:
         assert "BrickPose is at" in starting.stdout.readline()
         starting.send_signal(sent)
-        assert starting.wait(timeout=15) == 0
+        try:
+            assert starting.wait(timeout=30) == 0
+        finally:
+            starting.kill()
 
 
 def test_without_pybullet_the_kinematic_robot_drives_and_says_why():

@@ -77,9 +77,9 @@ def serve(program: Program, listening: socket.socket) -> None:
     """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
     try:
         server = Server(program)
-        # uvicorn raises the signal again when it has ended; by then all is done.
+        # Until uvicorn listens to signals, and when it raises them again at its end.
         for name in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(name, lambda number, frame: None)
+            signal.signal(name, lambda number, frame: server.stop())
         server.run([listening])
     finally:
         # The engine has done so, unless it never began.
