@@ -99,7 +99,7 @@ def test_a_signal_while_it_starts_ends_it_with_0(sent):
         assert "BrickPose is at" in starting.stdout.readline()
         starting.send_signal(sent)
         try:
-            assert starting.wait(timeout=30) == 0
+            assert starting.wait(timeout=60) == 0
         finally:
             starting.kill()
 

@@ -30,7 +30,7 @@ def test_a_ros_map_is_found_by_its_file(tmp_path, ending):
 
 @pytest.mark.parametrize("name", ["sqare", "", "map.png", "no/such/place", ".", "..", "maps/"])
 def test_an_unknown_name_lists_the_known_ones(name):
-    with pytest.raises(FieldError, match=r"square, stub, tee, town.*svg or \.yaml file"):
+    with pytest.raises(FieldError, match=r"square, stub, stubs, tee, town.*svg or \.yaml file"):
         load_field(name, MAPS)
 
 

@@ -61,8 +61,9 @@ def test_the_next_run_starts_where_the_last_one_ended(driven):
     now = step(restored, 1)
     assert now.truth.distance_to(last.truth) < 1e-6
     assert now.odometry.distance_to(last.truth) < 1e-6
-    mean = now.cloud.poses[:, :2].mean(axis=0)
-    assert mean == pytest.approx([last.pose.x, last.pose.y], abs=0.01)
+    # Most are there; a few stand for places that are hardly likely.
+    middle = np.median(now.cloud.poses[:, :2], axis=0)
+    assert middle == pytest.approx([last.pose.x, last.pose.y], abs=0.01)
     assert now.problem_count == 0
     followed = step(restored, 40, DriveCommand(type="drive", v=0.1, omega=0.0))
     assert followed.pose.distance_to(followed.truth) < 0.01
@@ -83,7 +84,7 @@ def test_unless_asked_it_starts_at_the_fields_start(driven):
         (lambda text: b"\x00" * 100, "is damaged"),
         (lambda text: text.replace(b'"x"', b'"z"'), "is damaged"),
         (lambda text: text.replace(b'"weight": ', b'"weight": -'), "nothing has a weight"),
-        (lambda text: text.replace(b'"x": ', b'"x": 9'), "off the map"),
+        (lambda text: re.sub(b'"x": -?', b'"x": 9', text), "off the map"),
         (lambda text: text.replace(b"square", b"town"), "is of another map, town"),
         (lambda text: text + b" " * 2_000_000, "too large"),
     ],
