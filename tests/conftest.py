@@ -32,9 +32,9 @@ def save(tmp_path):
     return write
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def chromium():
-    """Starts Chromium with options."""
+    """Starts Chromium with options; while it is there, asyncio.run is not to be had."""
     from browsing import CHROMIUM
     from playwright.sync_api import sync_playwright
 
@@ -45,7 +45,7 @@ def chromium():
         )
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser(chromium):
     from browsing import NO_GL
 
