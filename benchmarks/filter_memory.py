@@ -14,7 +14,6 @@ from app.config import MAPS
 from benchmarks.filter import MAIN, drive, ours_on, update
 from robot.fields.field_loading import load_field
 from robot.localization.models.likelihood_field import LikelihoodField
-from robot.localization.models.sensor_models import WithinRange
 from robot.localization.particles.particle_filter import ParticleFilter
 
 MB = 1e6
@@ -49,9 +48,8 @@ def main() -> None:
     for step in steps:
         update(large, step)
     grown = _status("VmHWM") - before
-    assert isinstance(belief.sensor, WithinRange)
-    assert isinstance(belief.sensor.model, LikelihoodField)
-    tables = belief.sensor.model.field
+    assert isinstance(belief.sensor, LikelihoodField)
+    tables = belief.sensor.field
     print(_kept(large) / MB, grown / MB, (tables.planes.nbytes + tables.distances.nbytes) / MB)
 
 

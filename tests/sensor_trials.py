@@ -39,8 +39,8 @@ def beam_of(**changes: Any) -> Beam:
     made = sensor_model(
         replace(PARAMETERS, laser_model_type="beam", **changes), ENTRIES, FIELD.edges
     )
-    assert isinstance(made.model, Beam)
-    return made.model
+    assert isinstance(made, Beam)
+    return made
 
 
 def scan_at(

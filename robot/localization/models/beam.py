@@ -72,7 +72,8 @@ class Beam:
             rays[:, 4:] = 0.0, 0.0, self.range_max
         else:
             near, far = scan.sight[used].T
-            rays[:, 4:] = np.column_stack([near, near + SIGHT_MARGIN, far - SIGHT_MARGIN])
+            surely = np.minimum(far - SIGHT_MARGIN, self.range_max)
+            rays[:, 4:] = np.column_stack([near, near + SIGHT_MARGIN, surely])
         # A ray that sees nothing anywhere has no opinion.
         return rays[~np.isnan(rays[:, 4])]
 

@@ -6,12 +6,7 @@ alone is done once, before the work that is done for each particle.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
 from typing import Protocol
-
-import numpy as np
-from numba import njit
 
 from robot.fields.edge_index import index_edges
 from robot.geometry import Array
@@ -31,52 +26,8 @@ class SensorModel(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class WithinRange:
-    """A sensor model that is shown only ranges of a certain length, as nav2 does.
-
-    A return from nearer says nothing: its ray is left out. One from farther is no return.
-    """
-
-    model: SensorModel
-    low: float
-    """[m]"""
-    high: float
-    """[m]"""
-
-    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
-        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
-        return self.model.log_likelihood(poses, self._limited(scan))
-
-    def _limited(self, scan: Scan) -> Scan:
-        if _all_within(scan.ranges, self.low, self.high):
-            return scan  # mostly so, and copies would take a tenth of a small filter's update
-        kept, far = scan.ranges >= self.low, scan.ranges > self.high
-        ranges = np.where(far, np.inf, scan.ranges)
-        return replace(
-            scan,
-            bearings=scan.bearings[kept],
-            ranges=ranges[kept],
-            sight=None if scan.sight is None else scan.sight[kept],
-        )
-
-
-@njit(cache=True, nogil=True)
-def _all_within(ranges: Array, low: float, high: float) -> bool:
-    """Whether each range is in bounds or no return; compiled, as it is asked with every scan."""
-    for distance in ranges:  # noqa: SIM110 (numba has no generators here)
-        if not (low <= distance <= high or distance == math.inf):
-            return False
-    return True
-
-
-def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> WithinRange:
-    """The model that the parameters ask for, within their range."""
-    model = _model(parameters, entries, edges)
-    return WithinRange(model, parameters.laser_min_range, parameters.laser_max_range)
-
-
-def _model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:
+def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:
+    """The model that the parameters ask for."""
     field = LikelihoodField(
         entries,
         parameters.sigma_hit,

@@ -31,10 +31,6 @@ class Cells:
     turns: int
     """Boxes in a full turn."""
 
-    def occupied(self, poses: Array) -> int:
-        """How many cells have a pose (n, 3) in them."""
-        return len(_sort_into_cells(poses, self.size_xy, self.turns)[1])
-
 
 @dataclass(frozen=True, slots=True)
 class Clusters:
