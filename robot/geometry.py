@@ -78,6 +78,10 @@ class Pose2:
         """Angle from this heading to the other [rad], in [-pi, pi)."""
         return wrap_angle(other.theta - self.theta)
 
+    def offset_to(self, other: Pose2) -> Array:
+        """What to add to this pose to get the other (3,) [m, m, rad], by the shorter turn."""
+        return np.array([other.x - self.x, other.y - self.y, self.turn_to(other)])
+
     def is_finite(self) -> bool:
         """Whether all three numbers are finite."""
         return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.theta)

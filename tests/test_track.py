@@ -49,6 +49,14 @@ def test_polished_or_not_elsewhere_does_not_fit() -> None:
         assert fit(TRUE @ off) < fit(TRUE) - 1
 
 
+@pytest.mark.parametrize("off", [Pose2(0.06, 0, 0), Pose2(0, 0.04, 0.1)], ids=str)
+def test_it_does_not_live_on_what_fits_another_place(off: Pose2) -> None:
+    """From so near, rays would draw it over, millimetres though its filter is sure of."""
+    rough = SETUP.evidence.log_likelihood(TRUE @ off, RAYS)
+    assert fit(TRUE @ off) == pytest.approx(rough, abs=0.01)
+    assert rough < fit(TRUE) - 1
+
+
 def test_to_look_how_it_fits_moves_nothing() -> None:
     track = track_at(TRUE @ Pose2(0.004, 0, 0))
     before = track.pose

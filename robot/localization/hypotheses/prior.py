@@ -28,7 +28,7 @@ class Prior:
 
     def log_likelihood(self, pose: Pose2) -> float:
         """Of a pose, relative to the likeliest that was told."""
-        off = np.array([pose.x - self.pose.x, pose.y - self.pose.y, self.pose.turn_to(pose)])
+        off = self.pose.offset_to(pose)
         return self.log_weight - 0.5 * float(
             off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off)
         )

@@ -15,6 +15,8 @@ from robot.localization.scan_matching import ScanMatcher
 
 POLISH = np.diag(np.square([0.005, 0.005, 0.02]))
 """How far a hypothesis may be moved to where a scan fits, beyond its covariance [m², m², rad²]."""
+FARTHEST = 11.3
+"""Squared Mahalanobis distance beyond which it would be another place: chi-square, 3, 99 %."""
 
 STRAY = 0.05
 """Clusters below this share of a track's heaviest are no places of their own."""
@@ -61,4 +63,8 @@ class Track:
         """
         best = self.best
         known = np.linalg.inv(best.covariance + POLISH)
-        return evidence.log_likelihood(matcher.match(best.pose, rays, known).pose, rays)
+        fitting = matcher.match(best.pose, rays, known).pose
+        away = best.pose.offset_to(fitting)
+        # Farther than it may be, it would live on what fits another place.
+        pose = fitting if away @ known @ away < FARTHEST else best.pose
+        return evidence.log_likelihood(pose, rays)
