@@ -37,7 +37,7 @@ def test_a_step_spreads_as_particles_do(heading: float) -> None:
     start, sds = Pose2(0.1, 0.2, heading), (0.01, 0.02, 0.03)
     moved = Pose2(0.2, 0.02, 0.2)
     ends = MOTION.sample(draw_poses(rng, start, sds, 100_000), moved, rng)
-    end, spread = follow(start, np.diag(np.square(sds)), moved, MOTION.covariance(moved))
+    end, spread = follow(start, np.diag(np.square(sds)), moved, MOTION.moments(moved)[1])
     weights = np.full(len(ends), 1 / len(ends))
     mean = mean_pose(ends, weights)
     assert mean.distance_to(end) < 0.004 and abs(mean.turn_to(end)) < 0.002

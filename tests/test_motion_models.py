@@ -17,7 +17,7 @@ from robot.localization.models.motion_models import (
     OmniMotion,
     StationaryMotion,
     VelocityMotion,
-    sampled_covariance,
+    sampled_moments,
 )
 from robot.localization.parameters import MOTION_MODELS, MotionParameters
 
@@ -92,24 +92,24 @@ class TestEveryModel:
     def test_its_covariance_is_that_of_its_samples(self, model: MotionModel) -> None:
         """To first order: errors of a fifth make the true spread 4 % wider here and there."""
         for step in STEPS:
-            found = model.covariance(step)
-            drawn = sampled_covariance(model.sample, step, MANY)
+            found = model.moments(step)[1]
+            drawn = sampled_moments(model.sample, step, MANY)[1]
             scale = np.sqrt(np.outer(np.diag(drawn), np.diag(drawn)))
             np.testing.assert_array_less(np.abs(found - drawn), 0.05 * scale + 1e-12)
 
     def test_its_covariance_is_one(self, model: MotionModel) -> None:
         for step in (*STEPS, Pose2(2, -1, 3), Pose2(-1, 0, -math.pi)):
-            found = model.covariance(step)
+            found = model.moments(step)[1]
             np.testing.assert_allclose(found, found.T, atol=1e-15)
             assert np.linalg.eigvalsh(found).min() >= -1e-15
 
-    def test_the_mean_is_the_step_or_where_nothing_moves_the_start(
-        self, model: MotionModel
-    ) -> None:
+    def test_its_mean_is_that_of_its_samples(self, model: MotionModel) -> None:
+        """The step, or where nothing moves the start."""
         for step in STEPS:
             ends = model.sample(np.zeros((MANY, 3)), step, rng())
-            sd = np.sqrt(np.diag(model.covariance(step)))
-            mean = Pose2() if isinstance(model, StationaryMotion) else step
+            mean, covariance = model.moments(step)
+            assert mean == (Pose2() if isinstance(model, StationaryMotion) else step)
+            sd = np.sqrt(np.diag(covariance))
             off = np.abs(ends.mean(axis=0) - mean.to_array())
             # Headings that err shorten the way to second order.
             way = math.hypot(step.x, step.y)
@@ -133,7 +133,7 @@ QUIET = [
 def test_for_small_errors_the_covariance_is_exact_for_any_step(model: MotionModel) -> None:
     """1e5 samples know each number to half a per cent."""
     for step in (*STEPS, Pose2(0.5, 0.2, 1.0), Pose2(-0.4, 0.1, -0.5), Pose2(0, 0, 2)):
-        found, drawn = model.covariance(step), sampled_covariance(model.sample, step, MANY)
+        found, drawn = model.moments(step)[1], sampled_moments(model.sample, step, MANY)[1]
         scale = np.sqrt(np.outer(np.diag(drawn), np.diag(drawn)))
         np.testing.assert_array_less(np.abs(found - drawn), 0.02 * scale + 1e-12)
 
@@ -261,7 +261,7 @@ def test_without_noise_these_go_where_odometry_says_too(
     model: MotionModel, x: float, y: float, turn: float
 ) -> None:
     assert arrived(cloud(20), Pose2(x, y, turn), model) < 1e-9
-    assert np.abs(model.covariance(Pose2(x, y, turn))).max() == 0
+    assert np.abs(model.moments(Pose2(x, y, turn))[1]).max() == 0
 
 
 # --- the simplest model

@@ -101,8 +101,6 @@ class Localization:
         estimate = self._localizer.update(pose, self.line_scan.scan)
         if self._localizer.updates > before:
             self.own.note_update()
-            if estimate is None:
-                self.belief = None  # the filter has lost all that it thought it knew
         self._believe(estimate, pose)
 
     def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:

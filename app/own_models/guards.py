@@ -16,7 +16,7 @@ import numpy as np
 from app.own_models.blame import OwnModelError, blaming, line_of
 from app.own_models.model_file import ModelFile
 from robot.geometry import Array, Pose2, compose, wrap_angle
-from robot.localization.models.motion_models import sampled_covariance
+from robot.localization.models.motion_models import sampled_moments
 from robot.scan import Scan
 
 TRIED = np.array([[0.0, 0.0, 0.0], [0.01, 0.02, 0.1]])
@@ -109,9 +109,9 @@ class OwnMotion:
         found[:, 2] = wrap_angle(found[:, 2])
         return found
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) of where a step ends: by draws, whatever else the model offers."""
-        return sampled_covariance(self.sample, moved)
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance of where a step ends: by draws, whatever else the model offers."""
+        return sampled_moments(self.sample, moved)
 
     def try_out(self, start: Pose2) -> None:
         """Ask once, so that mistakes show (and numba compiles) before the robot drives."""

@@ -110,8 +110,8 @@ class KalmanFilter:
 
     def predict(self, moved: Pose2) -> None:
         """Follow a step by odometry."""
-        noise = self.motion.covariance(moved)
-        self._pose, self._covariance = follow(self._pose, self._covariance, moved, noise)
+        step, noise = self.motion.moments(moved)
+        self._pose, self._covariance = follow(self._pose, self._covariance, step, noise)
 
     def correct(self, scan: Scan) -> None:
         """Move to where prediction and scan agree best; the information of both adds up.

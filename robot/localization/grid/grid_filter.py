@@ -145,8 +145,8 @@ class GridFilter:
         Steps are gathered until they err by half a box: till then the boxes are about poses at the
         start of them, and nothing is lost to rounding.
         """
-        noise = self.motion.covariance(moved)
-        self._moved, self._noise = follow(self._moved, self._noise, moved, noise)
+        step, noise = self.motion.moments(moved)
+        self._moved, self._noise = follow(self._moved, self._noise, step, noise)
         self._found = None
         xy, _, theta = size = self._grid.boxes.size
         errs = (np.diag(self._noise) >= np.square(size / 2)).any()

@@ -8,6 +8,7 @@ from collections import deque
 import numpy as np
 
 from robot.geometry import Array, Pose2
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.reliving import Past
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
@@ -23,6 +24,11 @@ class LocalMap:
         self._robot = Pose2()
         """In a frame of its own, that starts anywhere."""
         self._scans: deque[tuple[Pose2, Scan]] = deque(maxlen=most)
+
+    @classmethod
+    def of(cls, parameters: HypothesisParameters) -> LocalMap:
+        """An empty one, as the parameters want it."""
+        return cls(parameters.map_step_xy, parameters.map_step_theta, parameters.map_scans)
 
     def __len__(self) -> int:
         return len(self._scans)
@@ -61,10 +67,12 @@ class LocalMap:
         """At most so many of the scans, the newest first, with so many rays each."""
         some = [self._scans[-1 - i] for i in evenly(len(self._scans), scans)]
         before = [some[0], *some[:-1]]
-        moves = [a.inverse() @ b for (a, _), (b, _) in zip(before, some, strict=True)]
+        moves = [
+            motion.moments(a.inverse() @ b) for (a, _), (b, _) in zip(before, some, strict=True)
+        ]
         return Past(
-            np.array([step.to_array() for step in moves]),
-            np.array([motion.covariance(step) for step in moves]),
+            np.array([step.to_array() for step, _ in moves]),
+            np.array([noise for _, noise in moves]),
             _stacked([rays_of(scan, beams) for _, scan in some]),
         )
 

@@ -16,6 +16,7 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
+from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
 from robot.localization.hypotheses.given_places import clusters_of
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
@@ -27,13 +28,9 @@ from robot.scan import Scan
 
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
-SEEN_ANYWHERE, MISSED_ANYWHERE = 1.7, -0.2
-"""Log-likelihood of a ray, by whether it returned, at a place that fits but badly."""
 FIRST, LOST, SOON, LATE = 12, 2, 8, 24
 """Scans before the first search, and when lost; between searches that find something, and at most,
 when they find nothing."""
-FRESH = -3.0
-"""Log-weight of being elsewhere when places were found for the first time."""
 LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
 BORN_SHARE = 0.05
@@ -86,11 +83,7 @@ class MultiHypothesisFilter:
         """Scans until the next search."""
         self._patience = SOON
         """Scans between searches, at present."""
-        self._elsewhere = FRESH
-        """Log-weight of being at no place that is followed, relative to the heaviest."""
-        self._lost = False
-        self._doubts = 0
-        """Scans in a row that fit no place."""
+        self._elsewhere = Elsewhere(FRESH)
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
@@ -121,7 +114,7 @@ class MultiHypothesisFilter:
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; all hypotheses stay."""
         if setup.hypotheses != self.setup.hypotheses:
-            self._local, self._search = _new_map(setup), None
+            self._local, self._search = LocalMap.of(setup.hypotheses), None
             self._wait, self._whole = FIRST, False
         self.setup = setup
         for track in self._tracks:
@@ -189,12 +182,8 @@ class MultiHypothesisFilter:
         for track, loss in zip(self._tracks, np.minimum(lost, p.most_a_scan), strict=True):
             track.log_weight -= float(loss) if loss > INDIFFERENT else 0.0
         best = self._tracks[int(fits.argmax())]
-        hits = float(np.isfinite(rays[:, 3]).mean())
-        anywhere = SEEN_ANYWHERE * hits + MISSED_ANYWHERE * (1 - hits)
         # As the filter has it: laid on the edges, a wrong place would fit too well to be noticed.
-        gain = p.scan_worth * (anywhere - evidence.log_likelihood(best.pose, rays))
-        self._elsewhere += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
-        self._doubts = self._doubts + 1 if gain > 0 else 0
+        self._elsewhere.weigh(best.pose, rays, evidence, p)
 
     def _select(self) -> None:
         """Give up what is hopeless, and the lighter of two that are in one place.
@@ -213,18 +202,15 @@ class MultiHypothesisFilter:
 
     def _level(self, heaviest: float) -> None:
         """Make the heaviest weight one; notice when elsewhere has become the likeliest."""
-        least = self.setup.hypotheses.log_kidnapped
         for track in self._tracks:
             track.log_weight -= heaviest
+        lost_now = self._elsewhere.level(heaviest, self.setup.hypotheses)
         for track, weight in zip(self._tracks, self._weights(), strict=True):
             track.filter.share = max(float(weight), LEAST_SHARE)
-        self._elsewhere = min(max(self._elsewhere - heaviest, least), -least)
-        lost = self._elsewhere > 0
-        if lost and not self._lost:
+        if lost_now:
             # The map must not hold scans of before the robot was carried.
-            self._local.forget(max(self._doubts, 1))
+            self._local.forget(max(self._elsewhere.doubts, 1))
             self._search, self._wait, self._whole = None, LOST, False
-        self._lost = lost
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
@@ -265,7 +251,7 @@ class MultiHypothesisFilter:
             if newcomers and not self._whole:
                 prior = self._log_prior(life.pose)
                 # One of the places elsewhere is no likelier than all of them together.
-                weight = min(weight + prior, max(self._elsewhere, prior))
+                weight = min(weight + prior, max(self._elsewhere.log_weight, prior))
             if weight > p.log_hopeless:
                 self._follow(life.pose @ self._since_search, life.covariance, weight)
         # A place that is new, and not hopeless, may be the first of more.
@@ -275,7 +261,7 @@ class MultiHypothesisFilter:
         self._select()
         if self._whole:
             # To fit better than what fitted badly is no certainty.
-            self._elsewhere = max(self._elsewhere, FRESH)
+            self._elsewhere.at_least(FRESH)
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
@@ -302,19 +288,13 @@ class MultiHypothesisFilter:
         self._tracks = tracks
         self._told = told
         self._whole = not told
-        self._elsewhere = p.log_kidnapped if tracks else FRESH
-        self._lost = False
-        self._doubts = self._scans = 0
+        self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
+        self._scans = 0
         self._search = None
         self._wait, self._patience = FIRST, SOON
-        self._local = _new_map(self.setup)
+        self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:
         likelihood = np.exp([track.log_weight for track in self._tracks])
-        weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere))
+        weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere.log_weight))
         return weights
-
-
-def _new_map(setup: Setup) -> LocalMap:
-    p = setup.hypotheses
-    return LocalMap(p.map_step_xy, p.map_step_theta, p.map_scans)

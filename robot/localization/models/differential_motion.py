@@ -37,10 +37,10 @@ class DifferentialMotion:
         legs = _legs(moved)
         return sample_legs(poses, legs, self._deviations(legs), rng)
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
         legs = _legs(moved)
-        return spread_of(legs, np.diag(np.square(self._deviations(legs))))
+        return moved, spread_of(legs, np.diag(np.square(self._deviations(legs))))
 
     def _deviations(self, legs: Legs) -> Legs:
         distance = math.hypot(legs.ahead, legs.aside)

@@ -1,6 +1,6 @@
 """Motion models: where may a robot be that was here and moved so?
 
-A motion model is a frozen dataclass with ``sample`` and ``covariance``; a student's own is the
+A motion model is a frozen dataclass with ``sample`` and ``moments``; a student's own is the
 same thing.
 """
 
@@ -24,7 +24,7 @@ __all__ = [
     "OmniMotion",
     "StationaryMotion",
     "VelocityMotion",
-    "sampled_covariance",
+    "sampled_moments",
 ]
 
 
@@ -44,11 +44,11 @@ class MotionModel(Protocol):
         """
         ...
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) [m, m, rad] of where a step ends, seen from its start.
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance (3, 3) [m, m, rad] of where a step ends, seen from its start.
 
-        For filters without particles: the spread of ``sample`` to first order, in closed form; a
-        model without one may return ``sampled_covariance``.
+        For filters without particles: those of ``sample`` to first order, in closed form; a model
+        without one may return ``sampled_moments``.
 
         Args:
             moved: the step by odometry, seen from its start.
@@ -59,11 +59,12 @@ class MotionModel(Protocol):
 Sample = Callable[[Array, Pose2, np.random.Generator], Array]
 
 
-def sampled_covariance(sample: Sample, moved: Pose2, count: int = 1000) -> Array:
-    """Covariance (3, 3) [m, m, rad] of where a step ends, seen from its start, from draws of it.
+def sampled_moments(sample: Sample, moved: Pose2, count: int = 1000) -> tuple[Pose2, Array]:
+    """Mean and covariance (3, 3) [m, m, rad] of where a step ends, seen from its start, by draws.
 
     Always the same draws, so the same step has the same covariance.
     """
     ends = sample(np.zeros((count, 3)), moved, np.random.default_rng(0))
     even = np.full(count, 1.0 / count)
-    return pose_covariance(ends, even, mean_pose(ends, even))
+    mean = mean_pose(ends, even)
+    return mean, pose_covariance(ends, even, mean)

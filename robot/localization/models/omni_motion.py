@@ -35,9 +35,9 @@ class OmniMotion:
         """Draw where each particle went."""
         return sample_legs(poses, _legs(moved), self._deviations(moved), rng)
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
-        return spread_of(_legs(moved), np.diag(np.square(self._deviations(moved))))
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+        return moved, spread_of(_legs(moved), np.diag(np.square(self._deviations(moved))))
 
     def _deviations(self, moved: Pose2) -> Legs:
         square = moved.x**2 + moved.y**2

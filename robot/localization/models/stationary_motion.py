@@ -27,6 +27,6 @@ class StationaryMotion:
         spread = Legs(0.0, self.sd_xy, self.sd_xy, self.sd_theta)
         return sample_legs(poses, Legs(0.0, 0.0, 0.0, 0.0), spread, rng)
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) [m, m, rad] about the start, where the step ends as well."""
-        return np.diag(np.square([self.sd_xy, self.sd_xy, self.sd_theta]))
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance (3, 3) [m, m, rad] of where the step ends: where it starts."""
+        return Pose2(), np.diag(np.square([self.sd_xy, self.sd_xy, self.sd_theta]))

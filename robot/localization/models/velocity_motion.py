@@ -47,8 +47,8 @@ class VelocityMotion:
         chord = v_hat * np.sinc(half / math.pi)
         return turn_go_turn(poses, half, chord, np.full(len(poses), aside), half + gamma_hat)
 
-    def covariance(self, moved: Pose2) -> Array:
-        """Covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
+    def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
+        """Mean and covariance (3, 3) [m, m, rad] of where the step ends, seen from its start."""
         v, aside = _arc(moved)
         half = moved.theta / 2
         sinc = float(np.sinc(half / math.pi))
@@ -57,7 +57,7 @@ class VelocityMotion:
         # Turn, chord, way aside and last turn by v, omega and gamma.
         G = np.array([[0, 0.5, 0], [sinc, v * grows / 2, 0], [0, 0, 0], [0, 0.5, 1]])
         variances = np.diag(np.square(self._deviations(v, moved.theta)))
-        return spread_of(Legs(half, v * sinc, aside, half), G @ variances @ G.T)
+        return moved, spread_of(Legs(half, v * sinc, aside, half), G @ variances @ G.T)
 
     def _deviations(self, v: float, omega: float) -> Array:
         return np.sqrt(
