@@ -7,12 +7,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
+from particle_robot import Tracker, standing_tracker, still, tracker_of
 from stub_drive import STUB, Drive
 
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, Twist2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.localizer import Localizer
+from robot.localization.models.motion_models import DifferentialMotion
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
 from robot.localization.scan_matching import ScanMatcher
@@ -206,3 +208,85 @@ def test_only_the_heaviest_is_made_finer_and_the_filter_does_not_learn_of_it() -
     assert found.hypotheses[0].weight == 0.6
     assert found.hypotheses[1:] == rough[1:]
     assert told.hypotheses == rough and told.told == [Pose2(), SCAN]
+
+
+# --- with particles
+
+
+@pytest.fixture
+def standing() -> Tracker:
+    return standing_tracker()
+
+
+def test_what_was_driven_before_a_pose_is_told_is_not_driven_again() -> None:
+    f, drive = tracker_of(update_min_d=5.0, update_min_a=6.0), Drive()
+    f.told(drive.true, 0.01, 0.01)
+    f.update(drive.odometry, drive.step(Twist2())[1])
+    for _ in drive.eight(3.0):
+        pass
+    f.update(drive.odometry, drive.step(Twist2())[1])
+    f.told(drive.true, 0.01, 0.01)
+    estimate = f.update(drive.odometry, drive.step(Twist2())[1])
+    assert estimate is not None
+    assert estimate.pose.distance_to(drive.true) < 0.01
+
+
+def test_particles_stay_as_they_are_while_the_robot_stands(standing: Tracker) -> None:
+    before = standing.cloud
+    for _ in range(5):
+        assert still(standing) is None
+    assert standing.cloud is before
+    assert standing.updates == 1
+
+
+@pytest.mark.parametrize(
+    ("moved", "counts"),
+    [
+        (Pose2(0.0019), False),
+        (Pose2(0.0021), True),
+        (Pose2(0, -0.0021), True),
+        (Pose2(0, 0, 0.0049), False),
+        (Pose2(0, 0, 0.0051), True),
+        (Pose2(0, 0, -0.0051), True),
+    ],
+)
+def test_by_default_two_millimetres_or_five_milliradians_make_a_scan_count(
+    standing: Tracker, moved: Pose2, counts: bool
+) -> None:
+    assert (still(standing, moved) is not None) == counts
+
+
+def test_small_steps_add_up_until_particles_move_and_none_is_lost() -> None:
+    f = tracker_of(update_min_d=0.01)
+    f.filter.motion = DifferentialMotion(0, 0, 0, 0)
+    f.set_cloud(Cloud.even(np.zeros((50, 3))))
+    f.predict(Pose2())
+    counted = [f.predict(Pose2(0.003 * tick)) for tick in range(1, 12)]
+    assert [tick for tick, c in enumerate(counted, start=1) if c] == [4, 8]
+    np.testing.assert_allclose(f.cloud.poses[:, 0], 0.024)
+
+
+def test_particles_take_a_forced_scan_once_though_the_robot_stands(standing: Tracker) -> None:
+    standing.force_update()
+    assert still(standing) is not None
+    assert still(standing) is None
+
+
+def test_a_told_pose_makes_the_next_scan_count(standing: Tracker) -> None:
+    standing.told(Pose2(), 0.02, 0.05)
+    assert still(standing) is not None
+
+
+def test_paused_the_cloud_follows_odometry_and_spreads() -> None:
+    f, drive = tracker_of(), Drive(Pose2(0.1, 0, 0.5))
+    f.told(drive.true, 0.005, 0.01)
+    f.predict(drive.odometry)
+    narrow = f.estimate(0.0).covariance.trace()
+    for _ in drive.eight(2.0):
+        f.predict(drive.odometry)
+    estimate = f.estimate(2.0)
+    there = Pose2(0.1, 0, 0.5) @ drive.odometry
+    assert estimate.pose.distance_to(there) < 0.01
+    assert estimate.covariance.trace() > 2 * narrow
+    assert f.updates == 0
+    assert f.filter.cloud is f.cloud
