@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import engine_runs
 import numpy as np
 
 from app.assembly import Program
@@ -9,15 +10,12 @@ from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.snapshot import Snapshot
-from app.messages.commands import FigureEightCommand
 from app.own_models.own_models import OwnModels
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.localization.parameters import FilterParameters, LocalizationParameters
-from sim.simulated import PERIOD
 
-EIGHT = FigureEightCommand(type="figure_eight")
 ONE_CLOUD = LocalizationParameters(filter=FilterParameters(filter="particles"))
 """A filter that asks no other evidence than the model under test."""
 FLAT = """
@@ -35,11 +33,8 @@ STILL = """
 
 
 def run(program: Program, seconds: float, *renewed) -> Snapshot:
-    for _ in range(round(seconds / PERIOD)):
-        for command in renewed:
-            program.engine.commands.put(command)
-        shown = program.engine.step()
-    return shown
+    """What is shown at the end of a run."""
+    return engine_runs.run(program, seconds, *renewed)[-1]
 
 
 def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Program:

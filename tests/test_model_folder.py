@@ -3,7 +3,8 @@
 from functools import partial
 
 import pytest
-from own_programs import EIGHT, FLAT, STILL, run, with_own
+from engine_runs import EIGHT
+from own_programs import FLAT, STILL, run, with_own
 
 from app.assembly import assemble
 from app.config import Config

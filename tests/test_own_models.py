@@ -5,7 +5,8 @@ from functools import partial
 
 import numpy as np
 import pytest
-from own_programs import EIGHT, FLAT, run, with_own
+from engine_runs import EIGHT
+from own_programs import FLAT, run, with_own
 
 from app.assembly import assemble
 from app.config import Config

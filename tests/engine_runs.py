@@ -1,0 +1,27 @@
+"""Engines stepped without threads, faster than real time."""
+
+from app.assembly import Program, assemble
+from app.config import Config
+from app.engine.snapshot import Snapshot
+from app.messages.commands import DriveCommand, FigureEightCommand
+from sim.simulated import PERIOD
+
+EIGHT = FigureEightCommand(type="figure_eight")
+
+
+def kinematic(**settings) -> Program:
+    return assemble(Config(robot="kinematic", **settings))
+
+
+def run(program: Program, seconds: float, *renewed) -> list[Snapshot]:
+    """Step for a time, with commands renewed at each tick."""
+    shown = []
+    for _ in range(round(seconds / PERIOD)):
+        for command in renewed:
+            program.engine.commands.put(command)
+        shown.append(program.engine.step())
+    return shown
+
+
+def drive(v=0.0, omega=0.0) -> DriveCommand:
+    return DriveCommand(type="drive", v=v, omega=omega)
