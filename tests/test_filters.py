@@ -1,4 +1,4 @@
-"""What any filter does: one contract for particles, the Kalman filter and the grid."""
+"""One contract for every filter that can be asked for, and for the textbook's Kalman filter."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from square_drive import ON_STUB
 from stub_drive import (
     BEARINGS,
     DEFAULTS,
-    ENTRIES,
-    SENSOR,
     STUB,
     Drive,
     check_sound,
@@ -23,43 +22,40 @@ from stub_drive import (
     near,
 )
 
-from robot.geometry import Pose2, mean_pose, pose_covariance
+from robot.geometry import Array, Pose2, mean_pose, pose_covariance
 from robot.localization.filter import Cloud, Filter
-from robot.localization.filters import make_filter
-from robot.localization.grid.grid_filter import GridFilter
+from robot.localization.filters import MAKERS
 from robot.localization.kalman_filter import KalmanFilter
-from robot.localization.particles.particle_filter import ParticleFilter
-from robot.localization.setup import Setup
 from robot.scan import Scan
 
-MOTION = DEFAULTS.motion.model()
-SETUP = Setup.of(STUB, ENTRIES, MOTION, SENSOR, DEFAULTS)
 START = DEFAULTS.filter.initial_covariance
-
-
-def particles(seed: int) -> Filter:
-    rng, share = np.random.default_rng(seed), DEFAULTS.sensor.likelihood_weight
-    return ParticleFilter(MOTION, SENSOR, STUB, DEFAULTS.filter, rng, likelihood_weight=share)
-
-
-def kalman(seed: int) -> Filter:
-    beams, rng = DEFAULTS.sensor.max_beams, np.random.default_rng(seed)
-    return KalmanFilter(MOTION, matcher_of(), STUB, START, beams, rng)
-
-
-def grid(seed: int) -> Filter:
-    share = DEFAULTS.sensor.likelihood_weight
-    return GridFilter(MOTION, SENSOR, STUB, START, likelihood_weight=share)
-
-
-def hypotheses(seed: int) -> Filter:
-    return make_filter(SETUP, np.random.default_rng(seed))
-
+SDS = [0.02, 0.02, 0.05]
+NARROW = np.diag(np.square(SDS))
 
 Make = Callable[[int], Filter]
-FILTERS: list[Make] = [particles, kalman, grid, hypotheses]
-each_filter = pytest.mark.parametrize("make", FILTERS, ids=lambda make: make.__name__)
-NARROW = np.diag(np.square([0.02, 0.02, 0.05]))
+
+
+def offered(name: str) -> Make:
+    return lambda seed: MAKERS[name](ON_STUB, np.random.default_rng(seed))
+
+
+def kalman_of_the_textbook(seed: int) -> Filter:
+    beams, rng = DEFAULTS.sensor.max_beams, np.random.default_rng(seed)
+    return KalmanFilter(ON_STUB.motion, matcher_of(), STUB, START, beams, rng)
+
+
+FILTERS = {name: offered(name) for name in MAKERS} | {"textbook": kalman_of_the_textbook}
+each_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
+
+
+def sds(covariance: Array) -> Array:
+    return np.sqrt(np.diag(covariance))
+
+
+def spread(cloud: Cloud) -> Array:
+    """Standard deviations [m, m, rad] of what is shown."""
+    mean = mean_pose(cloud.poses, cloud.weights)
+    return sds(pose_covariance(cloud.poses, cloud.weights, mean))
 
 
 # --- what it is told
@@ -72,11 +68,9 @@ def test_a_told_pose_is_the_only_hypothesis_and_as_wide_as_told(make: Make) -> N
     f.set_pose(told, NARROW)
     (one,) = f.hypotheses
     assert near(one.pose, told, 0.002, 0.005) and one.weight > 0.99
-    np.testing.assert_allclose(np.sqrt(np.diag(one.covariance)), [0.02, 0.02, 0.05], rtol=0.1)
+    np.testing.assert_allclose(sds(one.covariance), SDS, rtol=0.1)
     check_sound(f)
-    poses, weights = f.cloud.poses, f.cloud.weights
-    shown = pose_covariance(poses, weights, mean_pose(poses, weights))
-    np.testing.assert_allclose(np.sqrt(np.diag(shown)), [0.02, 0.02, 0.05], rtol=0.1)
+    np.testing.assert_allclose(spread(f.cloud), SDS, rtol=0.1)
 
 
 @each_filter
@@ -85,7 +79,7 @@ def test_a_pose_told_without_a_doubt_is_one_pose_and_can_be_driven_from(make: Ma
     f.set_pose(drive.true, np.zeros((3, 3)))
     (one,) = f.hypotheses
     assert near(one.pose, drive.true, 0.001, 0.003)
-    assert np.sqrt(np.diag(one.covariance)).max() < 0.005
+    assert sds(one.covariance).max() < 0.005
     check_sound(f)
     assert max(follow(f, drive, 1.0)) < 0.005
     check_sound(f)
@@ -97,16 +91,12 @@ def test_a_given_cloud_is_taken_with_its_mean_and_covariance(make: Make) -> None
     poses = draw_poses(np.random.default_rng(0), Pose2(0.1, 0.1, -3.1), (0.03, 0.02, 0.08), 4000)
     weights = np.random.default_rng(1).random(4000)
     weights /= weights.sum()
-    mean = mean_pose(poses, weights)
-    f.set_cloud(Cloud(poses, weights))
+    mean, cloud = mean_pose(poses, weights), Cloud(poses, weights)
+    f.set_cloud(cloud)
     check_sound(f)
     shown = f.cloud
     assert near(mean_pose(shown.poses, shown.weights), mean, 0.002, 0.005)
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(pose_covariance(shown.poses, shown.weights, mean))),
-        np.sqrt(np.diag(pose_covariance(poses, weights, mean))),
-        rtol=0.1,
-    )
+    np.testing.assert_allclose(spread(shown), spread(cloud), rtol=0.1)
     assert near(f.hypotheses[0].pose, mean, 0.005, 0.01)
 
 
@@ -117,9 +107,7 @@ def test_what_was_believed_before_a_pose_was_told_is_forgotten(make: Make) -> No
     f.predict(Pose2(0.05, 0, 0.3))
     f.set_pose(told, NARROW)
     assert near(f.hypotheses[0].pose, told, 0.002, 0.005)
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(f.hypotheses[0].covariance)), [0.02, 0.02, 0.05], rtol=0.1
-    )
+    np.testing.assert_allclose(sds(f.hypotheses[0].covariance), SDS, rtol=0.1)
 
 
 @each_filter
