@@ -127,6 +127,10 @@ class Found:
     shown: list[Shown]
 
 
+Runs = list[tuple[float, dict[str, Found]]]
+"""For each robot the seconds until the field decides, and how each filter fared."""
+
+
 def lap(of: str, seed: int) -> Drive:
     """One lap from somewhere."""
     rng = np.random.default_rng([seed, 7])
@@ -233,17 +237,11 @@ def places(calibration: Calibration) -> dict[str, float]:
                 more[f"{start}: all four places, of {count}"] = sum(f.images == 4 for f in found)
                 more[f"{start}: evenly weighed, of {count}"] = sum(f.even for f in found)
             else:
-                more[f"{start}: right, of {count}"] = sum(f.right for f in found)
-                more[f"{start}: median until right for good [s]"] = median(found)
+                more |= fared(start, found, f"{count}")
             more[f"{start}: first sure claim wrong, of {count}"] = sum(f.wrong_claim for f in found)
         if of != "square":
-            more[f"global start, {of}, oracle: median until decided [s]"] = float(
-                np.median([decided for decided, _ in runs])
-            )
-        ours = [run["hypotheses"] for _, run in runs]
-        more |= cost(f"global start, {of}", ours)
-        for one in ours:
-            calibration.add(one.shown)
+            more |= oracle(f"global start, {of}", runs)
+        more |= ours(f"global start, {of}", runs, calibration)
     return more
 
 
@@ -255,26 +253,32 @@ def carried_off(calibration: Calibration) -> dict[str, float]:
         decidable = [found for decided, found in runs if decided < CARRIED_FOR]
         for name in FINDERS_AGAIN:
             found = [run[name] for run in decidable]
-            start = f"carried off, {of}, {name}"
-            more[f"{start}: right, of {len(found)} decidable"] = sum(f.right for f in found)
-            more[f"{start}: median until right for good [s]"] = median(found)
-        more[f"carried off, {of}, oracle: median until decided [s]"] = float(
-            np.median([decided for decided, _ in runs])
-        )
-        ours = [run["hypotheses"] for _, run in runs]
-        more |= cost(f"carried off, {of}", ours)
-        for one in ours:
-            calibration.add(one.shown)
+            more |= fared(f"carried off, {of}, {name}", found, f"{len(found)} decidable")
+        more |= oracle(f"carried off, {of}", runs) | ours(f"carried off, {of}", runs, calibration)
     return more
 
 
-def median(found: list[Found]) -> float:
-    """Seconds until right for good."""
-    return float(np.median([one.seconds for one in found]))
+def fared(name: str, found: list[Found], of: str) -> dict[str, float]:
+    """How many found themselves, and when."""
+    return {
+        f"{name}: right, of {of}": sum(one.right for one in found),
+        f"{name}: median until right for good [s]": float(
+            np.median([one.seconds for one in found])
+        ),
+    }
 
 
-def cost(name: str, found: list[Found]) -> dict[str, float]:
-    """What the filter takes of a processor's time."""
+def oracle(name: str, runs: Runs) -> dict[str, float]:
+    """When the field decides."""
+    decided = float(np.median([seconds for seconds, _ in runs]))
+    return {f"{name}, oracle: median until decided [s]": decided}
+
+
+def ours(name: str, runs: Runs, calibration: Calibration) -> dict[str, float]:
+    """What the default filter takes of a processor; what it claimed goes to the calibration."""
+    found = [run["hypotheses"] for _, run in runs]
+    for one in found:
+        calibration.add(one.shown)
     # The first pictures of a process may have to load compiled code.
     spent = [1e3 * shown.cpu for one in found for shown in one.shown[10:]]
     return {

@@ -9,7 +9,9 @@ dozen lines and polygons against the rays, is compiled.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import cv2
 import numpy as np
@@ -54,11 +56,41 @@ class BirdsEye:
 
 
 @dataclass(frozen=True)
-class HoughSettings:
+class Settings:
     """What there is to tune; lengths in metres, so that they hold for each cell."""
 
     cell: float = 0.002
     blur: int = 0
+
+
+S = TypeVar("S", bound=Settings)
+
+
+class Pipeline(ABC, Generic[S]):
+    """From a picture to ranges by edges seen from above."""
+
+    def __init__(self, view: FloorView, table: RayTable, settings: S) -> None:
+        self.settings = settings
+        self.birds_eye = BirdsEye(view, table, settings.cell)
+
+    def scan(self, picture: NDArray[np.uint8]) -> Array:
+        """Ranges (k,) [m]; inf where there is none."""
+        pixels = self.edges(self.birds_eye.look(picture, self.settings.blur))
+        return self.ranges(self.birds_eye.floor(pixels.reshape(-1, 2, 2)).reshape(-1, 4))
+
+    @abstractmethod
+    def edges(self, above: NDArray[np.uint8]) -> Array:
+        """Edges (n, 4) [px] in a view from above (h, w), their dark side to the left."""
+
+    @abstractmethod
+    def ranges(self, edges: Array) -> Array:
+        """Ranges (k,) [m] to edges (n, 4) [m]."""
+
+
+@dataclass(frozen=True)
+class HoughSettings(Settings):
+    """Thresholds of Canny's, and steps, votes and lines of the Hough transform."""
+
     low: float = 50
     high: float = 150
     rho: float = 1.0
@@ -68,20 +100,14 @@ class HoughSettings:
     gap: float = 0.02
 
 
-class HoughLines:
+class HoughLines(Pipeline[HoughSettings]):
     """Bird's-eye view, Canny's edges, and segments by the probabilistic Hough transform."""
 
-    def __init__(self, view: FloorView, table: RayTable, settings: HoughSettings) -> None:
-        self.settings = settings
-        self.birds_eye = BirdsEye(view, table, settings.cell)
-
-    def scan(self, picture: NDArray[np.uint8]) -> Array:
-        """Ranges (k,) [m]; inf where there is none."""
-        s, view = self.settings, self.birds_eye
-        above = view.look(picture, s.blur)
-        edges = cv2.Canny(above, s.low, s.high)
+    def edges(self, above: NDArray[np.uint8]) -> Array:
+        """Segments (n, 4) [px] of straight lines."""
+        s = self.settings
         found = cv2.HoughLinesP(
-            edges,
+            cv2.Canny(above, s.low, s.high),
             s.rho,
             s.theta,
             max(1, round(s.votes / s.cell)),
@@ -89,19 +115,20 @@ class HoughLines:
             maxLineGap=s.gap / s.cell,
         )
         if found is None:
-            return np.full(len(view.directions), np.inf)
+            return np.empty((0, 4))
         segments = np.asarray(found, dtype=np.int32).reshape(-1, 4)
-        turned = _dark_to_the_left(above, segments, 2.5 + 0.004 / s.cell)
-        lines = view.floor(turned.reshape(-1, 2, 2)).reshape(-1, 4)
-        return _ranges_to_segments(lines, view.directions, view.limits, *TAPE)
+        return _dark_to_the_left(above, segments, 2.5 + 0.004 / s.cell)
+
+    def ranges(self, edges: Array) -> Array:
+        """To segments with another of the other kind behind them."""
+        view = self.birds_eye
+        return _ranges_to_segments(edges, view.directions, view.limits, *TAPE)
 
 
 @dataclass(frozen=True)
-class ContourSettings:
-    """What there is to tune; lengths in metres, so that they hold for each cell."""
+class ContourSettings(Settings):
+    """The threshold's block and offset, and which outlines count."""
 
-    cell: float = 0.002
-    blur: int = 0
     block: float = 0.2
     offset: float = 15
     simplify: float = 1.0
@@ -110,32 +137,29 @@ class ContourSettings:
     """Shortest outline that counts [m]."""
 
 
-class Contours:
+class Contours(Pipeline[ContourSettings]):
     """Bird's-eye view, adaptive threshold, and the outlines of what is dark."""
 
-    def __init__(self, view: FloorView, table: RayTable, settings: ContourSettings) -> None:
-        self.settings = settings
-        self.birds_eye = BirdsEye(view, table, settings.cell)
-
-    def scan(self, picture: NDArray[np.uint8]) -> Array:
-        """Ranges (k,) [m]; inf where there is none."""
-        s, view = self.settings, self.birds_eye
-        above = view.look(picture, s.blur)
+    def edges(self, above: NDArray[np.uint8]) -> Array:
+        """Sides (n, 4) [px] of the outlines."""
+        s = self.settings
         block = round(s.block / s.cell) // 2 * 2 + 1
         dark = cv2.adaptiveThreshold(
             above, 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, block, s.offset
         )
         contours, _ = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
-        edges = [
+        rings = [
             _ring(cv2.approxPolyDP(contour, s.simplify, True))
             for contour in contours
             if len(contour) > 2 and cv2.arcLength(contour, True) > s.smallest / s.cell
         ]
-        if not edges:
-            return np.full(len(view.directions), np.inf)
-        lines = view.floor(np.concatenate(edges).reshape(-1, 2, 2)).reshape(-1, 4)
+        return np.concatenate([np.empty((0, 4)), *rings])
+
+    def ranges(self, edges: Array) -> Array:
+        """To outlines as wide as tape."""
+        view = self.birds_eye
         # A contour runs through the outermost dark pixels: the edge is half a pixel outside.
-        return _ranges_to_outlines(lines, view.directions, view.limits, *TAPE, view.cell / 2)
+        return _ranges_to_outlines(edges, view.directions, view.limits, *TAPE, view.cell / 2)
 
 
 def _ring(polygon: cv2.typing.MatLike) -> Array:

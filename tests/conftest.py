@@ -2,6 +2,7 @@
 
 import os
 import textwrap
+from functools import partial
 
 import pytest
 from hypothesis import settings
@@ -30,6 +31,33 @@ def save(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture(scope="module")
+def server():
+    """A server that tests share; a module may start one of its own."""
+    from serving import serving
+
+    with serving("--robot", "kinematic", "--map", "stub") as running:
+        yield running
+
+
+@pytest.fixture
+def live(server):
+    from serving import ask
+
+    with server.live() as socket:
+        yield socket
+        ask(socket, type="stop")
+
+
+@pytest.fixture(scope="module")
+def with_own():
+    """Makes programs with models of one's own, all around one robot."""
+    from engine_runs import kinematic
+    from own_programs import with_own as program_around
+
+    return partial(program_around, kinematic())
 
 
 @pytest.fixture(scope="module")

@@ -10,22 +10,9 @@ import pytest
 import websockets
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from serving import ask, serving, telemetry, until
+from serving import ask, telemetry, until
 
 from app.messages.telemetry import TelemetryMessage
-
-
-@pytest.fixture(scope="module")
-def server():
-    with serving("--robot", "kinematic", "--map", "stub") as running:
-        yield running
-
-
-@pytest.fixture
-def live(server):
-    with server.live() as socket:
-        yield socket
-        ask(socket, type="stop")
 
 
 def test_telemetry_comes_newest_first_and_is_valid(live):

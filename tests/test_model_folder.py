@@ -1,12 +1,9 @@
 """Models dropped into a folder: offered by the page, chosen live."""
 
-from functools import partial
-
 import pytest
 from engine_runs import EIGHT
-from own_programs import FLAT, STILL, run, with_own
+from own_programs import FLAT, STILL, run
 
-from app.assembly import assemble
 from app.config import Config
 from app.messages.commands import SetParametersCommand
 from app.own_models.own_models import OwnChoice
@@ -14,18 +11,8 @@ from app.web.commands import CommandError, check
 from app.web.telemetry import parameter_messages
 
 
-@pytest.fixture(scope="module")
-def base():
-    return assemble(Config(robot="kinematic"))
-
-
-@pytest.fixture
-def build(base):
-    return partial(with_own, base)
-
-
-def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, build):
-    program = build(folder=tmp_path)
+def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, with_own):
+    program = with_own(folder=tmp_path)
     assert run(program, 0.3).own == OwnChoice()
     save(FLAT)
     save(STILL, "still.py")
@@ -44,9 +31,9 @@ def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_pa
     assert sensor.default == "likelihood_field"
 
 
-def test_a_model_in_use_stays_on_offer_when_its_file_goes(save, tmp_path, build):
+def test_a_model_in_use_stays_on_offer_when_its_file_goes(save, tmp_path, with_own):
     path = save(FLAT)
-    program = build(path, folder=tmp_path)
+    program = with_own(path, folder=tmp_path)
     run(program, 0.5, EIGHT)
     path.unlink()
     shown = run(program, 1.0, EIGHT)
@@ -54,25 +41,25 @@ def test_a_model_in_use_stays_on_offer_when_its_file_goes(save, tmp_path, build)
     assert shown.own.sensors == ("mine.py:Flat",)
 
 
-def test_a_file_that_is_no_python_is_told_and_stops_nothing(save, tmp_path, build):
+def test_a_file_that_is_no_python_is_told_and_stops_nothing(save, tmp_path, with_own):
     save("def x(:", "other.py")
-    shown = run(build(folder=tmp_path), 0.5, EIGHT)
+    shown = run(with_own(folder=tmp_path), 0.5, EIGHT)
     assert shown.problems == ("other.py line 1: SyntaxError: invalid syntax",)
     assert shown.twist.v > 0
 
 
-def test_a_model_that_is_not_on_offer_is_refused(save, tmp_path, build):
+def test_a_model_that_is_not_on_offer_is_refused(save, tmp_path, with_own):
     save(FLAT)
-    program = build(folder=tmp_path)
+    program = with_own(folder=tmp_path)
     run(program, 0.1)
     values = {"laser_model_type": "mine.py:Round"}
     with pytest.raises(CommandError, match=r"on offer: mine\.py:Flat"):
         check(SetParametersCommand(type="set_parameters", values=values), program)
 
 
-def test_a_model_that_vanished_since_it_was_chosen_stops_nothing(save, tmp_path, build):
+def test_a_model_that_vanished_since_it_was_chosen_stops_nothing(save, tmp_path, with_own):
     path = save(FLAT)
-    program = build(folder=tmp_path)
+    program = with_own(folder=tmp_path)
     run(program, 0.3)
     path.unlink()
     values = {"laser_model_type": "mine.py:Flat"}

@@ -1,15 +1,12 @@
 """A user's own models: made, watched, guarded; through the engine, without waiting."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
 from engine_runs import EIGHT
-from own_programs import FLAT, run, with_own
+from own_programs import FLAT, run
 
-from app.assembly import assemble
-from app.config import Config
 from app.messages.commands import (
     DriveCommand,
     ResetCommand,
@@ -22,41 +19,31 @@ from app.web.commands import CommandError, check
 from robot.scanning.line_scanner import LineScanner
 
 
-@pytest.fixture(scope="module")
-def base():
-    return assemble(Config(robot="kinematic"))
-
-
-@pytest.fixture
-def build(base):
-    return partial(with_own, base)
-
-
-def test_an_own_sensor_model_weighs_the_particles(save, build):
+def test_an_own_sensor_model_weighs_the_particles(save, with_own):
     path = save("""
         class East:
             def log_likelihood(self, poses, scan):
                 return 1000 * poses[:, 0]
     """)
-    shown = run(build(path, "East"), 1.0, EIGHT)
+    shown = run(with_own(path, "East"), 1.0, EIGHT)
     cloud = shown.cloud
     assert shown.fault is None
     assert np.corrcoef(cloud.poses[:, 0], cloud.weights)[0, 1] > 0.5
     assert shown.own.sensor == "mine.py:East"
 
 
-def test_an_own_motion_model_moves_them(save, build):
+def test_an_own_motion_model_moves_them(save, with_own):
     path = save("""
         class Jumps:
             def sample(self, poses, moved, rng):
                 return poses + [0.01, 0.0, 0.0]
     """)
-    shown = run(build(motion=f"{path}:Jumps"), 0.5, EIGHT)
+    shown = run(with_own(motion=f"{path}:Jumps"), 0.5, EIGHT)
     assert shown.fault is None
     assert shown.cloud.poses[:, 0].mean() > 0.05
 
 
-def test_a_class_is_given_what_it_asks_for_by_name(save, build):
+def test_a_class_is_given_what_it_asks_for_by_name(save, with_own):
     path = save("""
         from dataclasses import dataclass
         import numpy as np
@@ -72,11 +59,11 @@ def test_a_class_is_given_what_it_asks_for_by_name(save, build):
                 assert self.edges.shape[1] == 4 and self.field.name == "square"
                 return np.full(len(poses), self.parameters.sigma_hit)
     """)
-    program = build(path, "Asks")
+    program = with_own(path, "Asks")
     assert run(program, 0.5, EIGHT).fault is None
 
 
-def test_live_parameters_reach_an_own_model(save, build):
+def test_live_parameters_reach_an_own_model(save, with_own):
     path = save("""
         import numpy as np
 
@@ -87,7 +74,7 @@ def test_live_parameters_reach_an_own_model(save, build):
                 assert self.sigma < 0.2, f"sigma is {self.sigma}"
                 return np.zeros(len(poses))
     """)
-    program = build(path, "Strict")
+    program = with_own(path, "Strict")
     assert run(program, 0.5, EIGHT).fault is None
     program.engine.commands.put(
         SetParametersCommand(type="set_parameters", values={"sigma_hit": 0.3})
@@ -97,9 +84,9 @@ def test_live_parameters_reach_an_own_model(save, build):
 
 @pytest.mark.parametrize("text", ["x", "class Mine: pass", "class Mine:\n def sample(self): pass"])
 @pytest.mark.parametrize("kind", ["sensor", "motion"])
-def test_while_a_model_is_broken_the_robot_stands_and_says_why(save, build, kind, text):
+def test_while_a_model_is_broken_the_robot_stands_and_says_why(save, with_own, kind, text):
     path = save(text)
-    program = build(path, "Mine") if kind == "sensor" else build(motion=f"{path}:Mine")
+    program = with_own(path, "Mine") if kind == "sensor" else with_own(motion=f"{path}:Mine")
     shown = run(program, 0.6, EIGHT)
     assert shown.fault.startswith("mine.py")
     assert shown.problems == (f"The robot stands still: {shown.fault}",)
@@ -108,8 +95,8 @@ def test_while_a_model_is_broken_the_robot_stands_and_says_why(save, build, kind
     assert shown.truth == program.field.start
 
 
-def test_after_mending_it_goes_on_by_itself(save, build):
-    program = build(save(FLAT))
+def test_after_mending_it_goes_on_by_itself(save, with_own):
+    program = with_own(save(FLAT))
     before = run(program, 1.0, EIGHT)
     save(FLAT.replace("np.zeros", "np.zerros"))
     broken = run(program, 1.0, EIGHT)
@@ -124,15 +111,15 @@ def test_after_mending_it_goes_on_by_itself(save, build):
     assert mended.truth.distance_to(broken.truth) > 0.03
 
 
-def test_standing_still_a_mended_model_is_asked_once(save, build):
-    program = build(save("x"), "Flat")
+def test_standing_still_a_mended_model_is_asked_once(save, with_own):
+    program = with_own(save("x"), "Flat")
     assert run(program, 0.5).fault == "mine.py line 1: NameError: name 'x' is not defined"
     save(FLAT)
     assert run(program, 1.0).updates == 1
 
 
-def test_a_fault_while_driving_stops_the_robot_and_keeps_the_belief(save, build):
-    program = build(save(FLAT))
+def test_a_fault_while_driving_stops_the_robot_and_keeps_the_belief(save, with_own):
+    program = with_own(save(FLAT))
     run(program, 1.0, EIGHT)
     save(FLAT.replace("return", "assert len(poses) < 3\n            return"))
     broken = run(program, 1.5, EIGHT)
@@ -142,8 +129,8 @@ def test_a_fault_while_driving_stops_the_robot_and_keeps_the_belief(save, build)
     assert broken.cloud.weights.sum() == pytest.approx(1)
 
 
-def test_while_it_is_broken_driving_is_refused_and_stop_is_not(save, build):
-    program = build(save("x"), "Flat")
+def test_while_it_is_broken_driving_is_refused_and_stop_is_not(save, with_own):
+    program = with_own(save("x"), "Flat")
     run(program, 0.1)
     for command in (EIGHT, DriveCommand(type="drive", v=0.1, omega=0)):
         with pytest.raises(CommandError, match=r"stands still until .* mine\.py line 1"):
@@ -151,8 +138,8 @@ def test_while_it_is_broken_driving_is_refused_and_stop_is_not(save, build):
     check(StopCommand(type="stop"), program)
 
 
-def test_while_it_is_broken_the_rest_works(save, build):
-    program = build(save("x"), "Flat")
+def test_while_it_is_broken_the_rest_works(save, with_own):
+    program = with_own(save("x"), "Flat")
     program.engine.commands.put(ScatterCommand(type="scatter"))
     shown = run(program, 0.5)
     assert shown.line_scan is not None
@@ -165,7 +152,7 @@ def test_while_it_is_broken_the_rest_works(save, build):
     assert run(program, 0.1).own.sensor == "mine.py:Flat"
 
 
-def test_a_model_cannot_change_what_others_see(save, build):
+def test_a_model_cannot_change_what_others_see(save, with_own):
     path = save("""
         import numpy as np
 
@@ -175,22 +162,22 @@ def test_a_model_cannot_change_what_others_see(save, build):
                 poses[:] = 7
                 return np.zeros(len(poses))
     """)
-    shown = run(build(path, "Writes"), 0.5, EIGHT)
+    shown = run(with_own(path, "Writes"), 0.5, EIGHT)
     assert shown.fault is None
     assert np.abs(shown.cloud.poses[:, :2]).max() < 1
     assert not (shown.line_scan.scan.ranges == 1).any()
 
 
-def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, build):
+def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):
     monkeypatch.setattr(own_models, "SLOW_S", 0.0)
-    shown = run(build(save(FLAT)), 0.5, EIGHT)
+    shown = run(with_own(save(FLAT)), 0.5, EIGHT)
     assert shown.fault is None
     assert shown.problems[0].startswith("mine.py:Flat takes ")
     assert shown.mode == "figure_eight"
 
 
-def test_a_model_that_the_filter_does_not_ask_is_told(save, build):
-    program = build(save(FLAT))
+def test_a_model_that_the_filter_does_not_ask_is_told(save, with_own):
+    program = with_own(save(FLAT))
     # A camera over bare floor: nothing to weigh.
     program.engine._localization.scanner = LineScanner(
         program.robot.spec.floor_view, replace(program.config.scanner, tape_width=0.2)

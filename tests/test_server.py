@@ -8,7 +8,7 @@ import httpx
 import numpy as np
 import pytest
 import websockets
-from serving import Server, ask, serving, telemetry
+from serving import Server, telemetry
 from websockets.sync.client import connect
 
 from app.messages.answers import (
@@ -19,19 +19,6 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.telemetry import TelemetryMessage
-
-
-@pytest.fixture(scope="module")
-def server():
-    with serving("--robot", "kinematic", "--map", "stub") as running:
-        yield running
-
-
-@pytest.fixture
-def live(server):
-    with server.live() as socket:
-        yield socket
-        ask(socket, type="stop")
 
 
 def get(server: Server, path: str, **headers) -> httpx.Response:
