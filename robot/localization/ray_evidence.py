@@ -33,6 +33,8 @@ NEAR, FAR = 0.015, 0.06
 """So close to where sight begins or ends [m] an edge may be missed: tape is seen as a whole."""
 END = 0.06
 """So close to its end [m] tape may be missed, and what is behind it seen."""
+ACROSS = 0.06
+"""A ray that would leave tape by its end, and not across so much [m], may find it too narrow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,5 +122,9 @@ def _met(
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
     length = math.hypot(ex, ey)
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
-    at_end = (ends[edge, 0] and along < END) or (ends[edge, 1] and length - along < END)
-    return at_end, abs(dx * ey - dy * ex) / length
+    sine, cosine = abs(dx * ey - dy * ex) / length, (dx * ex + dy * ey) / length
+    # A ray that grazes goes on along the tape, from its start or to it.
+    ahead = ACROSS * abs(cosine) / max(sine, 1e-9)
+    to_start, to_end = (END, max(END, ahead)) if cosine > 0 else (max(END, ahead), END)
+    at_end = (ends[edge, 0] and along < to_start) or (ends[edge, 1] and length - along < to_end)
+    return at_end, sine

@@ -14,6 +14,8 @@ from robot.localization.models.entry_field import EntryField
 
 MOST_POSES = 2_000_000
 """A large field gets a coarser grid."""
+HALVINGS = 3
+"""How often the steps are halved when a pose is sharpened: from 40 mm to 5."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +49,26 @@ class CoarseGrid:
         """Poses (n, 3) of cells (n, 3): heading, row, column."""
         turn, row, column = cells.T
         return np.column_stack([self.xs[column], self.ys[row], self.thetas[turn]])
+
+    def sharpened(self, poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
+        """The poses (n, 3), each moved to the cheapest nearby by ever finer steps.
+
+        A step of the grid off, rays lie nearer to other edges than to those that they are of.
+        """
+        return _sharpen(
+            poses,
+            self._steps,
+            ends,
+            entries.distances,
+            entries.origin,
+            entries.resolution,
+            blur,
+        )
+
+    @property
+    def _steps(self) -> Array:
+        """Of x, y and theta [m, m, rad]."""
+        return np.array([_step(self.xs), _step(self.ys), 2 * math.pi / len(self.thetas)])
 
     def score(
         self,
@@ -82,6 +104,65 @@ def _evenly(low: float, size: float, step: float) -> Array:
     count = max(1, math.ceil(size / step))
     half = step * (count - 1) / 2
     return np.linspace(low + size / 2 - half, low + size / 2 + half, count)
+
+
+def _step(values: Array) -> float:
+    return float(values[1] - values[0]) if len(values) > 1 else 0.0
+
+
+@njit(cache=True, nogil=True)
+def _sharpen(
+    poses: Array,
+    steps: Array,
+    ends: Array,
+    distances: NDArray[np.float32],
+    origin: tuple[float, float],
+    resolution: float,
+    blur: float,
+) -> Array:
+    found = poses.copy()
+    args = ends, distances, origin, resolution, blur
+    tried = np.empty(3)
+    for pose in found:
+        least = _cost(pose, *args)
+        for halving in range(1, HALVINGS + 1):
+            centre = pose.copy()
+            for neighbour in range(27):
+                for axis, way in enumerate((neighbour % 3, neighbour // 3 % 3, neighbour // 9)):
+                    tried[axis] = centre[axis] + (way - 1) * steps[axis] / 2**halving
+                cost = _cost(tried, *args)
+                if cost < least:
+                    least = cost
+                    pose[:] = tried
+    return found
+
+
+@njit(cache=True, nogil=True)
+def _cost(
+    pose: Array,
+    ends: Array,
+    distances: NDArray[np.float32],
+    origin: tuple[float, float],
+    resolution: float,
+    blur: float,
+) -> float:
+    """Sum over the ends of d^2 / (d^2 + blur^2) at one pose."""
+    directions, height, width = distances.shape
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    cost = 0.0
+    for i in range(len(ends)):
+        x = pose[0] + c * ends[i, 0] - s * ends[i, 1]
+        y = pose[1] + s * ends[i, 0] + c * ends[i, 1]
+        toward = (pose[2] + ends[i, 2]) * (directions / (2 * math.pi))
+        facing = int(math.floor(toward + 0.5)) % directions
+        row = int(math.floor((y - origin[1]) / resolution + 0.5))
+        column = int(math.floor((x - origin[0]) / resolution + 0.5))
+        if 0 <= row < height and 0 <= column < width:
+            d = distances[facing, row, column]
+            cost += d * d / (d * d + blur * blur)
+        else:
+            cost += 1.0
+    return cost
 
 
 @njit(cache=True, nogil=True)

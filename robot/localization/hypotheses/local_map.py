@@ -24,6 +24,8 @@ class LocalMap:
         self._robot = Pose2()
         """In a frame of its own, that starts anywhere."""
         self._scans: deque[tuple[Pose2, Scan]] = deque(maxlen=most)
+        self.whole = True
+        """Whether it goes back to the start: no scan was given up."""
 
     @classmethod
     def of(cls, parameters: HypothesisParameters) -> LocalMap:
@@ -33,8 +35,9 @@ class LocalMap:
     def __len__(self) -> int:
         return len(self._scans)
 
-    def forget(self, but: int) -> None:
+    def forget(self, but: int = 0) -> None:
         """Keep only the newest scans: the robot may have been carried before."""
+        self.whole = False
         while len(self._scans) > but:
             self._scans.popleft()
 
@@ -49,6 +52,7 @@ class LocalMap:
             near = math.hypot(since.x, since.y) < self._spacing[0]
             if near and abs(since.theta) < self._spacing[1]:
                 return False
+        self.whole &= len(self._scans) < self._most
         self._scans.append((self._robot, scan))
         return True
 

@@ -68,15 +68,10 @@ class MultiHypothesisFilter:
         self._tracks: list[Track] = []
         self._told: list[Prior] = []
         """What was said of the start; nothing after ``scatter``."""
-        self._whole = False
-        """Whether the short map goes back to a start of which nothing was told: then a place found
-        now is as likely as one that was found before and fits as well."""
         self._anywhere: Cloud
         """Shown while nothing was found yet."""
         self._local: LocalMap
         self._search: PlaceSearch | None = None
-        self._since_search = Pose2()
-        """How the robot moved since the newest scan of the search."""
         self._scans = 0
         """Kept since the start."""
         self._wait = FIRST
@@ -114,8 +109,8 @@ class MultiHypothesisFilter:
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; all hypotheses stay."""
         if setup.hypotheses != self.setup.hypotheses:
-            self._local, self._search = LocalMap.of(setup.hypotheses), None
-            self._wait, self._whole = FIRST, False
+            self._local, self._search, self._wait = LocalMap.of(setup.hypotheses), None, FIRST
+            self._local.forget()
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -155,7 +150,8 @@ class MultiHypothesisFilter:
         for track in self._tracks:
             track.filter.predict(moved)
         self._local.move(moved)
-        self._since_search = self._since_search @ moved
+        if self._search is not None:
+            self._search.move(moved)
         self._told = [prior.moved(moved) for prior in self._told]
 
     def correct(self, scan: Scan) -> None:
@@ -165,7 +161,6 @@ class MultiHypothesisFilter:
         if self._local.add(scan):
             self._wait -= 1
             self._scans += 1
-            self._whole &= self._scans <= self.setup.hypotheses.map_scans
             self._weigh(rays_of(scan, BEAMS))
             self._select()
         self._look_around()
@@ -210,7 +205,7 @@ class MultiHypothesisFilter:
         if lost_now:
             # The map must not hold scans of before the robot was carried.
             self._local.forget(max(self._elsewhere.doubts, 1))
-            self._search, self._wait, self._whole = None, LOST, False
+            self._search, self._wait = None, LOST
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
@@ -220,8 +215,7 @@ class MultiHypothesisFilter:
                 self._search = None
         elif self._wait <= 0 and self._local.hit_share >= self.setup.hypotheses.least_hits:
             setup = self.setup
-            self._since_search = self._local.since
-            back = self._since_search.inverse()
+            back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(
                 self._local,
@@ -237,7 +231,10 @@ class MultiHypothesisFilter:
     def _bear(self, search: PlaceSearch) -> None:
         """Follow the places that were found, weighed as if they had been there all along."""
         p = self.setup.hypotheses
-        lives = [life for life in search.found if not self._is_followed(life.pose)]
+        # Back to a start of which nothing was told, a place found now is as likely as one that was
+        # found before and fits as well.
+        whole = search.whole and not self._told
+        lives = [life for life in search.found if not self._is_followed(life.pose @ search.since)]
         before = len(self._tracks)
         if not lives:
             self._patience = min(2 * self._patience, LATE)
@@ -248,18 +245,19 @@ class MultiHypothesisFilter:
         worth = p.scan_worth * search.scans / search.scans_lived
         for life in lives:
             weight = worth * float((life.fits - reference).sum())
-            if newcomers and not self._whole:
-                prior = self._log_prior(life.pose)
+            here = life.pose @ search.since
+            if newcomers and not whole:
+                prior = self._log_prior(here)
                 # One of the places elsewhere is no likelier than all of them together.
                 weight = min(weight + prior, max(self._elsewhere.log_weight, prior))
             if weight > p.log_hopeless:
-                self._follow(life.pose @ self._since_search, life.covariance, weight)
+                self._follow(here, life.covariance, weight)
         # A place that is new, and not hopeless, may be the first of more.
         found = len(self._tracks) > before
         self._patience = SOON if found else min(2 * self._patience, LATE)
         self._wait = min(self._wait, self._patience)
         self._select()
-        if self._whole:
+        if whole:
             # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
 
@@ -269,8 +267,7 @@ class MultiHypothesisFilter:
         self._tracks.append(Track(born, log_weight))
 
     def _is_followed(self, pose: Pose2) -> bool:
-        here = pose @ self._since_search
-        return any(self.setup.hypotheses.alike(here, track.pose) for track in self._tracks)
+        return any(self.setup.hypotheses.alike(pose, track.pose) for track in self._tracks)
 
     def _log_prior(self, pose: Pose2) -> float:
         """How likely a pose was before it was found, beside the one that is followed."""
@@ -278,16 +275,13 @@ class MultiHypothesisFilter:
         if not self._told:
             early = self._scans < EARLY * self.setup.hypotheses.map_scans
             return max(FRESH, kidnapped) if early else kidnapped
-        here = pose @ self._since_search
-        return float(
-            np.logaddexp(max(prior.log_likelihood(here) for prior in self._told), kidnapped)
-        )
+        told = max(prior.log_likelihood(pose) for prior in self._told)
+        return float(np.logaddexp(told, kidnapped))
 
     def _start(self, tracks: list[Track], told: list[Prior]) -> None:
         p = self.setup.hypotheses
         self._tracks = tracks
         self._told = told
-        self._whole = not told
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = 0
         self._search = None

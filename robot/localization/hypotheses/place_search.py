@@ -70,6 +70,10 @@ class PlaceSearch:
         """
         self.scans = len(local)
         """In the short map."""
+        self.whole = local.whole
+        """Whether the short map goes back to the start."""
+        self.since = local.since
+        """How the robot moved since its newest scan."""
         self.found: list[Life] = []
         """The places, once all is done."""
         self.alive: list[Life] = []
@@ -85,6 +89,10 @@ class PlaceSearch:
     def scans_lived(self) -> int:
         """Scans that a life is judged by."""
         return len(self._past.moves)
+
+    def move(self, moved: Pose2) -> None:
+        """Follow a step by odometry."""
+        self.since = self.since @ moved
 
     def advance(self) -> bool:
         """Do a piece of the work; true when all of it is done."""
@@ -102,7 +110,9 @@ class PlaceSearch:
         for turns in _pieces(grid.shape[0], LOOKED_A_PIECE // (grid.shape[1] * grid.shape[2])):
             cheapest.look(costs, turns)
             yield False
-        starts = grid.poses(cheapest.cells)
+        blur = self._parameters.search_blur
+        starts = grid.sharpened(grid.poses(cheapest.cells), self._ends, self._entries, blur)
+        yield False
         fits: list[_Fit] = []
         for some in _pieces(len(starts), FITS_A_PIECE):
             fits += [self._fit(Pose2(*start)) for start in starts[some].tolist()]

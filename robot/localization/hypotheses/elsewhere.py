@@ -1,0 +1,47 @@
+"""The chance that the robot is at none of the places that are followed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
+from robot.localization.ray_evidence import RayEvidence
+
+SEEN_ANYWHERE, MISSED_ANYWHERE = 1.7, -0.2
+"""Log-likelihood of a ray, by whether it returned, at a place that fits but badly."""
+FRESH = -2.5
+"""Log-weight of being elsewhere when places were found for the first time."""
+
+
+class Elsewhere:
+    """Grows while no hypothesis fits, down to the chance of having been carried off just now."""
+
+    def __init__(self, log_weight: float) -> None:
+        self.log_weight = log_weight
+        """Relative to the heaviest hypothesis."""
+        self.lost = False
+        """Whether it is the likeliest."""
+        self.doubts = 0
+        """Scans in a row that fit no place."""
+
+    def weigh(
+        self, best: Pose2, rays: Array, evidence: RayEvidence, p: HypothesisParameters
+    ) -> None:
+        """Compare the pose where rays (n, 6) fit best with a place that fits but badly."""
+        hits = float(np.isfinite(rays[:, 3]).mean())
+        anywhere = SEEN_ANYWHERE * hits + MISSED_ANYWHERE * (1 - hits)
+        gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))
+        self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
+        self.doubts = self.doubts + 1 if gain > 0 else 0
+
+    def level(self, heaviest: float, p: HypothesisParameters) -> bool:
+        """Make the heaviest hypothesis weigh one; returns whether the robot is lost only now."""
+        least, before = p.log_kidnapped, self.lost
+        self.log_weight = min(max(self.log_weight - heaviest, least), -least)
+        self.lost = self.log_weight > 0
+        return self.lost and not before
+
+    def at_least(self, log_weight: float) -> None:
+        """Take it for no less likely than that."""
+        self.log_weight = max(self.log_weight, log_weight)
