@@ -35,9 +35,9 @@ LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
 BORN_SHARE = 0.05
 """A place is found within centimetres: a few particles do to begin with."""
-INDIFFERENT = 0.3
-"""Less than this, in log-likelihood, a scan does not tell for one place or another: less than one
-ray makes. Such small differences come from where a fit ends, and would add up."""
+INDIFFERENT = 0.5
+"""Less than this, in log-likelihood, a scan does not tell for one place or another: no more than
+one ray makes. Such small differences come from where a fit ends, and would add up."""
 EARLY = 4
 """Short maps' lengths after the start in which a place may have been overlooked."""
 
