@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time
 from dataclasses import dataclass, field
@@ -130,6 +131,7 @@ def load_compiled(setup: Setup, drive: Drive) -> None:
     for tick in drive.ticks[:LOADING]:
         if tick.scan is not None and tick.odometry_at_scan is not None:
             localizer.update(tick.odometry_at_scan, tick.scan)
+    gc.freeze()  # as the engine does
 
 
 def carried(estimate: Estimate, odometry: Pose2, now: Pose2) -> tuple[Hypothesis, ...]:
