@@ -53,8 +53,8 @@ MOST_COMMANDS = 100
 """Taken in one tick, so that a flood of commands does not hold the robot up."""
 
 LOADED = 500
-"""Ticks after which compiled code has been loaded: objects by the hundred thousand that live as long as the
-program. For the garbage collector to go over them takes 0.1 s, in which nothing steps."""
+"""Ticks after which compiled code has been loaded: objects by the hundred thousand that live as
+long as the program. To go over them takes the garbage collector 0.1 s, in which nothing steps."""
 
 
 class Engine:
