@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +55,9 @@ class Scan:
         return self.robot_from_scan.apply(local)
 
 
+@lru_cache(maxsize=100)
 def evenly(count: int, most: int) -> NDArray[np.intp]:
     """At most so many indices, evenly spread over 0 to count - 1: the rays that are used."""
-    return np.linspace(0, count - 1, min(count, most)).astype(np.intp)
+    indices = np.linspace(0, count - 1, min(count, most)).astype(np.intp)
+    indices.flags.writeable = False
+    return indices

@@ -14,8 +14,8 @@ from robot.localization.models.entry_field import EntryField
 
 MOST_POSES = 2_000_000
 """A large field gets a coarser grid."""
-HALVINGS = 3
-"""How often the steps are halved when a pose is sharpened: from 40 mm to 5."""
+HALVINGS = 2
+"""How often the steps are halved when a pose is sharpened: from 40 mm to 10."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +16,25 @@ from robot.localization.rays import rays_of
 from robot.scan import Scan, evenly
 
 
+@dataclass(frozen=True, slots=True)
+class _Kept:
+    """A scan of the map."""
+
+    pose: Pose2
+    """Of the robot."""
+    scan: Scan
+    hits: int
+    """Rays that returned something."""
+    seeing: int
+    """Rays that see anything."""
+
+    @classmethod
+    def at(cls, pose: Pose2, scan: Scan) -> _Kept:
+        rays = rays_of(scan, len(scan.ranges))
+        seeing = rays[~np.isnan(rays[:, 4])]
+        return cls(pose, scan, int(np.isfinite(seeing[:, 3]).sum()), len(seeing))
+
+
 class LocalMap:
     """The scans of the last stretch of the way, and how the robot moved between them."""
 
@@ -23,7 +43,7 @@ class LocalMap:
         self._most = most
         self._robot = Pose2()
         """In a frame of its own, that starts anywhere."""
-        self._scans: deque[tuple[Pose2, Scan]] = deque(maxlen=most)
+        self._scans: deque[_Kept] = deque(maxlen=most)
         self.whole = True
         """Whether it goes back to the start: no scan was given up."""
 
@@ -48,12 +68,12 @@ class LocalMap:
     def add(self, scan: Scan) -> bool:
         """Keep a scan if the robot has moved on since the last that was kept."""
         if self._scans:
-            since = self._scans[-1][0].inverse() @ self._robot
+            since = self._scans[-1].pose.inverse() @ self._robot
             near = math.hypot(since.x, since.y) < self._spacing[0]
             if near and abs(since.theta) < self._spacing[1]:
                 return False
         self.whole &= len(self._scans) < self._most
-        self._scans.append((self._robot, scan))
+        self._scans.append(_Kept.at(self._robot, scan))
         return True
 
     def rays(self, scans: int, beams: int) -> Array:
@@ -61,10 +81,10 @@ class LocalMap:
 
         They are seen from where the robot was at the newest kept scan.
         """
-        last = self._scans[-1][0].inverse()
+        last = self._scans[-1].pose.inverse()
         some = evenly(len(self._scans), scans)
         return np.concatenate(
-            [_seen_from(last @ self._scans[i][0], self._scans[i][1], beams) for i in some]
+            [_seen_from(last @ self._scans[i].pose, self._scans[i].scan, beams) for i in some]
         )
 
     def past(self, scans: int, beams: int, motion: MotionModel) -> Past:
@@ -72,25 +92,24 @@ class LocalMap:
         some = [self._scans[-1 - i] for i in evenly(len(self._scans), scans)]
         before = [some[0], *some[:-1]]
         moves = [
-            motion.moments(a.inverse() @ b) for (a, _), (b, _) in zip(before, some, strict=True)
+            motion.moments(a.pose.inverse() @ b.pose) for a, b in zip(before, some, strict=True)
         ]
         return Past(
             np.array([step.to_array() for step, _ in moves]),
             np.array([noise for _, noise in moves]),
-            _stacked([rays_of(scan, beams) for _, scan in some]),
+            _stacked([rays_of(kept.scan, beams) for kept in some]),
         )
 
     @property
     def since(self) -> Pose2:
         """How the robot moved since the newest kept scan."""
-        return self._scans[-1][0].inverse() @ self._robot
+        return self._scans[-1].pose.inverse() @ self._robot
 
     @property
     def hit_share(self) -> float:
         """Share of the rays that returned something, of those that see anything."""
-        rays = np.concatenate([rays_of(scan, len(scan.ranges)) for _, scan in self._scans])
-        seeing = rays[~np.isnan(rays[:, 4])]
-        return float(np.isfinite(seeing[:, 3]).mean()) if len(seeing) else 0.0
+        seeing = sum(kept.seeing for kept in self._scans)
+        return sum(kept.hits for kept in self._scans) / seeing if seeing else 0.0
 
 
 def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:

@@ -28,7 +28,7 @@ from robot.scan import Scan
 
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
-FIRST, LOST, SOON, LATE = 12, 2, 8, 24
+FIRST, LOST, SOON, LATE = 12, 2, 8, 64
 """Scans before the first search, and when lost; between searches that find something, and at most,
 when they find nothing."""
 LEAST_SHARE = 0.2
@@ -86,7 +86,7 @@ class MultiHypothesisFilter:
         """All of all tracks, heaviest first; none while nothing was found yet."""
         found = [
             replace(one, weight=one.weight * weight)
-            for track, weight in zip(self._tracks, self._weights(), strict=True)
+            for track, weight in zip(self._tracks, self._weights().tolist(), strict=True)
             for one in track.hypotheses
         ]
         return tuple(sorted(found, key=lambda one: -one.weight))
