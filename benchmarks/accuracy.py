@@ -201,10 +201,13 @@ def rms(values: Sequence[float]) -> float:
 def measure() -> Result:
     """All of it: several minutes."""
     more = tracking("none") | tracking("all")
-    calibration = Calibration()
-    more |= places(calibration) | carried_off(calibration)
-    for claimed, right, count in calibration.table(BORDERS):
-        more[f"claimed {claimed:.2f}: found right, of {count}"] = right
+    scattered, carried = Calibration(), Calibration()
+    more |= places(scattered) | carried_off(carried)
+    for name, claims in (
+        ("all", scattered + carried), ("scattered", scattered), ("carried off", carried)
+    ):  # fmt: skip
+        for claimed, right, count in claims.table(BORDERS):
+            more[f"{name}, claimed {claimed:.2f}: found right, of {count}"] = right
     return Result("mm position error (RMSE) tracking", more["tracking: hypotheses [mm]"],
                   {"odometry alone": more["tracking: odometry alone [mm]"]}, more)  # fmt: skip
 

@@ -198,6 +198,9 @@ class Calibration:
     claimed: list[float] = field(default_factory=list)
     right: list[bool] = field(default_factory=list)
 
+    def __add__(self, other: Calibration) -> Calibration:
+        return Calibration(self.claimed + other.claimed, self.right + other.right)
+
     def add(self, shown: list[Shown]) -> None:
         """Count every hypothesis of every picture."""
         for one in shown:
