@@ -30,7 +30,7 @@ def skipping(**changes: Any) -> LikelihoodFieldProb:
     fixed = {"do_beamskip": True, "beam_skip_distance": 0.02, "sigma_hit": 0.01, "max_beams": 61}
     given = {**fixed, **changes}
     parameters = replace(PARAMETERS, laser_model_type="likelihood_field_prob", **given)
-    made = sensor_model(parameters, ENTRIES, FIELD.edges).model
+    made = sensor_model(parameters, ENTRIES, FIELD.edges)
     assert isinstance(made, LikelihoodFieldProb)
     return made
 
