@@ -136,6 +136,18 @@ def test_a_few_poses_are_put_into_the_finest_boxes() -> None:
         np.testing.assert_allclose(grid.mass[here] @ grid.poses[here] / weight, pose, atol=1e-9)
 
 
+@pytest.mark.parametrize("count", [9, 20, 50, 100, 127])
+def test_some_poses_all_over_the_map_are_put_into_boxes_as_wide_as_it(count: int) -> None:
+    """However wide, boxes hold a quarter of the map and an eighth of a turn each: up to 32."""
+    rng = np.random.default_rng(count)
+    poses = rng.uniform([-0.6, -0.6, -3.14], [0.6, 0.6, 3.14], (count, 3))
+    grid = cloud_grid(BOXES, Cloud.even(poses))
+    assert grid.boxes.turns == 8 and 0.1 < grid.boxes.size[0] <= 1.28
+    here = np.floor(grid.boxes.places(poses)).astype(int).tolist()
+    assert {tuple(cell) for cell in here} <= {tuple(cell) for cell in grid.cells.tolist()}
+    assert grid.mass @ grid.poses[:, :2] == pytest.approx(poses[:, :2].mean(axis=0))
+
+
 def test_an_even_grid_weighs_boxes_by_how_much_of_them_is_free() -> None:
     rng = np.random.default_rng(0)
     places = rng.uniform([-0.5, -0.5], [0.5, 0.06], (200_000, 2))

@@ -14,6 +14,8 @@ from robot.localization.grid.pose_grid import Boxes, Indices, PoseGrid, sum_alik
 
 WIDEST = 3.5
 """A normal distribution is cut off at so many standard deviations."""
+WIDEST_LEVEL = 40
+"""Boxes so often doubled reach from the map's origin to anywhere."""
 
 
 def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> PoseGrid:
@@ -48,16 +50,21 @@ def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> Pos
 def cloud_grid(finest: Boxes, cloud: Cloud, few: int = 8) -> PoseGrid:
     """Weighted poses, in the finest boxes that have four of them each on average.
 
-    A few poses are not draws from something wider: they are put into boxes of level 0.
+    A few poses are not draws from something wider: they are put into boxes of level 0. Poses all
+    over the field stay apart however wide the boxes are, by the quarter of the map and by heading:
+    of them no more are asked than boxes as wide as the world hold.
     """
     some = cloud.weights > 0
     poses, weights = cloud.poses[some], cloud.weights[some]
+    widest = np.floor(replace(finest, level=WIDEST_LEVEL).places(poses)).astype(np.int64)
+    apart, _ = sum_alike(widest, weights)
+    most = max(few, len(poses) // 4, len(apart))
     for level in count():
         boxes = replace(finest, level=level)
         places = boxes.places(poses)
         cells = np.floor(places).astype(np.int64)
         occupied, _ = sum_alike(cells, weights)
-        if len(occupied) <= max(few, len(poses) // 4):
+        if len(occupied) <= most:
             break
     # Shared between the boxes around it, so that a pose is not moved to the middle of its own.
     for axis in range(3):
