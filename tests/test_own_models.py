@@ -159,13 +159,19 @@ def test_a_model_cannot_change_what_others_see(save, with_own):
         class Writes:
             def log_likelihood(self, poses, scan):
                 scan.ranges[:] = 1
+                scan.bearings[:] = 1
+                scan.sight[:] = np.nan
                 poses[:] = 7
                 return np.zeros(len(poses))
     """)
     shown = run(with_own(path, "Writes"), 0.5, EIGHT)
     assert shown.fault is None
     assert np.abs(shown.cloud.poses[:, :2]).max() < 1
-    assert not (shown.line_scan.scan.ranges == 1).any()
+    seen = shown.line_scan.scan
+    assert not (seen.ranges == 1).any()
+    # These two are the scanner's own, the same for all scans.
+    assert np.ptp(seen.bearings) > 1
+    assert np.isfinite(seen.sight).all()
 
 
 def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):

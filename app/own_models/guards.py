@@ -83,15 +83,22 @@ class OwnSensor:
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3); no opinion once it has failed."""
-        # Copies: a mistake in there must not change the scan that everybody sees.
-        own = replace(scan, bearings=scan.bearings.copy(), ranges=scan.ranges.copy())
+        # Copies: a mistake in there must not change the scan that everybody sees, nor what is the
+        # same for all scans.
+        own = replace(
+            scan,
+            bearings=scan.bearings.copy(),
+            ranges=scan.ranges.copy(),
+            sight=None if scan.sight is None else scan.sight.copy(),
+        )
         found = self.guard.call((len(poses),), poses.copy(), own)
         return np.zeros(len(poses)) if found is None else found
 
     def try_out(self, start: Pose2) -> None:
         """Ask once, so that mistakes show (and numba compiles) before the robot drives."""
         ranges = np.array([0.3, np.inf, 0.25, 0.2])
-        scan = Scan(0.0, np.linspace(-0.5, 0.5, 4), ranges)
+        sight = np.tile([0.1, 1.0], (4, 1))
+        scan = Scan(0.0, np.linspace(-0.5, 0.5, 4), ranges, sight=sight)
         self.log_likelihood(start.to_array() + TRIED, scan)
 
 
