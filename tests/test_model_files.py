@@ -1,7 +1,9 @@
 """Files with models of a user's own: found, loaded, built, and what goes wrong told by its line."""
 
 import re
+import sys
 import threading
+import types
 
 import numpy as np
 import pytest
@@ -168,6 +170,44 @@ def test_a_file_may_import_the_one_beside_it(save):
     )
     assert slot.fault is None
     assert slot.model.log_likelihood(np.zeros((2, 3)), SCAN).tolist() == [3, 3]
+
+
+def test_with_the_model_the_files_beside_it_are_read_anew(save, tmp_path):
+    (tmp_path / "parts").mkdir()
+    save("", "parts/__init__.py")
+    save("LENGTH = 10.0", "parts/inner.py")
+    save("from parts.inner import LENGTH\nWIDTH = 3.0 + LENGTH", "beside_it.py")
+    text = "import numpy\nimport beside_it\n" + SENSOR.format(
+        "return 0 * poses[:, 0] + beside_it.WIDTH"
+    )
+    slot = loaded(OwnSensor, save(text))
+    assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [13]
+    save("LENGTH = 20.0", "parts/inner.py")
+    slot.load(OFFERED)
+    assert slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist() == [23]
+    # What is installed stays what everybody else has.
+    assert sys.modules["numpy"] is np
+
+
+def test_a_folder_has_its_own_files_though_another_has_them_by_the_same_name(save, tmp_path):
+    text = "import beside_it\n" + SENSOR.format("return 0 * poses[:, 0] + beside_it.WIDTH")
+    found = []
+    for folder, width in (("one", 1.0), ("two", 2.0)):
+        (tmp_path / folder).mkdir()
+        save(f"WIDTH = {width}", f"{folder}/beside_it.py")
+        slot = loaded(OwnSensor, save(text, f"{folder}/mine.py"))
+        found += slot.model.log_likelihood(np.zeros((1, 3)), SCAN).tolist()
+    assert found == [1, 2]
+
+
+def test_what_the_program_has_imported_itself_is_not_read_anew(save, tmp_path, monkeypatch):
+    known = types.ModuleType("known_before")
+    known.__file__ = str(tmp_path / "known_before.py")
+    monkeypatch.setitem(sys.modules, "known_before", known)
+    path = save("import known_before\n" + SENSOR.format("return poses[:, 0]"))
+    for _ in range(2):
+        assert loaded(OwnSensor, path).fault is None
+    assert sys.modules["known_before"] is known
 
 
 def test_headings_come_back_within_half_a_turn(save):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import inspect
 import linecache
 import os
@@ -15,6 +16,9 @@ from typing import Any
 
 from app.own_models.blame import MODULE_PREFIX, OwnModelError, blaming, line_of, place
 from robot.settings import SettingError
+
+_brought: set[str] = set()
+"""Modules that users' files imported from beside them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,10 +102,24 @@ def _is_own_class(value: object, module: types.ModuleType) -> bool:
 
 @contextlib.contextmanager
 def _neighbours(folder: Path) -> Iterator[None]:
-    """Let a file import the files beside it; what is installed goes first."""
-    before = list(sys.path)
+    """Let a file import the files beside it, as they are now; what is installed goes first."""
+    for name in [name for name in sys.modules if name.partition(".")[0] in _brought]:
+        del sys.modules[name]
+    importlib.invalidate_caches()
+    loaded, before = set(sys.modules), list(sys.path)
     sys.path.append(str(folder))
     try:
         yield
     finally:
         sys.path[:] = before
+        # What the program itself had imported before is not forgotten, wherever it lies.
+        new = {name for name in set(sys.modules) - loaded if "." not in name}
+        _brought.update(name for name in new if _lies_in(sys.modules[name], folder))
+
+
+def _lies_in(module: types.ModuleType, folder: Path) -> bool:
+    """Whether a module is a file of a folder, or a folder in it."""
+    file = getattr(module, "__file__", None)
+    places = [Path(file).parent] if file else []
+    places += [Path(path).parent for path in getattr(module, "__path__", ())]
+    return folder in places
