@@ -16,7 +16,11 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2, mean_pose, pose_covariance
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.motion_models import DifferentialMotion, MotionModel
+from robot.localization.models.motion_models import (
+    DifferentialMotion,
+    MotionModel,
+    StationaryMotion,
+)
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.scan import Scan
 
@@ -85,6 +89,17 @@ def test_with_noise_it_gets_as_wide_as_particles_do() -> None:
     assert found.pose.distance_to(mean) < 0.003
     sd = np.sqrt(np.diag(found.covariance))
     assert (sd > 0.95 * expected).all() and (sd < 1.2 * expected).all()
+
+
+@pytest.mark.parametrize("sd", [1.2, 3.2])
+def test_a_step_after_which_it_may_head_anywhere_is_taken(sd: float) -> None:
+    f, drive = filter_of(motion=StationaryMotion(0.01, sd)), Drive()
+    f.set_pose(drive.true, np.diag(np.square([0.02, 0.02, 0.05])))
+    f.predict(Pose2())
+    headings = np.unique(f.cloud.poses[:, 2])
+    assert len(headings) == 8
+    f.correct(drive.scan())
+    assert f.hypotheses[0].pose.distance_to(drive.true) < 0.03
 
 
 # --- scans

@@ -83,3 +83,21 @@ def test_a_step_that_errs_by_many_boxes_makes_them_coarser_and_is_as_wide() -> N
     assert after.boxes.level > 0
     _, covariance = moments(after)
     np.testing.assert_allclose(np.sqrt(np.diag(covariance)), sds, rtol=0.12)
+
+
+@pytest.mark.parametrize("sd", [0.9, 1.2, 1.5, 2.0, 3.2])
+def test_a_heading_that_errs_by_more_than_the_widest_boxes_is_as_vague_as_the_noise(
+    sd: float,
+) -> None:
+    """Of a direction noise leaves a mean of the length exp(-sd^2 / 2)."""
+    grid = one_box(0.5)
+    after = moved_grid(grid, Pose2(0, 0, 1.0), np.diag(np.square([0.05, 0.05, sd])))
+    assert after.mass.sum() == pytest.approx(1)
+    toward = after.mass @ np.exp(1j * after.poses[:, 2])
+    assert abs(toward) == pytest.approx(math.exp(-(sd**2) / 2), abs=0.04)
+    if sd < 2:
+        assert abs(Pose2(0, 0, np.angle(toward)).turn_to(Pose2(0, 0, 1.5))) < 0.2
+    # Places are cut no coarser than headings make it.
+    assert after.boxes == Boxes(0.00125, 1024, 7)
+    off = after.mass @ after.poses[:, :2] - grid.poses[0, :2]
+    assert (np.abs(off) < after.boxes.size[:2] / 2).all()

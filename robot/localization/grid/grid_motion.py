@@ -8,7 +8,14 @@ import numpy as np
 from numba import njit
 
 from robot.geometry import Array, Pose2, heading_vectors
-from robot.localization.grid.pose_grid import Boxes, Indices, PoseGrid, add_box, no_boxes
+from robot.localization.grid.pose_grid import (
+    FEWEST_TURNS,
+    Boxes,
+    Indices,
+    PoseGrid,
+    add_box,
+    no_boxes,
+)
 
 PASS = 0.5
 """Variance in boxes squared that is spread in one go: three boxes cannot take up more than 0.75."""
@@ -26,10 +33,17 @@ def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
 
     Args:
         grid: the belief; it gets coarser where the step errs by more than the boxes are wide.
+            Headings that err by more than the widest boxes can take are mixed with even ones.
         step: seen from its start.
         noise: (3, 3) covariance [m, m, rad] of its end, seen from its start.
     """
     variances = _variances(grid.boxes, noise)
+    known = 1.0
+    if grid.boxes.turns == FEWEST_TURNS:
+        # Boxes of heading get no wider than that: the rest of the noise makes any as likely.
+        taken = np.minimum(variances[0, 2], PASS * MOST_PASSES)
+        known = math.exp(-(variances[0, 2] - taken) * grid.boxes.size[2] ** 2 / 2)
+        variances[:, 2] = taken
     passes = max(1, math.ceil(variances.max() / PASS))
     if passes > MOST_PASSES:
         return moved_grid(grid.coarser(), step, noise)
@@ -44,7 +58,20 @@ def moved_grid(grid: PoseGrid, step: Pose2, noise: Array) -> PoseGrid:
     grid = _spread(grid, shifts, with_step)
     for _ in range(passes - 1):
         grid = _spread(grid, still, left * (0, 0, 1))
-    return grid
+    return grid if known == 1.0 else _partly_turned(grid, known)
+
+
+def _partly_turned(grid: PoseGrid, known: float) -> PoseGrid:
+    """Of each place a share keeps its heading; the rest has any.
+
+    Noise with the variance v leaves exp(-v / 2) of the mean direction's length.
+    """
+    turns = grid.boxes.turns
+    everywhere = np.repeat(grid.cells, turns, axis=0)
+    everywhere[:, 2] = np.tile(np.arange(turns), len(grid.cells))
+    evenly = np.repeat(grid.mass * ((1 - known) / turns), turns)
+    cells = np.concatenate([grid.cells, everywhere])
+    return PoseGrid.of(grid.boxes, cells, np.concatenate([known * grid.mass, evenly]))
 
 
 def _headings(boxes: Boxes) -> Array:
