@@ -116,13 +116,13 @@ def test_told_about_where_it_is_it_ends_in_the_finest_boxes_and_few() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cell_xy", "cell_theta", "within"),
+    ("finest_xy", "finest_theta", "within"),
     [(0.0025, 0.35, 0.003), (0.005, 0.7, 0.006), (0.02, 2.8, 0.025)],
 )
 def test_it_is_right_to_about_a_box_though_scans_are_much_sharper(
-    cell_xy: float, cell_theta: float, within: float
+    finest_xy: float, finest_theta: float, within: float
 ) -> None:
-    f, drive = filter_of(cell_xy=cell_xy, cell_theta=math.radians(cell_theta)), Drive()
+    f, drive = filter_of(finest_xy=finest_xy, finest_theta=math.radians(finest_theta)), Drive()
     f.set_pose(drive.true @ Pose2(0.01, 0.01, 0.03), np.diag(np.square([0.02, 0.02, 0.05])))
     assert max(follow(f, drive, 4.0)[30:]) < within
 
@@ -185,7 +185,7 @@ def test_a_scan_counts_once_however_often_boxes_are_cut_for_it(level: int) -> No
 
 def test_it_is_as_wide_as_its_boxes_middles_and_a_box() -> None:
     """Within a box any pose is as likely."""
-    f = filter_of(cell_xy=0.02, cell_theta=0.1)
+    f = filter_of(finest_xy=0.02, finest_theta=0.1)
     f.set_pose(Pose2(0.1, 0.1, 0.3), np.zeros((3, 3)))
     cloud = f.cloud
     middles = pose_covariance(cloud.poses, cloud.weights, mean_pose(cloud.poses, cloud.weights))

@@ -53,8 +53,8 @@ class GridFilter:
         covariance: Array,
         *,
         likelihood_weight: float = 1.0,
-        cell_xy: float = 0.00125,
-        cell_theta: float = math.radians(0.35),
+        finest_xy: float = 0.00125,
+        finest_theta: float = math.radians(0.35),
         most_cells: int = 20_000,
     ) -> None:
         """Start around the field's start.
@@ -65,8 +65,8 @@ class GridFilter:
             field: where the robot may be.
             covariance: (3, 3) [m, m, rad] of the start.
             likelihood_weight: share of the log-likelihood that counts.
-            cell_xy: side of the finest boxes [m].
-            cell_theta: their width in heading [rad]; the full turn is cut into a power of two.
+            finest_xy: side of the finest boxes [m].
+            finest_theta: their width in heading [rad]; the full turn is cut into a power of two.
             most_cells: boxes that can be afforded for a scan.
         """
         self.motion = motion
@@ -74,7 +74,7 @@ class GridFilter:
         self.field = field
         self.likelihood_weight = likelihood_weight
         self.most_cells = most_cells
-        self.finest = Boxes(cell_xy, 2 ** max(3, round(math.log2(2 * math.pi / cell_theta))))
+        self.finest = Boxes(finest_xy, 2 ** max(3, round(math.log2(2 * math.pi / finest_theta))))
         self._found: tuple[Hypothesis, ...] | None = None
         self._grid: PoseGrid
         self._moved: Pose2
