@@ -160,7 +160,12 @@ class ParticleFilter:
         self._particles = Cloud.even(spread)
 
     def _wanted(self, weights: Array) -> int:
-        """How many particles go on (KLD sampling)."""
+        """How many particles go on (KLD sampling).
+
+        Table 8.4 draws one particle after the other until there are enough for the cells that they
+        fill. Here those are counted which a full draw of ``max_particles`` fills: in one go, and
+        rather more of them, as a smaller draw would have missed some.
+        """
         least, most = self._limits()
         if least == most:
             return most
