@@ -174,6 +174,36 @@ def test_a_model_cannot_change_what_others_see(save, with_own):
     assert np.isfinite(seen.sight).all()
 
 
+def test_other_parameters_do_not_hide_a_fault(save, with_own):
+    program = with_own(save(FLAT.replace("zeros", "zerros")))
+    fault = run(program, 0.1).fault
+    assert "has no attribute 'zerros'" in fault
+    program.engine.commands.put(
+        SetParametersCommand(type="set_parameters", values={"sigma_hit": 0.004})
+    )
+    program.engine.step()
+    # Of this very step: the model was asked before the filter was.
+    assert program.engine._localization.fault == fault
+    assert program.engine.latest.get().updates == 0
+
+
+def test_chosen_with_other_parameters_it_is_made_once_and_its_fault_stays(save, with_own, tmp_path):
+    save("""
+        class Broken:
+            def __init__(self, parameters):
+                with open(__file__ + ".txt", "a") as told:
+                    told.write(f"{parameters.sigma_hit} ")
+            def log_likelihood(self, poses, scan):
+                return missing
+    """)
+    localization = with_own(folder=tmp_path).engine._localization
+    own, parameters = localization.own, localization.parameters
+    other = replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004))
+    localization.choose(replace(own.choice, sensor="mine.py:Broken"), other)
+    assert localization.fault == "mine.py line 7: NameError: name 'missing' is not defined"
+    assert (tmp_path / "mine.py.txt").read_text() == "0.004 "
+
+
 def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):
     monkeypatch.setattr(own_models, "SLOW_S", 0.0)
     shown = run(with_own(save(FLAT)), 0.5, EIGHT)

@@ -54,6 +54,7 @@ class OwnModels:
         self._sensor = Slot(OwnSensor, field.start)
         self._motion = Slot(OwnMotion, field.start)
         self._polled = float("-inf")
+        self._made_with: LocalizationParameters | None = None
         self.reset()
 
     @property
@@ -137,11 +138,18 @@ class OwnModels:
 
     def load(self, parameters: LocalizationParameters) -> None:
         """Read the chosen models' files anew and make the models; failures are in ``fault``."""
+        self._made_with = parameters
         self._sensor.load(self._for_sensor(parameters))
         self._motion.load({"parameters": parameters.motion})
 
     def rebuild(self, parameters: LocalizationParameters) -> None:
-        """Make the chosen models anew, with other parameters; their files are not read."""
+        """Make the chosen models anew, with other parameters; their files are not read.
+
+        Those that ``load`` has just made with these parameters stay, and so does what it found.
+        """
+        if parameters == self._made_with:
+            return
+        self._made_with = parameters
         self._sensor.rebuild(self._for_sensor(parameters))
         self._motion.rebuild({"parameters": parameters.motion})
 

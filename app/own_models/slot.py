@@ -71,9 +71,9 @@ class Slot(Generic[G]):
         self._make(offered, try_out=True)
 
     def rebuild(self, offered: Mapping[str, object]) -> None:
-        """Make the model anew, as other parameters hold."""
+        """Make the model anew, as other parameters hold; one that failed has to prove itself."""
         if self.file is not None and self._class is not None:
-            self._make(offered, try_out=False)
+            self._make(offered, try_out=self.fault is not None)
 
     def _make(self, offered: Mapping[str, object], *, try_out: bool) -> None:
         assert self.file is not None and self._class is not None
