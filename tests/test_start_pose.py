@@ -130,6 +130,15 @@ def test_what_is_written_is_read_again(driven, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["pose.json"]
 
 
+def test_a_robot_pushed_off_the_map_loses_nothing_but_its_true_place(driven, tmp_path):
+    last, path = last_of(driven), tmp_path / "pose.json"
+    write(path, saved_pose(replace(last, truth=Pose2(5.0, 0.0, 0.0)), driven.field))
+    begin = start(StartPoseSettings(restore_pose=True), path, driven.field)
+    assert begin.complaint is None
+    assert begin.truth is None
+    assert len(begin.hypotheses) == len(saved_pose(last, driven.field).hypotheses) > 0
+
+
 def test_a_write_that_fails_leaves_the_old_file_whole(driven, tmp_path, monkeypatch):
     saved = saved_pose(last_of(driven), driven.field)
     path = tmp_path / "pose.json"

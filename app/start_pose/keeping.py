@@ -62,7 +62,8 @@ def saved_pose(snapshot: Snapshot, field: Field) -> SavedPose | None:
     ]
     if not hypotheses:
         return None
-    truth = snapshot.truth
+    # Pushed off the field, a robot is nowhere that the file may tell; what it believes is kept.
+    truth = snapshot.truth if snapshot.truth and field.contains(snapshot.truth) else None
     return SavedPose(
         map=field.name,
         extent=list(field.extent),
