@@ -19,6 +19,8 @@ class CovarianceError(ValueError):
 def covariance_from(numbers: Sequence[float]) -> Array:
     """Nine numbers by rows as a covariance (3, 3) [m, m, rad].
 
+    What is negative only by rounding is made zero: a filter would carry it on.
+
     Raises:
         CovarianceError: they are not finite, not symmetric or not positive semi-definite.
     """
@@ -31,12 +33,15 @@ def covariance_from(numbers: Sequence[float]) -> Array:
     if not np.allclose(matrix, matrix.T, rtol=1e-5, atol=1e-12):
         raise CovarianceError("covariance is not symmetric; valid has c[i][j] = c[j][i]")
     even: Array = (matrix + matrix.T) / 2
-    values = np.linalg.eigvalsh(even)
+    values, axes = np.linalg.eigh(even)
     if values[0] < -1e-6 * max(values[-1], 1e-9):
         raise CovarianceError(
             f"covariance is not positive semi-definite: an eigenvalue is {values[0]:.3g}"
         )
-    return even
+    if values[0] >= 0:
+        return even
+    mended: Array = (axes * np.maximum(values, 0)) @ axes.T
+    return (mended + mended.T) / 2
 
 
 def by_rows(covariance: Array) -> list[float]:

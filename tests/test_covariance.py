@@ -33,5 +33,13 @@ def test_what_is_no_covariance_is_refused(numbers, why):
         covariance_from(numbers)
 
 
+def test_what_is_negative_by_rounding_becomes_zero():
+    assert covariance_from([1, 0, 0, 0, 1, 0, 0, 0, -1e-7]).tolist() == np.diag([1, 1, 0]).tolist()
+    # Fully tied together, written with six digits.
+    covariance = covariance_from([1, 0.5, 0, 0.5, 0.2499995, 0, 0, 0, 1])
+    assert np.linalg.eigvalsh(covariance)[0] == pytest.approx(0, abs=1e-15)
+    assert covariance == pytest.approx(np.array([[1, 0.5, 0], [0.5, 0.25, 0], [0, 0, 1]]), abs=1e-6)
+
+
 def test_a_covariance_of_nothing_is_one():
     assert covariance_from([0.0] * 9).tolist() == np.zeros((3, 3)).tolist()
