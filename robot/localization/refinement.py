@@ -16,8 +16,8 @@ from robot.localization.scan_matching import ScanMatcher
 from robot.localization.setup import Setup
 from robot.scan import Scan
 
-MOST_BEAMS = 100
-"""Rays cost little here, and each makes the pose finer."""
+FEWEST_BEAMS = 100
+"""Of a scan, if it has so many: rays cost little here, and each makes the pose finer."""
 GATE = 10.0
 """Ranges that are off by so many standard deviations do not measure the edge."""
 WIDEST = 5.0
@@ -43,7 +43,7 @@ class Refinement:
             return None
         sd = sensor.sigma_hit
         matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
-        return cls(matcher, max(sensor.max_beams, MOST_BEAMS))
+        return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS))
 
     def refine(self, one: Hypothesis, scan: Scan) -> Hypothesis:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
