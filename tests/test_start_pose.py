@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 
+import anyio
 import numpy as np
 import pytest
 from hypothesis import given
@@ -174,9 +175,12 @@ def test_a_robot_that_stands_is_not_saved_again(driven, monkeypatch):
     assert keep.failure is None
 
 
-def test_a_rate_of_zero_saves_never(driven, tmp_path):
-    keep = PoseKeeper(tmp_path / "pose.json", 0.0, driven.field, driven.engine.latest)
+@pytest.mark.parametrize("rate", [0.0, -1.0])
+def test_a_rate_of_zero_or_as_in_nav2_of_minus_one_saves_never(driven, tmp_path, rate):
+    assert StartPoseSettings(save_pose_rate=rate).save_pose_rate == rate
+    keep = keeper(replace(driven, pose_file=tmp_path / "pose.json"), rate)
     keep.save()
+    anyio.run(keep.follow)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -38,7 +38,7 @@ class PoseKeeper:
         """Save, if there is something new; a failure is told once, and tried again."""
         snapshot = self._latest.get()
         saved = saved_pose(snapshot, self._field) if snapshot else None
-        if saved is None or saved == self._kept or self._rate == 0:
+        if saved is None or saved == self._kept or self._rate <= 0:
             return
         try:
             write(self._path, saved)

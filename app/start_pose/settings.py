@@ -55,7 +55,11 @@ class StartPoseSettings:
         False, "Start where the last run on the same map ended, if that was saved"
     )
     save_pose_rate: float = setting(
-        0.5, "How often the pose is saved while it changes; 0 is never", unit="Hz", low=0, high=10
+        0.5,
+        "How often the pose is saved while it changes; 0 or less (nav2's -1) is never",
+        unit="Hz",
+        low=-1,
+        high=10,
     )
     pose_file: str = setting("", "Where the pose is saved; else in the user's state folder, by map")
     initial_pose: InitialPose = InitialPose()
