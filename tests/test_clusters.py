@@ -164,6 +164,14 @@ def test_a_cluster_without_weight_is_no_hypothesis() -> None:
     assert (found.labels[10:] == 1).all()
 
 
+@pytest.mark.parametrize("weight", [1e-120, 1e-200, 5e-324])
+def test_nor_is_one_whose_weight_has_no_square(weight: float) -> None:
+    poses = np.vstack([blob(0, 0, 0), blob(0.5, 0.5, 0)])
+    weights = np.repeat([1 / 200, weight], 200)
+    (one,) = find_clusters(poses, weights, CELLS).hypotheses
+    assert one.weight == pytest.approx(1) and abs(one.pose.x) < 0.02
+
+
 def test_a_single_particle_is_a_cluster_without_spread() -> None:
     found = find_clusters(np.array([[3.0, -2.0, 0.5]]), np.ones(1), CELLS)
     assert found.hypotheses[0].pose.to_array() == pytest.approx([3, -2, 0.5])

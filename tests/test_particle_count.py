@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from particle_robot import still, track, tracker_of
-from stub_drive import DEFAULTS, STUB, Drive
+from stub_drive import DEFAULTS, STUB, Drive, draw_poses
 
 from robot.localization.filter import Cloud
 
@@ -40,6 +41,30 @@ def test_it_resamples_as_often_as_asked() -> None:
         f.update(drive.odometry, scan)
         even.append(np.ptp(f.cloud.weights) == 0)
     assert even == [(i + 1) % 5 == 0 for i in range(len(even))]
+
+
+def test_every_scan_between_two_resamplings_counts_and_enough_particles_stay() -> None:
+    f, drive = tracker_of(resample_interval=5, min_particles=4000), Drive()
+    f.told(drive.true, 0.02, 0.05)
+    least = DEFAULTS.filter.min_effective * 4000
+    for tick, (_, scan) in enumerate(drive.eight(2.0)):
+        before = f.cloud.weights
+        f.update(drive.odometry, scan)
+        after = f.filter.cloud.weights
+        assert np.ptp(after / before) > 0.01, f"scan {tick} changed nothing"
+        assert f.filter.effective >= least * (1 - 1e-9)
+
+
+@pytest.mark.parametrize("interval", [1, 5])
+def test_of_given_particles_of_which_few_count_a_scan_still_tells(interval: int) -> None:
+    f, drive = tracker_of(resample_interval=interval), Drive()
+    poses = draw_poses(np.random.default_rng(0), drive.true, (0.02, 0.02, 0.05), 4000)
+    weights = np.where(np.arange(4000) < 100, 1.0, 1e-6)
+    f.set_cloud(Cloud(poses, weights / weights.sum()))
+    before = f.filter.effective
+    assert before < DEFAULTS.filter.min_effective * 4000
+    f.update(drive.odometry, drive.scan())
+    assert f.filter.effective < 0.9 * before
 
 
 def test_selective_it_resamples_only_when_few_particles_count() -> None:

@@ -21,6 +21,9 @@ from robot.localization.particles.moments import add_moments, describe
 
 Index = NDArray[np.int64]
 
+NO_WEIGHT = 1e-100
+"""Clusters with less are not described: the squares of so small numbers are zero."""
+
 
 @dataclass(frozen=True, slots=True)
 class Cells:
@@ -74,7 +77,7 @@ def _find(
     place[order] = np.arange(count)
     for cell in range(len(cells)):
         cluster_of[cell] = place[cluster_of[cell]]
-    described = min(most, int((mass > 0).sum()))
+    described = min(most, int((mass > NO_WEIGHT).sum()))
     means, covariances = describe(moments, cluster_of, described)
     labels = np.empty(len(poses), dtype=np.int64)
     for i in range(len(poses)):

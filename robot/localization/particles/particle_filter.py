@@ -138,9 +138,20 @@ class ParticleFilter:
             settings.recovery_alpha_slow,
             settings.recovery_alpha_fast,
         )
-        least = settings.min_effective * len(weights)
-        weights = temper(log_likelihood, weights, self.likelihood_weight, least)
+        weights = temper(log_likelihood, weights, self.likelihood_weight, self._least(weights))
         self._particles = Cloud(poses, weights)
+
+    def _least(self, weights: Array) -> float:
+        """How many particles stay effective after this scan.
+
+        The scans from one resampling to the next share what may be lost: had each the whole of it,
+        a few would leave one particle, and if one took it all, the others would change nothing.
+        """
+        share, scans = self.parameters.min_effective, self.parameters.resample_interval
+        least = len(weights) * math.pow(share, (self._scans % scans + 1) / scans)
+        now = effective_sample_size(weights)
+        # There are fewer already if they were given so: also then a scan counts.
+        return least if least < now else now * math.pow(share, 1 / scans)
 
     def _should_resample(self) -> bool:
         if self._scans % self.parameters.resample_interval:
