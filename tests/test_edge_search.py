@@ -125,6 +125,27 @@ def test_an_edge_is_found_between_the_pixels(shift: float, sd: float) -> None:
     assert np.isnan(edges[0, 1:]).all()
 
 
+@pytest.mark.parametrize("beyond", [0, 255])
+def test_a_search_that_would_leave_the_picture_stays_at_its_sample(beyond: int) -> None:
+    """It goes straight on where the ray turns aside, as a lens may bend it, and before the border.
+
+    The lower edge is blurred, so it is searched far and wide.
+    """
+    memory = np.full((180, 40), beyond, dtype=np.uint8)
+    picture = memory[45:135]
+    picture[:70] = blurred_stripe(50.3, 110)[:70]
+    picture[70:] = blurred_stripe(30, 84.3, 4.0)[70:]
+    rows = np.minimum(28 + np.arange(70), 86)
+    pixels = np.column_stack([np.full(70, 20.5), rows]).astype(np.float32)[None]
+    places = (rows * 40 + 20).astype(np.uint32)[None]
+    edges, met, _, _ = find_edges(
+        picture, places, np.array([70], dtype=np.int32), pixels, 1, 2, 5.0
+    )
+    assert met[0] == 2
+    assert edges[0, 0, 0] == pytest.approx(22.3, abs=0.05)
+    assert edges[0, 0, 1] == 54
+
+
 def test_rays_out_of_sight_meet_minus_one_edge() -> None:
     places, pixels = vertical_ray()
     edges, met, _, _ = find_edges(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from robot.description.spec import RobotSpec
+from robot.scanning.edge_search import PARTS, REACH, SLANTED
 from robot.scanning.ray_table import MARGIN_PX, RayTable
 
 VIEW = RobotSpec.load().floor_view
@@ -60,3 +61,30 @@ def test_a_shorter_range_ends_a_ray_there() -> None:
     assert table.limits[0, 1] == pytest.approx(0.3, abs=1e-3)
     floor = VIEW.floor_points(table.pixels[0, -1:].astype(np.float64))
     np.testing.assert_allclose(floor[0], [0.4, 0], atol=1e-3)
+
+
+def searched(table: RayTable, kernel: int) -> np.ndarray:
+    """Ends (n, 2) of all searches for an edge's place that there can be, as ``find_edges`` does."""
+    found = []
+    ends = kernel + REACH / PARTS
+    for ray, count in enumerate(table.counts):
+        place = np.arange(kernel + 1, count - kernel - 1)
+        pixels = table.pixels[ray].astype(np.float64)
+        half = (pixels[place + 1] - pixels[place - 1]) / 2
+        room = (np.minimum(place, count - 1 - place) + 1) / ends
+        for scale in (np.ones(len(place)), np.clip(room, 1.0, SLANTED)):
+            away = (ends * scale)[:, None] * half
+            found += [pixels[place] - away, pixels[place] + away]
+    return np.concatenate(found)
+
+
+@pytest.mark.parametrize("step", [0.25, 1.5, 2.5, 4.0])
+@pytest.mark.parametrize("kernel", [1, 2, 20])
+def test_edges_are_searched_within_the_picture_whatever_the_step(step: float, kernel: int) -> None:
+    bearings = np.radians(np.linspace(-40, 40, 41))
+    table = RayTable.build(VIEW, bearings, centre_x=0.0, range_max=10.0, step_px=step)
+    ends = searched(table, kernel)
+    assert len(ends) > 1000
+    # Interpolated between four pixels: one more to the right and below.
+    assert (ends >= 0).all()
+    assert (ends < [VIEW.lens.width - 1, VIEW.lens.height - 1]).all()

@@ -256,6 +256,10 @@ def refine(
         place: sample where the edge was found.
         half: half width of the kernel [samples].
         scale: how many times wider than the kernel the edge is; the search is stretched by it.
+
+    Returns:
+        The sample itself where the search would leave the picture: it is straight, and a ray that
+        the lens bends may turn away from it.
     """
     wide = half * PARTS
     ends = wide + REACH
@@ -263,6 +267,10 @@ def refine(
     u, v = float(pixels[place, 0]), float(pixels[place, 1])
     du = (pixels[place + 1, 0] - pixels[place - 1, 0]) * (scale / (2 * PARTS))
     dv = (pixels[place + 1, 1] - pixels[place - 1, 1]) * (scale / (2 * PARTS))
+    last_u, last_v = width - 1, len(picture) // width - 1
+    for way in (-ends, ends):
+        if not (0 <= u + way * du < last_u and 0 <= v + way * dv < last_v):
+            return float(place)
     total[0] = 0.0
     for j in range(2 * ends + 1):
         u_j, v_j = u + (j - ends) * du, v + (j - ends) * dv

@@ -12,7 +12,11 @@ from robot.camera import FloorView
 from robot.geometry import Array, heading_vectors
 
 MARGIN_PX = 3.0
-"""Rays keep this far from the picture's border, so that interpolation and blur stay inside."""
+"""Rays keep at least this far from the picture's border, so that interpolation and blur stay
+inside."""
+
+BESIDE_PX = 1.5
+"""By so much more than a sample's step: an edge is searched up to a sample beyond a ray's ends."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +90,7 @@ def _follow(
     """Distances (m,) and pixels (m, 2) of one ray, even in the picture."""
     dense = np.linspace(0.0, range_max, 1 + math.ceil(range_max / 0.0005))
     pixels = view.pixels(dense[:, None] * direction + (centre_x, 0.0))
-    inside = np.flatnonzero(view.inside(pixels, MARGIN_PX))
+    inside = np.flatnonzero(view.inside(pixels, max(MARGIN_PX, step_px + BESIDE_PX)))
     if len(inside) < 2:
         return np.empty(0), np.empty((0, 2))
     gaps = np.flatnonzero(np.diff(inside) > 1)
