@@ -101,6 +101,14 @@ def test_what_stands_before_the_tape_costs_nothing_when_it_is_skipped() -> None:
     agree(skipping().log_likelihood(NEAR, blocked(0.3)), PLAIN.log_likelihood(NEAR, rest))
 
 
+def test_rays_that_are_skipped_are_not_counted() -> None:
+    scan = blocked(0.3)
+    assert skipping().count_rays(NEAR, scan) == 61 - 18
+    assert skipping(do_beamskip=False).count_rays(NEAR, scan) == 61
+    assert skipping(beam_skip_error_threshold=0.2).count_rays(NEAR, scan) == 61
+    assert skipping().count_rays(NEAR, replace(scan, ranges=np.full(61, np.inf))) == 0
+
+
 def test_when_too_many_rays_would_be_skipped_all_count() -> None:
     """Else a wrong cloud would skip what proves it wrong."""
     scan, rest = blocked(0.3), only(scan_at(TRUTH), np.arange(61) >= 18)

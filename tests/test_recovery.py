@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from particle_robot import sensor_named, tracker_of
 
+from robot.geometry import Array, Pose2
+from robot.localization.models.sensor_models import SensorModel
+from robot.localization.parameters import SENSOR_MODELS
 from robot.localization.particles.recovery import Recovery
+from robot.scan import Scan
 
 EVEN = np.full(10, 0.1)
 
@@ -42,6 +47,34 @@ def test_scans_with_few_rays_and_with_many_compare() -> None:
     for rays in (60, 7, 33):
         found.observe(np.full(10, rays * np.log(0.3)), EVEN, rays, 0.01, 0.2)
     assert found.fast == pytest.approx(0.3)
+
+
+class OwnModel:
+    """A user's: it sums over all rays that returned."""
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Each fits as well."""
+        return np.full(len(poses), np.log(0.3) * scan.hit.sum())
+
+
+MODELS = [*map(sensor_named, SENSOR_MODELS), OwnModel()]
+
+
+@pytest.mark.parametrize("model", MODELS, ids=[*SENSOR_MODELS, "own"])
+@pytest.mark.parametrize("lost", [False, True])
+def test_rays_that_fit_alike_have_the_same_average_however_many(
+    model: SensorModel, lost: bool
+) -> None:
+    """Also beyond those that the model may use; every third may find nothing."""
+    averages = []
+    for rays in (30, 60, 91, 181):
+        f = tracker_of(model, recovery_alpha_slow=0.1, recovery_alpha_fast=0.2)
+        f.told(Pose2(), 0.005, 0.01)
+        ranges = np.full(rays, 0.35)
+        ranges[1::3] = np.inf if lost else 0.35
+        f.update(Pose2(), Scan(0.0, np.zeros(rays), ranges))
+        averages.append(f.filter._recovery.fast)
+    assert averages == pytest.approx(4 * [averages[0]], rel=0.03 if lost else 1e-4)
 
 
 def test_particles_count_by_their_weight() -> None:

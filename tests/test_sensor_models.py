@@ -22,7 +22,7 @@ from sensor_trials import (
 from robot.geometry import Pose2
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
-from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.models.sensor_models import SensorModel, count_rays, sensor_model
 from robot.localization.parameters import SENSOR_MODELS
 from robot.scan import Scan
 
@@ -166,6 +166,20 @@ def test_no_more_rays_count_than_are_asked_for(name: str) -> None:
         model_of(name, max_beams=3).log_likelihood(poses, scan),
         model_of(name, max_beams=60).log_likelihood(poses, few),
     )
+
+
+def test_rays_are_counted_that_are_summed() -> None:
+    scan = scan_at(TRUTH)
+    ranges, sight = scan.ranges.copy(), np.tile([0.0, 1.0], (61, 1))
+    ranges[:21] = np.inf
+    sight[:11] = np.nan
+    seen = replace(scan, ranges=ranges, sight=sight)
+    for most, field, beam in ((61, 40, 50), (30, 30, 25)):
+        for name in ("likelihood_field", "likelihood_field_prob"):
+            assert count_rays(model_of(name, max_beams=most), CLOUD, seen) == field
+        assert count_rays(model_of("beam", max_beams=most), CLOUD, seen) == pytest.approx(
+            beam, abs=1
+        )
 
 
 # --- how far ranges count

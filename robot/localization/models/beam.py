@@ -57,6 +57,10 @@ class Beam:
             math.log(self.z_max),
         )
 
+    def count_rays(self, poses: Array, scan: Scan) -> int:
+        """How many rays the log-likelihood is the sum of: also those that did not return."""
+        return len(self._rays(scan))
+
     def _rays(self, scan: Scan) -> Array:
         """What of the rays (k, 7) is the same for all poses.
 

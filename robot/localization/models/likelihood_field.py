@@ -55,6 +55,10 @@ class LikelihoodField:
             curve,
         )
 
+    def count_rays(self, poses: Array, scan: Scan) -> int:
+        """How many rays the log-likelihood is the sum of: of those that returned, all it may."""
+        return min(int(np.count_nonzero(scan.hit)), self.max_beams)
+
     @cached_property
     def _curve(self) -> tuple[float, NDArray[np.float32]]:
         """Log p by x = d^2 / 2 sigma^2, as a polynomial of 2 x / end - 1; and that end.

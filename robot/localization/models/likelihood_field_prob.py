@@ -39,11 +39,16 @@ class LikelihoodFieldProb:
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
-        if self.skips and len(poses) and scan.hit.any():
-            scan = self._without_skipped(poses[evenly(len(poses), ASKED)], scan)
-        return self.plain.log_likelihood(poses, scan)
+        return self.plain.log_likelihood(poses, self._without_skipped(poses, scan))
+
+    def count_rays(self, poses: Array, scan: Scan) -> int:
+        """How many rays the log-likelihood is the sum of: those that are not skipped."""
+        return self.plain.count_rays(poses, self._without_skipped(poses, scan))
 
     def _without_skipped(self, poses: Array, scan: Scan) -> Scan:
+        if not (self.skips and len(poses) and scan.hit.any()):
+            return scan
+        poses = poses[evenly(len(poses), ASKED)]
         hits = np.flatnonzero(scan.hit)
         used = hits[evenly(len(hits), self.plain.max_beams)]
         scan = replace(

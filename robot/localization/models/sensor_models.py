@@ -6,7 +6,9 @@ alone is done once, before the work that is done for each particle.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+import numpy as np
 
 from robot.fields.edge_index import index_edges
 from robot.geometry import Array
@@ -24,6 +26,25 @@ class SensorModel(Protocol):
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
         ...
+
+
+@runtime_checkable
+class RayCounting(Protocol):
+    """What a sensor model may offer besides; those that come with the program do."""
+
+    def count_rays(self, poses: Array, scan: Scan) -> int:
+        """How many rays of a scan the log-likelihood at poses (n, 3) is the sum of."""
+        ...
+
+
+def count_rays(model: SensorModel, poses: Array, scan: Scan) -> int:
+    """How many rays of a scan a model's log-likelihood at poses (n, 3) is the sum of.
+
+    One that does not say, as a user's own, is taken to count all that returned.
+    """
+    if isinstance(model, RayCounting):
+        return model.count_rays(poses, scan)
+    return int(np.count_nonzero(scan.hit))
 
 
 def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array) -> SensorModel:

@@ -11,7 +11,7 @@ from robot.geometry import Array, Pose2, covariance_root, wrap_angle
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.models.motion_models import MotionModel
-from robot.localization.models.sensor_models import SensorModel
+from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.parameters import FilterParameters
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
 from robot.localization.particles.density import coarseness
@@ -127,17 +127,15 @@ class ParticleFilter:
         poses, weights = self._particles.poses, self._particles.weights
         # The clusters are those of the last scan: they move and widen little in between.
         known, settings = self._clusters, self.parameters
-        apart, rays = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
-        if not rays:
+        apart, returned = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
+        if not returned:
             return
-        log_likelihood = self.sensor.log_likelihood(poses, _believed(scan, apart))
-        self._recovery.observe(
-            log_likelihood,
-            weights,
-            rays,
-            settings.recovery_alpha_slow,
-            settings.recovery_alpha_fast,
-        )
+        believed = _believed(scan, apart)
+        log_likelihood = self.sensor.log_likelihood(poses, believed)
+        slow, fast = settings.recovery_alpha_slow, settings.recovery_alpha_fast
+        if slow and fast:
+            rays = count_rays(self.sensor, poses, believed)
+            self._recovery.observe(log_likelihood, weights, rays, slow, fast)
         weights = temper(log_likelihood, weights, self.likelihood_weight, self._least(weights))
         self._particles = Cloud(poses, weights)
 

@@ -31,7 +31,7 @@ class Recovery:
         Args:
             log_likelihood: (n,) of the whole scan.
             weights: (n,) from before it, summing to one.
-            rays: how many returned.
+            rays: how many the log-likelihood is the sum of.
             alpha_slow: share of the new value in the slow average; 0 is never to try elsewhere.
             alpha_fast: the same of the fast one.
         """
