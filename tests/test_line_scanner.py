@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -15,6 +16,7 @@ from robot.geometry import Pose2, Twist2
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
 from robot.scanning.tape_edges import Verdict
+from robot.settings import SettingError, describe
 from sim.floor_camera import FloorCamera
 
 SIZE = (480, 640)
@@ -120,15 +122,35 @@ def test_the_same_picture_gives_the_same_scan(camera: FloorCamera) -> None:
     assert first.scan.hit.any()
 
 
-@pytest.mark.parametrize("rays", [1, 2, 5])
+@pytest.mark.parametrize("rays", [3, 5])
 def test_rays_too_far_apart_support_no_line_and_say_so(rays: int, camera: FloorCamera) -> None:
     scanner = LineScanner(VIEW, LineScannerSettings(rays=rays, field_of_view=0.9))
     found = scanner.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
     assert found.scan.bearings.shape == found.scan.ranges.shape == (rays,)
     assert (found.verdicts == Verdict.TOO_SHORT).all()
     assert not found.scan.hit.any()
-    if rays == 1:
-        assert found.scan.bearings[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "least", "others"),
+    [
+        ("rays", 3, {"field_of_view": 0.2}),
+        ("field_of_view", 0.01, {"support": 0.005}),
+        ("support", 0.005, {}),
+        ("width_tolerance", 0.0005, {}),
+        ("straightness", 0.0002, {}),
+        ("taper", 0.0001, {}),
+    ],
+)
+def test_at_its_lower_limit_a_setting_still_lets_tape_be_found(
+    name: str, least: float, others: dict[str, Any], camera: FloorCamera
+) -> None:
+    limit = describe(LineScannerSettings)[name].low
+    assert limit == least
+    scanner = LineScanner(VIEW, LineScannerSettings(**{name: least}, **others))
+    assert scanner.scan(Frame(0.0, camera.picture(Pose2(), STILL))).scan.hit.sum() >= 3
+    with pytest.raises(SettingError, match=f"{name} is 0"):
+        LineScannerSettings(**{name: 0})
 
 
 def test_rays_out_of_sight_say_so_and_the_others_go_on(camera: FloorCamera) -> None:

@@ -29,9 +29,13 @@ from robot.settings import check_settings, setting
 class LineScannerSettings:
     """How the picture is searched for tape."""
 
-    rays: int = setting(91, "Number of rays", low=1, high=720)
+    rays: int = setting(91, "Number of rays; fewer than three make no line", low=3, high=720)
     field_of_view: float = setting(
-        math.radians(62), "Angle between the outermost rays", unit="rad", low=0, high=2 * math.pi
+        math.radians(62),
+        "Angle between the outermost rays; with none, all see one point",
+        unit="rad",
+        low=0.01,
+        high=2 * math.pi,
     )
     centre_x: float = setting(
         0.0, "Where the rays start, ahead of the robot's origin", unit="m", low=-1, high=1
@@ -52,16 +56,33 @@ class LineScannerSettings:
     )
     tape_width: float = setting(0.050, "Width of the tape", unit="m", low=0.005, high=0.5)
     width_tolerance: float = setting(
-        0.012, "How far the measured width may be off", unit="m", low=0, high=0.5
+        0.012,
+        "How far the measured width may be off; no measurement is exact",
+        unit="m",
+        low=0.0005,
+        high=0.5,
     )
     support: float = setting(
-        0.040, "Length of straight edge that must be seen around a hit", unit="m", low=0, high=1
+        0.040,
+        "Length of straight edge that must be seen around a hit; points farther apart than twice "
+        "this are not of one edge, so that with too little none has neighbours",
+        unit="m",
+        low=0.005,
+        high=1,
     )
     straightness: float = setting(
-        0.0020, "How far an edge's points may lie off their line", unit="m", low=0, high=0.1
+        0.0020,
+        "How far an edge's points may lie off their line; no measurement is exact",
+        unit="m",
+        low=0.0002,
+        high=0.1,
     )
     taper: float = setting(
-        0.006, "How much the width may change over that length", unit="m", low=0, high=0.5
+        0.006,
+        "How much the width may change over that length; no measurement is exact",
+        unit="m",
+        low=0.0001,
+        high=0.5,
     )
 
     def __post_init__(self) -> None:
@@ -117,7 +138,7 @@ class LineScanner:
         self.settings = settings
         self.table = RayTable.build(
             view,
-            np.linspace(-half, half, settings.rays) if settings.rays > 1 else np.zeros(1),
+            np.linspace(-half, half, settings.rays),
             centre_x=settings.centre_x,
             range_max=settings.range_max,
             step_px=settings.step,
