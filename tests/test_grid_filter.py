@@ -8,12 +8,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from stub_drive import BEARINGS, DEFAULTS, MAPS, PERIOD, SENSOR, STUB, Drive, draw_poses, follow
+from stub_drive import (
+    BEARINGS,
+    DEFAULTS,
+    ENTRIES,
+    MAPS,
+    PERIOD,
+    SENSOR,
+    STUB,
+    Drive,
+    draw_poses,
+    follow,
+)
 
 from robot.fields.edges import outline
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2, mean_pose, pose_covariance
+from robot.localization.filter import Cloud
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import (
@@ -136,6 +148,19 @@ def test_scattered_it_finds_the_one_place(start: Pose2) -> None:
     assert best.weight > 0.95
     assert best.pose.distance_to(drive.true) < 0.01
     assert abs(best.pose.turn_to(drive.true)) < 0.02
+
+
+@pytest.mark.parametrize("name", ["beam", "likelihood_field"])
+def test_to_the_beam_model_it_says_much_that_nothing_returned(name: str) -> None:
+    """Told to be amid the field, or off it with nothing ahead."""
+    sensor = sensor_model(replace(DEFAULTS.sensor, laser_model_type=name), ENTRIES, STUB.edges)
+    f = filter_of(sensor=sensor)
+    f.set_cloud(Cloud.even(np.array([[0.0, 0, 0], [2.0, 0, 0]])))
+    f.correct(Scan(0.0, BEARINGS[:0], np.empty(0)))
+    assert [one.weight for one in f.hypotheses] == pytest.approx([0.5, 0.5])
+    f.correct(Scan(0.0, BEARINGS, np.full(61, np.inf)))
+    amid = sum(one.weight for one in f.hypotheses if one.pose.x < 1)
+    assert amid == pytest.approx(0.5 if name == "likelihood_field" else 0.0, abs=1e-3)
 
 
 def test_scattered_over_a_square_it_keeps_all_four_places() -> None:

@@ -125,7 +125,7 @@ def test_the_same_seed_gives_the_same_estimates_bit_for_bit() -> None:
     assert run(3) != run(4)
 
 
-@pytest.mark.parametrize("name", SENSOR_MODELS)
+@pytest.mark.parametrize("name", ["likelihood_field", "likelihood_field_prob"])
 def test_without_a_return_it_follows_odometry_and_stays_finite(name: str) -> None:
     f, drive = tracker_of(sensor_named(name)), Drive()
     f.told(drive.true, 0.02, 0.05)
@@ -137,6 +137,28 @@ def test_without_a_return_it_follows_odometry_and_stays_finite(name: str) -> Non
         assert np.isfinite(f.cloud.poses).all() and np.isfinite(f.cloud.weights).all()
     assert estimate.pose.distance_to(drive.odometry) < 0.03
     np.testing.assert_allclose(f.filter.cloud.weights, 1 / len(f.filter.cloud.weights))
+
+
+NOTHING = Scan(0.0, BEARINGS, np.full(61, np.inf))
+
+
+@pytest.mark.parametrize("name", ["beam", "likelihood_field"])
+def test_to_the_beam_model_it_says_much_that_nothing_returned(name: str) -> None:
+    """Told to be amid the field, or off it with nothing ahead."""
+    f = tracker_of(sensor_named(name))
+    f.set_cloud(Cloud.even(np.repeat([[0.0, 0, 0], [2.0, 0, 0]], 500, axis=0)))
+    for odometry in (Pose2(), Pose2(0.01)):
+        estimate = f.update(odometry, NOTHING)
+        assert estimate is not None and np.isfinite(f.cloud.weights).all()
+    amid = f.filter.cloud.weights[f.filter.cloud.poses[:, 0] < 1].sum()
+    assert amid < 0.1 if name == "beam" else amid == pytest.approx(0.5, abs=0.02)
+
+
+def test_to_no_model_a_scan_of_no_rays_says_anything() -> None:
+    f = tracker_of(sensor_named("beam"))
+    f.told(Pose2(), 0.02, 0.05)
+    f.update(Pose2(), Scan(0.0, BEARINGS[:0], np.empty(0)))
+    assert np.ptp(f.filter.cloud.weights) == 0
 
 
 def test_weights_always_sum_to_one_also_far_off_the_field() -> None:

@@ -16,7 +16,7 @@ from robot.localization.grid.grid_start import cloud_grid, even_grid, normal_gri
 from robot.localization.grid.pose_grid import Boxes, PoseGrid
 from robot.localization.kalman_filter import follow
 from robot.localization.models.motion_models import MotionModel
-from robot.localization.models.sensor_models import SensorModel
+from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import effective_sample_size, low_variance
 from robot.localization.setup import Setup
@@ -158,9 +158,10 @@ class GridFilter:
     def correct(self, scan: Scan) -> None:
         """Weigh the boxes by a scan, and cut them while that can be afforded."""
         self._found = None
-        if not scan.hit.any():
-            return
         before = self._grid
+        # To some models it says much that nothing returned; others have nothing to be asked then.
+        if not (scan.hit.any() or count_rays(self.sensor, before.poses, scan)):
+            return
         while True:
             after = self._weighed(before, scan)
             matter = after.mass > LEAST * after.mass.max()
@@ -185,7 +186,8 @@ class GridFilter:
 
     def _weighed(self, grid: PoseGrid, scan: Scan) -> PoseGrid:
         xy, _, theta = grid.boxes.size / math.sqrt(12)
-        blur = math.hypot(xy, theta * float(np.median(scan.ranges[scan.hit])))
+        returned = scan.ranges[scan.hit]
+        blur = math.hypot(xy, theta * float(np.median(returned))) if len(returned) else xy
         poses = compose(grid.poses, self._moved.to_array())
         log_likelihood = self.sensor.log_likelihood(poses, replace(scan, extra_sd=blur))
         gain = self.likelihood_weight * (log_likelihood - log_likelihood.max())

@@ -128,9 +128,10 @@ class ParticleFilter:
         # The clusters are those of the last scan: they move and widen little in between.
         known, settings = self._clusters, self.parameters
         apart, returned = coarseness(known.weights, known.covariances, len(poses), scan.ranges)
-        if not returned:
-            return
         believed = _believed(scan, apart)
+        # To some models it says much that nothing returned; others have nothing to be asked then.
+        if not (returned or count_rays(self.sensor, poses, believed)):
+            return
         log_likelihood = self.sensor.log_likelihood(poses, believed)
         slow, fast = settings.recovery_alpha_slow, settings.recovery_alpha_fast
         if slow and fast:
