@@ -20,7 +20,7 @@ MOTION = DEFAULTS.motion.model()
 NARROW = np.diag(np.square([0.005, 0.005, 0.02]))
 
 
-def setup_of(of: Field, entries: EntryField, **changes: int) -> Setup:
+def setup_of(of: Field, entries: EntryField, **changes: float) -> Setup:
     parameters = replace(DEFAULTS, hypotheses=replace(DEFAULTS.hypotheses, **changes))
     return Setup.of(
         of, entries, MOTION, sensor_model(DEFAULTS.sensor, entries, of.edges), parameters

@@ -48,6 +48,15 @@ def slow_cost(pose: Pose2, ends: Array, entries: EntryField = ENTRIES) -> float:
     return total
 
 
+def grid_over(entries: EntryField, step_xy: float, step_theta: float) -> CoarseGrid:
+    """Over the box of the edges that a table is of."""
+    rows, columns = entries.distances.shape[1:]
+    low = np.add(entries.origin, entries.max_distance)
+    size = np.subtract((columns, rows), 1) * entries.resolution - 2 * entries.max_distance
+    (xmin, ymin), (xmax, ymax) = low.tolist(), (low + size).tolist()
+    return CoarseGrid.over((xmin, ymin, xmax, ymax), step_xy, step_theta)
+
+
 def costs_of(grid: CoarseGrid, ends: Array) -> Array:
     costs = np.full(grid.shape, np.nan, dtype=np.float32)
     grid.score(slice(0, grid.shape[0]), ends, ENTRIES, BLUR, costs)
@@ -58,7 +67,7 @@ def costs_of(grid: CoarseGrid, ends: Array) -> Array:
 
 
 def test_it_covers_the_edges_in_steps_no_larger_than_asked_for() -> None:
-    grid = CoarseGrid.over(ENTRIES, 0.04, math.radians(6))
+    grid = grid_over(ENTRIES, 0.04, math.radians(6))
     assert grid.shape == (60, len(grid.ys), len(grid.xs))
     for axis in (grid.xs, grid.ys):
         assert np.diff(axis).max() <= 0.04 + 0.005
@@ -71,16 +80,16 @@ def test_it_covers_the_edges_in_steps_no_larger_than_asked_for() -> None:
 
 
 def test_poses_are_those_of_their_cells() -> None:
-    grid = CoarseGrid.over(ENTRIES, 0.1, 0.5)
+    grid = grid_over(ENTRIES, 0.1, 0.5)
     cells = np.array([[0, 0, 0], [3, 1, 2], [grid.shape[0] - 1, 5, 7]])
     wanted = [[grid.xs[x], grid.ys[y], grid.thetas[t]] for t, y, x in cells]
     np.testing.assert_array_equal(grid.poses(cells), wanted)
 
 
 def test_a_large_field_gets_a_coarser_grid(monkeypatch: pytest.MonkeyPatch) -> None:
-    fine = CoarseGrid.over(ENTRIES, 0.01, 0.1)
+    fine = grid_over(ENTRIES, 0.01, 0.1)
     monkeypatch.setattr(coarse_grid, "MOST_POSES", 20_000)
-    coarse = CoarseGrid.over(ENTRIES, 0.01, 0.1)
+    coarse = grid_over(ENTRIES, 0.01, 0.1)
     assert math.prod(fine.shape) > 400_000
     assert 10_000 < math.prod(coarse.shape) < 25_000
     assert coarse.shape[0] == fine.shape[0] == 63
@@ -89,14 +98,14 @@ def test_a_large_field_gets_a_coarser_grid(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_field_of_a_hundred_metres_is_no_burden() -> None:
     large = EntryField(np.zeros((8, 601, 801), dtype=np.float32), (-60, -50), 0.15, 0.15, 0.005)
-    grid = CoarseGrid.over(large, 0.04, math.radians(6))
+    grid = grid_over(large, 0.04, math.radians(6))
     assert math.prod(grid.shape) < 1.1 * coarse_grid.MOST_POSES
     assert grid.xs[0] < -58 and grid.xs[-1] > 58
 
 
 def test_a_field_without_width_has_poses_all_the_same() -> None:
     line = EntryField(np.zeros((8, 61, 1), dtype=np.float32), (-0.15, -0.15), 0.005, 0.0, 0.005)
-    grid = CoarseGrid.over(line, 0.04, 1.0)
+    grid = grid_over(line, 0.04, 1.0)
     costs = np.empty(grid.shape, dtype=np.float32)
     grid.score(slice(0, grid.shape[0]), np.zeros((1, 3)), line, BLUR, costs)
     assert grid.shape[2] == 1 and (costs == 0).all()
@@ -107,7 +116,7 @@ def test_a_field_without_width_has_poses_all_the_same() -> None:
 
 @pytest.mark.parametrize("true", [Pose2(0.1, -0.05, 0.4), Pose2(-0.3, 0.2, -3.0)], ids=str)
 def test_costs_are_the_sum_over_the_ends(true: Pose2) -> None:
-    grid, ends = CoarseGrid.over(ENTRIES, 0.0913, 0.7), ends_at(true)
+    grid, ends = grid_over(ENTRIES, 0.0913, 0.7), ends_at(true)
     costs = costs_of(grid, ends)
     cells = np.argwhere(np.isfinite(costs))
     slow = [slow_cost(Pose2.from_array(pose), ends) for pose in grid.poses(cells)]
@@ -119,7 +128,7 @@ def test_costs_are_the_sum_over_the_ends(true: Pose2) -> None:
 
 
 def test_some_headings_are_scored_and_the_others_left() -> None:
-    grid, ends = CoarseGrid.over(ENTRIES, 0.1, 0.5), ends_at(Pose2())
+    grid, ends = grid_over(ENTRIES, 0.1, 0.5), ends_at(Pose2())
     costs = np.full(grid.shape, -1, dtype=np.float32)
     grid.score(slice(3, 5), ends, ENTRIES, BLUR, costs)
     np.testing.assert_array_equal(costs[3:5], costs_of(grid, ends)[3:5].astype(np.float32))
@@ -127,7 +136,7 @@ def test_some_headings_are_scored_and_the_others_left() -> None:
 
 
 def test_an_end_off_the_table_costs_as_much_as_one_can() -> None:
-    grid = CoarseGrid.over(ENTRIES, 0.1, 0.5)
+    grid = grid_over(ENTRIES, 0.1, 0.5)
     far = np.array([[9.0, 0.0, 0.0], [0.0, -9.0, 1.0]])
     np.testing.assert_array_equal(costs_of(grid, far), 2)
 
@@ -136,7 +145,7 @@ def test_an_end_off_the_table_costs_as_much_as_one_can() -> None:
 def test_the_truth_is_among_the_cheapest(seed: int) -> None:
     rng = np.random.default_rng(seed)
     true = Pose2.from_array(rng.uniform([-0.2, -0.2, -3], [0.2, 0.2, 3]))
-    grid = CoarseGrid.over(ENTRIES, 0.04, math.radians(6))
+    grid = grid_over(ENTRIES, 0.04, math.radians(6))
     costs = np.empty(grid.shape, dtype=np.float32)
     grid.score(slice(0, 60), ends_at(true), ENTRIES, BLUR, costs)
     nearest = (
@@ -150,7 +159,7 @@ def test_the_truth_is_among_the_cheapest(seed: int) -> None:
 def test_the_largest_drawing_here_is_covered() -> None:
     town = load_field("town", MAPS)
     entries = EntryField.build(town, resolution=0.02, max_distance=0.15)
-    grid = CoarseGrid.over(entries, 0.2, 0.5)
+    grid = grid_over(entries, 0.2, 0.5)
     low, high = town.edges.reshape(-1, 2).min(axis=0), town.edges.reshape(-1, 2).max(axis=0)
     assert abs(grid.xs[0] - low[0]) < 0.12 and abs(grid.xs[-1] - high[0]) < 0.14
     assert abs(grid.ys[0] - low[1]) < 0.12 and abs(grid.ys[-1] - high[1]) < 0.14
@@ -222,8 +231,8 @@ def test_both_neighbours_on_the_rim_are_no_neighbours_across_the_field() -> None
 def test_it_does_not_depend_on_the_fields_own_place() -> None:
     """A table moved by a metre, with all poses moved as well."""
     moved = replace(ENTRIES, origin=(ENTRIES.origin[0] + 1, ENTRIES.origin[1] - 2))
-    here = CoarseGrid.over(ENTRIES, 0.1, 0.5)
-    there = CoarseGrid.over(moved, 0.1, 0.5)
+    here = grid_over(ENTRIES, 0.1, 0.5)
+    there = grid_over(moved, 0.1, 0.5)
     np.testing.assert_allclose(there.xs - here.xs, 1)
     np.testing.assert_allclose(there.ys - here.ys, -2)
     ends = ends_at(Pose2(0.1, 0.1, 0.3))

@@ -71,6 +71,21 @@ def test_set_pose_puts_the_cloud_where_it_is_told_as_wide_as_it_is_told():
     assert poses.std(axis=0) == pytest.approx([0.03, 0.03, 0.1], rel=0.1)
 
 
+def test_another_kind_of_filter_does_not_go_on_saying_what_the_one_before_said():
+    program = kinematic()
+    to_particles, to_hypotheses = (
+        SetParametersCommand(type="set_parameters", values={"filter": name})
+        for name in ("particles", "hypotheses")
+    )
+    program.engine.commands.put(to_particles)
+    program.engine.commands.put(ScatterCommand(type="scatter"))
+    before = run(program, 0.1)[-1]
+    assert before.estimate is not None
+    program.engine.commands.put(to_hypotheses)
+    for shown in run(program, 0.3):
+        assert shown.estimate is None or shown.estimate.stamp > before.estimate.stamp
+
+
 def test_scatter_covers_the_field():
     program = kinematic()
     run(program, 0.1)

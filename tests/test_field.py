@@ -137,6 +137,31 @@ def test_the_same_seed_draws_the_same_poses():
     assert (draws[0] == draws[1]).all()
 
 
+def test_where_tape_encloses_nothing_a_robot_is_beside_it(tmp_path):
+    path = tmp_path / "line.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="1000mm" '
+        'viewBox="-1000 -500 2000 1000">'
+        '<path d="M -700 0 H 700" stroke="black" stroke-width="50"/></svg>'
+    )
+    line = load_field(str(path), MAPS)
+    assert line.roamed == line.extent == (-1.0, -0.5, 1.0, 0.5)
+    poses = line.free_poses(np.random.default_rng(4), 2000)
+    assert poses[:, :2].min(axis=0) == pytest.approx([-1, -0.5], abs=0.02)
+    assert poses[:, :2].max(axis=0) == pytest.approx([1, 0.5], abs=0.02)
+    assert load_field("square", MAPS).roamed == (-0.525, -0.525, 0.525, 0.525)
+
+
+def test_a_drawing_that_is_all_tape_is_refused(tmp_path):
+    path = tmp_path / "night.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" '
+        'viewBox="0 0 100 100"><rect width="100" height="100" fill="black"/></svg>'
+    )
+    with pytest.raises(FieldError, match=r"night"):
+        load_field(str(path), MAPS)
+
+
 def test_a_field_without_light_floor_says_so():
     floor = paint(EXTENT, [Layer(shapely.box(*EXTENT), 20)])
     field = Field("night", floor, outline(BAR), 0.1, Pose2())

@@ -14,6 +14,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.multi_hypothesis import (
+    EARLY,
     INDIFFERENT,
     LEAST_SHARE,
     MultiHypothesisFilter,
@@ -220,6 +221,17 @@ def test_what_was_told_of_the_start_moves_with_odometry() -> None:
     f = at_places((Pose2(), 0.0))
     step = Pose2(0.2, 0.1, 0.5)
     f.predict(step)
-    # Places are found where the newest scan was taken: here, before the step.
-    assert f._log_prior(Pose2()) == pytest.approx(0, abs=1e-3)
-    assert f._log_prior(step.inverse()) == pytest.approx(DEFAULTS.hypotheses.log_kidnapped)
+    assert f._log_prior(step) == pytest.approx(0, abs=1e-3)
+    assert f._log_prior(step @ step) < -4
+
+
+def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None:
+    """What was seen since then says more, and a place found now has not been held against it."""
+    f = at_places((Pose2(), 0.0))
+    f._scans = EARLY * DEFAULTS.hypotheses.map_scans - 1
+    drive = Drive()
+    f._local.add(drive.scan())
+    for moved, scan in drive.eight(0.2):
+        f.predict(moved)
+        f.correct(scan)
+    assert f._log_prior(f._tracks[0].pose) == DEFAULTS.hypotheses.log_kidnapped

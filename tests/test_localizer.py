@@ -218,6 +218,17 @@ def standing() -> Tracker:
     return standing_tracker()
 
 
+@pytest.mark.parametrize("way", [0.3, -0.02])
+def test_what_is_driven_between_a_told_pose_and_the_next_picture_counts(way: float) -> None:
+    """Also backwards: a picture that was exposed before the pose was told."""
+    robot, told = localizer()
+    robot.now = Pose2(1.0, 2.0, 0.5)
+    robot.set_pose(Pose2(), NARROW)
+    robot.update(robot.now @ Pose2(way), SCAN)
+    moved = next(one for one in told.told if isinstance(one, Pose2))
+    assert moved.distance_to(Pose2(way)) < 1e-12
+
+
 def test_what_was_driven_before_a_pose_is_told_is_not_driven_again() -> None:
     f, drive = tracker_of(update_min_d=5.0, update_min_a=6.0), Drive()
     f.told(drive.true, 0.01, 0.01)

@@ -57,21 +57,13 @@ def searched(
 ) -> tuple[PlaceSearch, Pose2]:
     """A search that has begun, and the true pose at its newest scan."""
     setup, drive = SETUPS[of.name], Drive(start, edges_of=of)
+    setup = replace(setup, parameters=replace(setup.parameters, hypotheses=parameters))
     local = LocalMap(parameters.map_step_xy, parameters.map_step_theta, parameters.map_scans)
     for moved, scan in drive.eight(seconds):
         local.move(moved)
         if local.add(scan):
             end = drive.true
-    search = PlaceSearch(
-        local,
-        alive or [],
-        setup.motion,
-        setup.entries,
-        setup.matcher,
-        setup.evidence,
-        parameters,
-    )
-    return search, end
+    return PlaceSearch(local, alive or [], setup), end
 
 
 def done(search: PlaceSearch) -> PlaceSearch:
@@ -145,9 +137,7 @@ def test_it_finds_what_the_map_held_when_it_began() -> None:
         local.move(moved)
         if local.add(scan):
             end = drive.true
-    search = PlaceSearch(
-        local, [], setup.motion, setup.entries, setup.matcher, setup.evidence, parameters
-    )
+    search = PlaceSearch(local, [], setup)
     scans = search.scans
     while not search.advance():
         moved, scan = next(iter(drive.eight(0.04)))
@@ -214,7 +204,7 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(piece["lives"] for piece in pieces) <= LIVES_A_PIECE
     assert all(sum(count > 0 for count in piece.values()) <= 1 for piece in pieces[:-1])
     grid = CoarseGrid.over(
-        ENTRIES, DEFAULTS.hypotheses.search_step_xy, DEFAULTS.hypotheses.search_step_theta
+        STUB.roamed, DEFAULTS.hypotheses.search_step_xy, DEFAULTS.hypotheses.search_step_theta
     )
     assert sum(piece["poses"] for piece in pieces) == math.prod(grid.shape)
     assert sum(piece["fits"] for piece in pieces) <= PEAKS + 1

@@ -166,6 +166,7 @@ class Engine:
         self._localization.measure(frame, then)
 
     def _take_commands(self, stamp: float, odometry: OdometryState) -> None:
+        self._localization.note(odometry.odom_from_robot)
         for _ in range(MOST_COMMANDS):
             try:
                 command = self.commands.get_nowait()

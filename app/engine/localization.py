@@ -87,6 +87,10 @@ class Localization:
         """What is wrong with a model of the user's own; the filter pauses until it is mended."""
         return self.own.fault
 
+    def note(self, odom_from_robot: Pose2) -> None:
+        """Where the wheels say that the robot is now, when it may be told its pose."""
+        self._localizer.now = odom_from_robot
+
     def measure(self, frame: Frame, odometry: OdometryState) -> None:
         """Scan a picture and update the filter, with the odometry at the picture's stamp."""
         self.line_scan = self.scanner.scan(frame, odometry.twist)
@@ -179,6 +183,9 @@ class Localization:
             cloud = self._localizer.filter.cloud
             self._localizer.filter = make_filter(setup, self._rng)
             self._localizer.filter.set_cloud(cloud)
+            # What the other one said is not what this one says, who may know less.
+            self.belief = None
+            self._localizer.force_update()
         else:
             self._localizer.filter.use(setup)
         self._localizer.parameters = parameters.filter

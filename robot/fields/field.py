@@ -22,6 +22,9 @@ __all__ = ["Field", "FieldError", "FloorPicture"]
 _LIGHT = 128
 """Grey level from which on floor counts as light."""
 
+_LEAST_LIGHT = 0.1
+"""Less light floor than this, as a share of its bounding box, and tape encloses nothing."""
+
 _MAX_SEARCH_CELLS = 1_000_000
 
 
@@ -91,6 +94,14 @@ class Field:
                 f"{self.name}; valid is x {xmin:.3f} to {xmax:.3f}, y {ymin:.3f} to {ymax:.3f} m"
             )
 
+    def require_free(self) -> None:
+        """Refuse a field on which no robot could be.
+
+        Raises:
+            FieldError: it has no light floor.
+        """
+        _ = self._free_cells
+
     def occupancy(self, resolution: float) -> OccupancyGrid:
         """The field as cells of a side [m], over the whole floor; row 0 at the bottom.
 
@@ -121,7 +132,7 @@ class Field:
     def free_poses(self, rng: np.random.Generator, count: int) -> Array:
         """Poses (count, 3) drawn evenly from where a robot may be, with any heading.
 
-        That is: light floor within the bounding box of the tape, or the free cells of a ROS map.
+        That is: light floor within ``roamed``, or the free cells of a ROS map.
         """
         origin, side, cells = self._free_cells
         chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
@@ -129,18 +140,35 @@ class Field:
         return np.column_stack([places, rng.uniform(-math.pi, math.pi, count)])
 
     @cached_property
+    def roamed(self) -> Extent:
+        """Where robots drive, as xmin, ymin, xmax, ymax [m]: the bounding box of the tape.
+
+        The whole floor, if next to nothing but tape is in the box: robots drive beside a line.
+        """
+        box = self._tape_box
+        if self.grid is None and self._light_cells(box).free.mean() < _LEAST_LIGHT:
+            return self.extent
+        return box
+
+    @cached_property
+    def _tape_box(self) -> Extent:
+        points = self.edges.reshape(-1, 2)
+        (xmin, ymin), (xmax, ymax) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        return xmin, ymin, xmax, ymax
+
+    @cached_property
     def _free_cells(self) -> tuple[Pose2, float, NDArray[np.float64]]:
         """Free cells (n, 2) as column and row, with their side [m] and the grid's origin."""
-        grid = self.grid or self._light_cells()
+        grid = self.grid or self._light_cells(self.roamed)
         free = np.argwhere(grid.free)[:, ::-1].astype(np.float64)
         if not len(free):
             raise FieldError(f"the field {self.name} has no free floor")
         return grid.origin, grid.resolution, free
 
-    def _light_cells(self) -> OccupancyGrid:
-        """Light floor within the tape's bounding box, in cells of a few millimetres."""
-        low = self.edges.reshape(-1, 2).min(axis=0)
-        size = self.edges.reshape(-1, 2).max(axis=0) - low
+    def _light_cells(self, box: Extent) -> OccupancyGrid:
+        """Light floor within a box, in cells of a few millimetres."""
+        low = np.array(box[:2])
+        size = np.array(box[2:]) - low
         side = max(self.floor.resolution, math.sqrt(size[0] * size[1] / _MAX_SEARCH_CELLS))
         width, height = np.maximum(np.round(size / side), 1).astype(int)
         # Pixels of the cells' picture, row 0 at its bottom, as places in the floor picture.

@@ -28,7 +28,9 @@ def load_field(name: str, maps: Path) -> Field:
                 f"there is no field {name!r}; valid are {available}, or an .svg or .yaml file"
             )
     if path.suffix.lower() == ".svg":
-        return load_svg(path)
+        field = load_svg(path)
+        field.require_free()
+        return field
     if path.suffix.lower() in (".yaml", ".yml"):
         return _load_ros_map(path)
     available = ", ".join(field_names(maps))

@@ -31,6 +31,8 @@ class Localizer:
         """Makes the heaviest hypothesis finer; None leaves it as the filter has it."""
         self.updates = 0
         """Scans taken since the belief was last made anew."""
+        self.now: Pose2 | None = None
+        """The robot in the odom frame when a pose is told; None takes that of the next scan."""
         self._odometry: Pose2 | None = None
         self._forced = True
 
@@ -101,7 +103,7 @@ class Localizer:
     def _restart(self) -> None:
         self.updates = 0
         # The belief is about the robot where it is now: what it drove before is in it already.
-        self._odometry = None
+        self._odometry = self.now
         self._forced = True
 
     def _moved(self, odometry: Pose2) -> Pose2:

@@ -56,6 +56,11 @@ class RayEvidence:
         """For the edges of a field."""
         return cls(field.edge_index, field.sharp_ends, range_max, sd)
 
+    @property
+    def log_peak(self) -> float:
+        """Log-likelihood of a return that is exactly of the edge which is due."""
+        return math.log(SEEN / (self.sd * math.sqrt(2 * math.pi)) + STRAY / self.range_max)
+
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
         """Log-likelihood of rays (n, 6) at a pose, on average of all of them."""
         return ray_log_likelihood(

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from robot.fields.floor_picture import Extent
 from robot.geometry import Array
 from robot.localization.models.entry_field import EntryField
 
@@ -20,7 +21,7 @@ HALVINGS = 2
 
 @dataclass(frozen=True, slots=True)
 class CoarseGrid:
-    """Poses over the bounding box of a field's edges, and all headings."""
+    """Poses over a box, with all headings."""
 
     thetas: Array = field(repr=False)
     """(t,) [rad]"""
@@ -30,11 +31,9 @@ class CoarseGrid:
     """(w,) [m]"""
 
     @classmethod
-    def over(cls, entries: EntryField, step_xy: float, step_theta: float) -> CoarseGrid:
-        """Cover a field in steps [m] and [rad], or in larger ones if that would be too many."""
-        rows, columns = entries.distances.shape[1:]
-        low = np.add(entries.origin, entries.max_distance)
-        size = np.subtract((columns, rows), 1) * entries.resolution - 2 * entries.max_distance
+    def over(cls, box: Extent, step_xy: float, step_theta: float) -> CoarseGrid:
+        """Cover a box [m] in steps [m] and [rad], or in larger ones if that would be too many."""
+        low, size = box[:2], np.subtract(box[2:], box[:2])
         turns = max(1, round(2 * math.pi / step_theta))
         step = max(step_xy, math.sqrt(size[0] * size[1] * turns / MOST_POSES))
         thetas = np.linspace(-math.pi, math.pi, turns, endpoint=False)

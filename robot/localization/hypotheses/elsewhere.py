@@ -8,8 +8,10 @@ from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.ray_evidence import RayEvidence
 
-SEEN_ANYWHERE, MISSED_ANYWHERE = 1.7, -0.2
-"""Log-likelihood of a ray, by whether it returned, at a place that fits but badly."""
+WORSE_ANYWHERE, MISSED_ANYWHERE = 1.8, 0.2
+"""How much less likely a ray is at a place that fits but badly, as log-likelihood: one that
+returned, than where it fits exactly (as if it were off by 1.9 standard deviations); one that did
+not, than where nothing is due."""
 FRESH = -2.5
 """Log-weight of being elsewhere when places were found for the first time."""
 
@@ -30,7 +32,7 @@ class Elsewhere:
     ) -> None:
         """Compare the pose where rays (n, 6) fit best with a place that fits but badly."""
         hits = float(np.isfinite(rays[:, 3]).mean())
-        anywhere = SEEN_ANYWHERE * hits + MISSED_ANYWHERE * (1 - hits)
+        anywhere = (evidence.log_peak - WORSE_ANYWHERE) * hits - MISSED_ANYWHERE * (1 - hits)
         gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self.doubts = self.doubts + 1 if gain > 0 else 0

@@ -67,7 +67,7 @@ class MultiHypothesisFilter:
         self._rng = rng
         self._tracks: list[Track] = []
         self._told: list[Prior] = []
-        """What was said of the start; nothing after ``scatter``."""
+        """What was said of the start; nothing after ``scatter``, nor when that is long ago."""
         self._anywhere: Cloud
         """Shown while nothing was found yet."""
         self._local: LocalMap
@@ -152,7 +152,7 @@ class MultiHypothesisFilter:
         self._local.move(moved)
         if self._search is not None:
             self._search.move(moved)
-        self._told = [prior.moved(moved) for prior in self._told]
+        self._told = [prior.moved(moved, self.setup.motion) for prior in self._told]
 
     def correct(self, scan: Scan) -> None:
         """Correct each hypothesis by a scan, weigh them, and look for more."""
@@ -161,6 +161,8 @@ class MultiHypothesisFilter:
         if self._local.add(scan):
             self._wait -= 1
             self._scans += 1
+            if not self._is_early:
+                self._told = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
         self._look_around()
@@ -214,18 +216,9 @@ class MultiHypothesisFilter:
                 self._bear(self._search)
                 self._search = None
         elif self._wait <= 0 and self._local.hit_share >= self.setup.hypotheses.least_hits:
-            setup = self.setup
             back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
-            self._search = PlaceSearch(
-                self._local,
-                alive,
-                setup.motion,
-                setup.entries,
-                setup.matcher,
-                setup.evidence,
-                setup.hypotheses,
-            )
+            self._search = PlaceSearch(self._local, alive, self.setup)
             self._wait = self._patience
 
     def _bear(self, search: PlaceSearch) -> None:
@@ -273,10 +266,13 @@ class MultiHypothesisFilter:
         """How likely a pose was before it was found, beside the one that is followed."""
         kidnapped = self.setup.hypotheses.log_kidnapped
         if not self._told:
-            early = self._scans < EARLY * self.setup.hypotheses.map_scans
-            return max(FRESH, kidnapped) if early else kidnapped
+            return max(FRESH, kidnapped) if self._is_early else kidnapped
         told = max(prior.log_likelihood(pose) for prior in self._told)
         return float(np.logaddexp(told, kidnapped))
+
+    @property
+    def _is_early(self) -> bool:
+        return self._scans < EARLY * self.setup.hypotheses.map_scans
 
     def _start(self, tracks: list[Track], told: list[Prior]) -> None:
         p = self.setup.hypotheses

@@ -14,13 +14,9 @@ from numpy.typing import NDArray
 
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.reliving import Life, Past, relive
-from robot.localization.models.entry_field import EntryField
-from robot.localization.models.motion_models import MotionModel
-from robot.localization.ray_evidence import RayEvidence
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
 """Rays by which the grid is scored."""
@@ -51,22 +47,14 @@ class PlaceSearch:
         self,
         local: LocalMap,
         alive: list[Pose2],
-        motion: MotionModel,
-        entries: EntryField,
-        matcher: ScanMatcher,
-        evidence: RayEvidence,
-        parameters: HypothesisParameters,
+        setup: Setup,
     ) -> None:
         """Begin to search.
 
         Args:
             local: the short map; what is found are poses of its newest scan.
             alive: poses there that are held likely already, to be lived through as well.
-            motion: how odometry errs.
-            entries: how far it is to an edge.
-            matcher: lays rays on edges.
-            evidence: weighs poses.
-            parameters: how finely to search.
+            setup: the field, and how to search it.
         """
         self.scans = len(local)
         """In the short map."""
@@ -78,11 +66,11 @@ class PlaceSearch:
         """The places, once all is done."""
         self.alive: list[Life] = []
         """What those that are alive would have come to."""
-        self._entries, self._matcher, self._evidence = entries, matcher, evidence
-        self._parameters = parameters
+        self._setup = setup
+        self._entries, self._parameters = setup.entries, setup.hypotheses
         self._ends = _ends(local.rays(COARSE_SCANS, COARSE_BEAMS))
         self._rays = local.rays(SCANS, BEAMS)
-        self._past: Past = local.past(LIVED_SCANS, LIVED_BEAMS, motion)
+        self._past: Past = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
         self._pieces = self._work(alive)
 
     @property
@@ -100,7 +88,9 @@ class PlaceSearch:
 
     def _work(self, alive: list[Pose2]) -> Iterator[bool]:
         grid = CoarseGrid.over(
-            self._entries, self._parameters.search_step_xy, self._parameters.search_step_theta
+            self._setup.field.roamed,
+            self._parameters.search_step_xy,
+            self._parameters.search_step_theta,
         )
         costs = np.empty(grid.shape, dtype=np.float32)
         for turns in _pieces(grid.shape[0], POSES_A_PIECE // (grid.shape[1] * grid.shape[2])):
@@ -130,11 +120,11 @@ class PlaceSearch:
         return 0.9 * len(self._ends) * far**2 / (far**2 + blur**2)
 
     def _fit(self, start: Pose2) -> _Fit:
-        pose = self._matcher.match(start, self._rays).pose
-        return _Fit(pose, self._evidence.log_likelihood(pose, self._rays))
+        pose = self._setup.matcher.match(start, self._rays).pose
+        return _Fit(pose, self._setup.evidence.log_likelihood(pose, self._rays))
 
     def _live(self, pose: Pose2) -> Life:
-        return relive(pose, self._past, self._matcher, self._evidence)
+        return relive(pose, self._past, self._setup.matcher, self._setup.evidence)
 
     def _distinct(self, fits: list[_Fit]) -> list[Pose2]:
         """The best of those that are about in the same place; not too many, and no bad ones."""

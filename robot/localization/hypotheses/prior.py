@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array, Pose2
+from robot.localization.kalman_filter import follow
+from robot.localization.models.motion_models import MotionModel
 
 LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))
 """Nobody tells a pose better than this [m², m², rad²]."""
@@ -22,9 +24,10 @@ class Prior:
     log_weight: float = 0.0
     """Relative to the likeliest that was told."""
 
-    def moved(self, step: Pose2) -> Prior:
+    def moved(self, step: Pose2, motion: MotionModel) -> Prior:
         """After a step by odometry."""
-        return Prior(self.pose @ step, self.covariance, self.log_weight)
+        mean, noise = motion.moments(step)
+        return Prior(*follow(self.pose, self.covariance, mean, noise), self.log_weight)
 
     def log_likelihood(self, pose: Pose2) -> float:
         """Of a pose, relative to the likeliest that was told."""
