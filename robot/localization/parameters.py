@@ -1,6 +1,6 @@
-"""The filter's parameters, under nav2_amcl's names and with their meanings.
+"""The filter's parameters: what nav2_amcl has too is under its names and with their meanings.
 
-Defaults are for this robot on a field of a few metres, not for a building.
+Defaults are for this robot on a field of a few metres, not for a building (docs/models.md).
 """
 
 from __future__ import annotations
@@ -191,7 +191,9 @@ class FilterParameters:
     )
     resample_interval: int = setting(1, "Measurements between resamplings", low=1, high=100)
     selective_resampling: bool = setting(
-        False, "Resample only when fewer than half of the particles are effective"
+        False,
+        "Resample only when fewer than half of the particles are effective (ROS 1's amcl; "
+        "nav2_amcl has no such parameter)",
     )
     min_effective: float = setting(
         0.05,
