@@ -69,7 +69,7 @@ def test_of_more_than_it_may_hold_the_newest_stay() -> None:
 @given(st.integers(1, 12), st.integers(0, 15))
 def test_it_forgets_all_but_the_newest(count: int, but: int) -> None:
     local = driven([Pose2(0.01 * (i + 1)) for i in range(count)])
-    local.forget(but)
+    local.begin_anew(but)
     assert len(local) == min(count, but)
     if len(local) > 1:
         newest = local.past(99, 5, MOTION).moves[1:, 0]

@@ -45,7 +45,7 @@ class LocalMap:
         """In a frame of its own, that starts anywhere."""
         self._scans: deque[_Kept] = deque(maxlen=most)
         self.whole = True
-        """Whether it goes back to the start: no scan was given up."""
+        """Whether it goes back to where it began, or began anew: no scan was given up since."""
 
     @classmethod
     def of(cls, parameters: HypothesisParameters) -> LocalMap:
@@ -55,10 +55,10 @@ class LocalMap:
     def __len__(self) -> int:
         return len(self._scans)
 
-    def forget(self, but: int = 0) -> None:
+    def begin_anew(self, keep: int) -> None:
         """Keep only the newest scans: the robot may have been carried before."""
-        self.whole = False
-        while len(self._scans) > but:
+        self.whole = True
+        while len(self._scans) > keep:
             self._scans.popleft()
 
     def move(self, moved: Pose2) -> None:

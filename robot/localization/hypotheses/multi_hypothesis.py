@@ -74,6 +74,8 @@ class MultiHypothesisFilter:
         self._search: PlaceSearch | None = None
         self._scans = 0
         """Kept since the start."""
+        self._lost_at = 0
+        """The same, when it was last lost or the start."""
         self._wait = FIRST
         """Scans until the next search."""
         self._patience = SOON
@@ -110,7 +112,7 @@ class MultiHypothesisFilter:
         """Go on with other models and parameters; all hypotheses stay."""
         if setup.hypotheses != self.setup.hypotheses:
             self._local, self._search, self._wait = LocalMap.of(setup.hypotheses), None, FIRST
-            self._local.forget()
+            self._local.whole = False
         self.setup = setup
         for track in self._tracks:
             track.filter.use(setup)
@@ -206,8 +208,9 @@ class MultiHypothesisFilter:
             track.filter.share = max(float(weight), LEAST_SHARE)
         if lost_now:
             # The map must not hold scans of before the robot was carried.
-            self._local.forget(max(self._elsewhere.doubts, 1))
+            self._local.begin_anew(max(self._elsewhere.doubts, 1))
             self._search, self._wait = None, LOST
+            self._told, self._lost_at = [], self._scans
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
@@ -224,20 +227,20 @@ class MultiHypothesisFilter:
     def _bear(self, search: PlaceSearch) -> None:
         """Follow the places that were found, weighed as if they had been there all along."""
         p = self.setup.hypotheses
-        # Back to a start of which nothing was told, a place found now is as likely as one that was
-        # found before and fits as well.
-        whole = search.whole and not self._told
+        # Back to where it was lost, or to a start of which nothing was told, a place found now is
+        # as likely as one that was found since then and fits as well.
+        known_before = any(track.born < self._lost_at for track in self._tracks[:1])
+        whole = search.whole and not self._told and not known_before
         lives = [life for life in search.found if not self._is_followed(life.pose @ search.since)]
         before = len(self._tracks)
         if not lives:
             self._patience = min(2 * self._patience, LATE)
             return
         newcomers = bool(self._tracks)
-        fits = [life.fits for life in (search.alive if newcomers else search.found)]
-        reference = max(fits, key=lambda fit: float(fit.sum()))
+        reference, log_weight = self._reference(search)
         worth = p.scan_worth * search.scans / search.scans_lived
         for life in lives:
-            weight = worth * float((life.fits - reference).sum())
+            weight = log_weight + worth * float((life.fits - reference).sum())
             here = life.pose @ search.since
             if newcomers and not whole:
                 prior = self._log_prior(here)
@@ -254,10 +257,19 @@ class MultiHypothesisFilter:
             # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
 
+    def _reference(self, search: PlaceSearch) -> tuple[Array, float]:
+        """How the heaviest place that was lived through fits, and its log-weight."""
+        lives = (*search.alive, *search.found)
+        for track in self._tracks:
+            for life in lives:
+                if self.setup.hypotheses.alike(life.pose @ search.since, track.pose):
+                    return life.fits, track.log_weight
+        return max((life.fits for life in lives), key=lambda fits: float(fits.sum())), 0.0
+
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
         born.set_pose(pose, covariance)
-        self._tracks.append(Track(born, log_weight))
+        self._tracks.append(Track(born, log_weight, self._scans))
 
     def _is_followed(self, pose: Pose2) -> bool:
         return any(self.setup.hypotheses.alike(pose, track.pose) for track in self._tracks)
@@ -279,7 +291,7 @@ class MultiHypothesisFilter:
         self._tracks = tracks
         self._told = told
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
-        self._scans = 0
+        self._scans = self._lost_at = 0
         self._search = None
         self._wait, self._patience = FIRST, SOON
         self._local = LocalMap.of(p)

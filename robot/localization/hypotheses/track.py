@@ -36,6 +36,8 @@ class Track:
     filter: TrackFilter
     log_weight: float
     """Relative to the heaviest."""
+    born: int = 0
+    """Scans that had been kept when it was found."""
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
