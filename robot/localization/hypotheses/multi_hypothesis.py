@@ -253,7 +253,7 @@ class MultiHypothesisFilter:
         self._patience = SOON if found else min(2 * self._patience, LATE)
         self._wait = min(self._wait, self._patience)
         self._select()
-        if whole:
+        if whole and found:
             # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
 
