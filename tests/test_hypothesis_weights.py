@@ -14,9 +14,9 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.multi_hypothesis import (
-    EARLY,
     INDIFFERENT,
     LEAST_SHARE,
+    REMEMBERED,
     MultiHypothesisFilter,
 )
 from robot.localization.hypotheses.track import Track
@@ -228,7 +228,7 @@ def test_what_was_told_of_the_start_moves_with_odometry() -> None:
 def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None:
     """What was seen since then says more, and a place found now has not been held against it."""
     f = at_places((Pose2(), 0.0))
-    f._scans = EARLY * DEFAULTS.hypotheses.map_scans - 1
+    f._scans = REMEMBERED * DEFAULTS.hypotheses.map_scans - 1
     drive = Drive()
     f._local.add(drive.scan())
     for moved, scan in drive.eight(0.2):

@@ -207,7 +207,7 @@ def test_carried_elsewhere_it_knows_that_it_is_lost_and_finds_itself(
     assert wrong < 0.5, "soon it does not believe that it is where it was"
     found = run(f, drive, 0.4)
     assert any(right(one, drive) for one in found), "lost, it looks for places at once"
-    for found in follow(f, drive, 3.0):
+    for found in follow(f, drive, 2.2):
         if found[0].weight > CLAIM:
             assert right(found[0], drive)
     assert right(f.hypotheses[0], drive) and f.hypotheses[0].weight > 0.9

@@ -38,8 +38,8 @@ BORN_SHARE = 0.05
 INDIFFERENT = 0.5
 """Less than this, in log-likelihood, a scan does not tell for one place or another: no more than
 one ray makes. Such small differences come from where a fit ends, and would add up."""
-EARLY = 4
-"""Short maps' lengths after the start in which a place may have been overlooked."""
+REMEMBERED = 4
+"""Short maps' lengths for which it counts what was told of the start: then more has been seen."""
 
 
 class MultiHypothesisFilter:
@@ -163,7 +163,7 @@ class MultiHypothesisFilter:
         if self._local.add(scan):
             self._wait -= 1
             self._scans += 1
-            if not self._is_early:
+            if self._scans >= REMEMBERED * self.setup.hypotheses.map_scans:
                 self._told = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
@@ -278,13 +278,9 @@ class MultiHypothesisFilter:
         """How likely a pose was before it was found, beside the one that is followed."""
         kidnapped = self.setup.hypotheses.log_kidnapped
         if not self._told:
-            return max(FRESH, kidnapped) if self._is_early else kidnapped
+            return kidnapped
         told = max(prior.log_likelihood(pose) for prior in self._told)
         return float(np.logaddexp(told, kidnapped))
-
-    @property
-    def _is_early(self) -> bool:
-        return self._scans < EARLY * self.setup.hypotheses.map_scans
 
     def _start(self, tracks: list[Track], told: list[Prior]) -> None:
         p = self.setup.hypotheses
