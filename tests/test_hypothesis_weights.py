@@ -52,6 +52,9 @@ class Fixed:
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         self.pose = pose
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        self.told.append(hypotheses)
+
     def set_cloud(self, cloud: Cloud) -> None:
         self.told.append(cloud)
 

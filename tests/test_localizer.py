@@ -43,6 +43,9 @@ class Told:
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         self.told.append((pose, covariance.tolist()))
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        self.told.append(hypotheses)
+
     def set_cloud(self, cloud: Cloud) -> None:
         self.told.append(cloud)
 

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from app.assembly import assemble
 from app.command_line import config_from, main
 from app.config import Config, load_config
-from app.engine.localization import drawn
 from app.messages.commands import DriveCommand, PauseCommand, ResetCommand, SetParticlesCommand
 from app.start_pose.keeping import PoseKeeper, saved_pose
 from app.start_pose.pose_file import PoseFileError, pose_path, read, write
@@ -22,6 +21,7 @@ from app.start_pose.start import start
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Cloud
 from robot.settings import SettingError
 
 
@@ -200,7 +200,7 @@ def test_all_places_that_look_alike_are_kept_and_come_back(driven, tmp_path):
 def test_poses_are_drawn_by_weight_and_covariance():
     one = Hypothesis(3.0, Pose2(1, 0, 3.1), np.diag([1e-4, 4e-4, 1e-2]))
     two = Hypothesis(1.0, Pose2(-1, 0, 0), np.zeros((3, 3)))
-    cloud = drawn((one, two), 4000, np.random.default_rng(0))
+    cloud = Cloud.drawn((one, two), 4000, np.random.default_rng(0))
     first = cloud.poses[cloud.poses[:, 0] > 0]
     assert len(first) == 3000
     assert first[:, :2].std(axis=0) == pytest.approx([0.01, 0.02], rel=0.1)

@@ -11,11 +11,11 @@ import numpy as np
 from app.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2, compose, covariance_root
+from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud
-from robot.localization.filters import make_filter
+from robot.localization.filters import going_on, make_filter
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
@@ -149,7 +149,8 @@ class Localization:
         elif len(self.start) == 1:
             self.set_pose_with(self.start[0].pose, self.start[0].covariance)
         else:
-            self.set_cloud(drawn(self.start, self.parameters.filter.most_particles, self._rng))
+            self._localizer.set_hypotheses(self.start)
+            self.belief = None
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
         """Whether other parameters take up to some seconds, for a new table of distances."""
@@ -179,10 +180,7 @@ class Localization:
         self.parameters = parameters
         setup = self._setup()
         if other:
-            # Another kind of filter goes on from what this one believes.
-            cloud = self._localizer.filter.cloud
-            self._localizer.filter = make_filter(setup, self._rng)
-            self._localizer.filter.set_cloud(cloud)
+            self._localizer.filter = going_on(make_filter(setup, self._rng), self._localizer.filter)
             # What the other one said is not what this one says, who may know less.
             self.belief = None
             self._localizer.force_update()
@@ -215,17 +213,6 @@ class Localization:
         if self.own.sensor is not None:
             return self.own.sensor
         return sensor_model(wanted, self._entries, self._field.edges)
-
-
-def drawn(hypotheses: tuple[Hypothesis, ...], count: int, rng: np.random.Generator) -> Cloud:
-    """About so many poses drawn from hypotheses, each with its share by weight and at least one."""
-    total = sum(one.weight for one in hypotheses)
-    parts = []
-    for one in hypotheses:
-        share = max(1, round(count * one.weight / total))
-        noise = rng.standard_normal((share, 3)) @ covariance_root(one.covariance).T
-        parts.append(compose(one.pose.to_array() + noise, np.zeros(3)))
-    return Cloud.even(np.concatenate(parts))
 
 
 def changed_with_own(

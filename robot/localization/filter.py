@@ -7,7 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, compose, covariance_root
 from robot.localization.estimate import Hypothesis
 from robot.localization.setup import Setup
 from robot.scan import Scan
@@ -26,6 +26,19 @@ class Cloud:
     def even(cls, poses: Array) -> Cloud:
         """Poses that all weigh the same."""
         return cls(poses, np.full(len(poses), 1.0 / len(poses)))
+
+    @classmethod
+    def drawn(
+        cls, hypotheses: tuple[Hypothesis, ...], count: int, rng: np.random.Generator
+    ) -> Cloud:
+        """About so many poses drawn from hypotheses: by weight from each, and at least one."""
+        total = sum(one.weight for one in hypotheses)
+        parts = []
+        for one in hypotheses:
+            share = max(1, round(count * one.weight / total))
+            noise = rng.standard_normal((share, 3)) @ covariance_root(one.covariance).T
+            parts.append(compose(one.pose.to_array() + noise, np.zeros(3)))
+        return cls.even(np.concatenate(parts))
 
 
 class Filter(Protocol):
@@ -55,6 +68,10 @@ class Filter(Protocol):
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        ...
+
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew at places whose weights are relative to each other."""
         ...
 
     def set_cloud(self, cloud: Cloud) -> None:

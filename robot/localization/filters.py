@@ -22,7 +22,20 @@ MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
     "grid": lambda setup, _: GridFilter.of(setup),
 }
 
+SAID = 0.9
+"""A filter with so much of its weight in hypotheses has said by them what it believes."""
+
 
 def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
     """The filter that the parameters ask for, at the field's start."""
     return MAKERS[setup.filter.filter](setup, rng)
+
+
+def going_on(new: Filter, old: Filter) -> Filter:
+    """Let a filter go on from what another believes."""
+    said = old.hypotheses
+    if sum(one.weight for one in said) >= SAID:
+        new.set_hypotheses(said)
+    else:
+        new.set_cloud(old.cloud)
+    return new

@@ -99,6 +99,15 @@ class KalmanFilter:
         self._pose = pose
         self._covariance = _symmetric(covariance)
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew from the mean and covariance of all places, which is none of them."""
+        poses = np.array([one.pose.to_array() for one in hypotheses])
+        weights = np.array([one.weight for one in hypotheses])
+        mean = mean_pose(poses, weights / weights.sum())
+        within = np.average([one.covariance for one in hypotheses], axis=0, weights=weights)
+        between = pose_covariance(poses, weights / weights.sum(), mean)
+        self.set_pose(mean, within + between)
+
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew from the mean and covariance of given weighted poses."""
         mean = mean_pose(cloud.poses, cloud.weights)

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Estimate
+from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud, Filter
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
@@ -41,6 +41,11 @@ class Localizer:
         self.filter.set_pose(
             pose, self.parameters.initial_covariance if covariance is None else covariance
         )
+        self._restart()
+
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew at places whose weights are relative to each other."""
+        self.filter.set_hypotheses(hypotheses)
         self._restart()
 
     def set_cloud(self, cloud: Cloud) -> None:

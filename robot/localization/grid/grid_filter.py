@@ -130,6 +130,10 @@ class GridFilter:
         """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         self._restart(normal_grid(self.finest, pose, covariance, self.most_cells))
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew at places whose weights are relative to each other."""
+        self.set_cloud(Cloud.drawn(hypotheses, THROWN, np.random.default_rng(0)))
+
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew from given weighted poses."""
         self._restart(cloud_grid(self.finest, cloud))

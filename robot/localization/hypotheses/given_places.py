@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud, Filter
-from robot.localization.hypotheses.prior import LEAST_VARIANCE
+from robot.localization.hypotheses.prior import LEAST_VARIANCE, Prior
+from robot.localization.hypotheses.track import Track, TrackFilter
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.setup import Setup
 
@@ -23,18 +25,35 @@ COVERED = 0.9
 
 @dataclass(frozen=True, slots=True)
 class GivenPlace:
-    """A cluster of given poses."""
+    """A place, or a cluster of poses."""
 
     hypothesis: Hypothesis
-    cloud: Cloud
+    cloud: Cloud | None = None
+    """The poses, if there were any."""
 
     def begin(self, one: Filter) -> None:
         """Let a filter start there."""
-        if len(self.cloud.weights) >= ENOUGH:
+        if self.cloud is not None and len(self.cloud.weights) >= ENOUGH:
             one.set_cloud(self.cloud)
         else:
             covariance = self.hypothesis.covariance + LEAST_VARIANCE
             one.set_pose(self.hypothesis.pose, covariance)
+
+
+def begun_at(
+    places: list[GivenPlace], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
+) -> tuple[list[Track], list[Prior]]:
+    """A track at each place, and what was told of it; the heaviest first."""
+    tracks, told = [], []
+    total = sum(place.hypothesis.weight for place in places)
+    for place in places:
+        given = place.hypothesis
+        one = new_filter(setup, given.weight / total)
+        place.begin(one)
+        log_weight = math.log(given.weight / places[0].hypothesis.weight)
+        tracks.append(Track(one, log_weight))
+        told.append(Prior(given.pose, given.covariance, log_weight))
+    return tracks, told
 
 
 def clusters_of(cloud: Cloud, setup: Setup) -> list[GivenPlace]:

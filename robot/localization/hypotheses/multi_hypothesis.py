@@ -17,7 +17,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
-from robot.localization.hypotheses.given_places import clusters_of
+from robot.localization.hypotheses.given_places import GivenPlace, begun_at, clusters_of
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
@@ -123,23 +123,22 @@ class MultiHypothesisFilter:
         one.set_pose(pose, covariance)
         self._start([Track(one, 0.0)], [Prior(pose, covariance)])
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew at the likeliest of some places; their weights are relative to each other."""
+        best = sorted((h for h in hypotheses if h.weight > 0), key=lambda h: -h.weight)
+        places = [GivenPlace(one) for one in best[: self.setup.hypotheses.max_hypotheses]]
+        self._start(*begun_at(places, self._new_filter, self.setup))
+
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew with a hypothesis for each cluster of given weighted poses.
 
         Poses that are all over the field are no places: then it is looked for them.
         """
         places = clusters_of(cloud, self.setup)
-        if not places:
+        if places:
+            self._start(*begun_at(places, self._new_filter, self.setup))
+        else:
             self.scatter()
-            return
-        tracks, told = [], []
-        for place in places:
-            one = self._new_filter(self.setup, place.hypothesis.weight)
-            place.begin(one)
-            log_weight = math.log(place.hypothesis.weight / places[0].hypothesis.weight)
-            tracks.append(Track(one, log_weight))
-            told.append(Prior(place.hypothesis.pose, place.hypothesis.covariance, log_weight))
-        self._start(tracks, told)
 
     def scatter(self) -> None:
         """Start anew without any: places are looked for."""

@@ -97,6 +97,10 @@ class ParticleFilter:
         poses[:, 2] = wrap_angle(poses[:, 2])
         self.set_cloud(Cloud.even(poses))
 
+    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
+        """Start anew at places whose weights are relative to each other."""
+        self.set_cloud(Cloud.drawn(hypotheses, self._limits()[1], self._rng))
+
     def set_cloud(self, cloud: Cloud) -> None:
         """Start anew from given weighted particles."""
         self._particles = self._weighed = cloud
