@@ -1,0 +1,66 @@
+"""Where compiled code is kept from one run to the next.
+
+numba makes a function anew when its own file changes, not when a file does that it calls or takes
+constants from: after an update, old mathematics would go on being used. So there is a folder for
+each state of all these files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+HERE = Path(__file__).parent
+KEPT_S = 7 * 24 * 3600.0
+"""Folders of former states are removed after this time [s]."""
+IMPORTS = re.compile(rb"^from ([\w.]+) import", re.MULTILINE)
+
+
+def keep_compiled_code(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim")) -> Path | None:
+    """Tell numba where to keep what it compiles; None leaves it to numba, where nothing is ours.
+
+    Args:
+        packages: folders with compiled functions.
+    """
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    parent = Path(given) if given else HERE / "__pycache__"
+    name = f"compiled-{_digest(packages)}"
+    folder = parent if parent.name == name else parent / name
+    if not folder.exists():
+        try:
+            folder.mkdir(parents=True)
+        except OSError:
+            return None
+        for old in folder.parent.glob("compiled-*"):
+            # A program that still runs may yet compile something into it.
+            if time.time() - old.stat().st_mtime > KEPT_S:
+                shutil.rmtree(old, ignore_errors=True)
+    os.environ["NUMBA_CACHE_DIR"] = str(folder)
+    if "numba" in sys.modules:
+        sys.modules["numba"].config.CACHE_DIR = str(folder)
+    return folder
+
+
+def _digest(packages: tuple[Path, ...]) -> str:
+    found = hashlib.sha256()
+    for path in sorted(set(_sources(packages))):
+        found.update(path.read_bytes())
+    return found.hexdigest()[:12]
+
+
+def _sources(packages: tuple[Path, ...]) -> Iterator[Path]:
+    """Files with compiled functions, and those that they import from."""
+    for path in (path for package in packages for path in package.rglob("*.py")):
+        text = path.read_bytes()
+        if b"@njit" in text:
+            yield path
+            for module in IMPORTS.findall(text):
+                imported = HERE.parent.joinpath(*module.decode().split(".")).with_suffix(".py")
+                if imported.is_file():
+                    yield imported
