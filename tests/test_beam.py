@@ -22,7 +22,7 @@ from sensor_trials import (
 from robot.fields.edge_index import index_edges
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, compose
-from robot.localization.models.beam import SIGHT_MARGIN
+from robot.localization.models.beam import FAR, NEAR
 from robot.scan import Scan
 
 BEAM = beam_of()
@@ -120,8 +120,8 @@ def test_an_edge_out_of_sight_is_not_missed() -> None:
     missed = pytest.approx(math.log(PARAMETERS.z_max))
     assert sees(0.1, 0.6, math.inf, 0.5) == missed
     assert sees(0.1, 0.45, math.inf, 0.5) == 0
-    assert sees(0.1, 0.5 + SIGHT_MARGIN / 2, math.inf, 0.5) == 0, "so near the end of sight"
-    assert sees(0.5 - SIGHT_MARGIN / 2, 0.65, math.inf, 0.5) == 0, "or its begin"
+    assert sees(0.1, 0.5 + FAR / 2, math.inf, 0.5) == 0, "so near the end of sight"
+    assert sees(0.5 - NEAR / 2, 0.65, math.inf, 0.5) == 0, "or its begin"
     assert sees(math.nan, math.nan, 0.5, 0.5) == 0, "a ray that sees nothing says nothing"
 
 

@@ -197,7 +197,8 @@ class FilterParameters:
     )
     min_effective: float = setting(
         0.05,
-        "Share of the particles that stays effective after one measurement; it counts less if not",
+        "Share of the particles that stays effective between two resamplings; measurements count "
+        "less if not",
         low=0,
         high=0.9,
     )

@@ -2,9 +2,6 @@
 
 A ray is first looked through coarsely, at the pixels next to its samples; only around what looks
 like an edge is the picture interpolated, to find the edge's place between the pixels.
-
-Compiled code that is kept on disk is made anew when its own file changes, not when another does: so
-no compiled function calls one of another file.
 """
 
 from __future__ import annotations

@@ -13,8 +13,9 @@ from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array, heading_vectors
 from robot.scan import Scan, evenly
 
-SIGHT_MARGIN = 0.02
-"""An edge so close to where a ray's sight begins or ends [m] may be missed: tape is seen whole."""
+NEAR, FAR = 0.02, 0.08
+"""An edge so close to where a ray's sight begins, or ends, may be missed [m]: tape must be seen
+whole, and its far edge is 50 mm behind, more for a ray that meets it aslant."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,8 @@ class Beam:
             rays[:, 4:] = 0.0, 0.0, self.range_max
         else:
             near, far = scan.sight[used].T
-            surely = np.minimum(far - SIGHT_MARGIN, self.range_max)
-            rays[:, 4:] = np.column_stack([near, near + SIGHT_MARGIN, surely])
+            surely = np.minimum(far - FAR, self.range_max)
+            rays[:, 4:] = np.column_stack([near, near + NEAR, surely])
         # A ray that sees nothing anywhere has no opinion.
         return rays[~np.isnan(rays[:, 4])]
 
