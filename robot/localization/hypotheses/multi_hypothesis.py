@@ -22,6 +22,7 @@ from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
 from robot.localization.hypotheses.track import Track, TrackFilter
+from robot.localization.particles.resampling import effective_sample_size
 from robot.localization.rays import rays_of
 from robot.localization.setup import Setup
 from robot.scan import Scan
@@ -106,7 +107,7 @@ class MultiHypothesisFilter:
     @property
     def effective(self) -> float:
         """Effective sample size of the cloud."""
-        return float(1.0 / np.square(self.cloud.weights).sum())
+        return effective_sample_size(self.cloud.weights)
 
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; all hypotheses stay."""

@@ -56,7 +56,7 @@ def count_cells(cells: NDArray[np.int64], drawn: NDArray[np.int64]) -> int:
 
 def effective_sample_size(weights: Array) -> float:
     """1 / sum w^2 of weights (n,) that sum to one: 1 (one particle counts) to n (all do)."""
-    return float(1.0 / np.square(weights).sum())
+    return 1.0 / float(weights @ weights)
 
 
 def kld_sample_size(bins: int, pf_err: float, pf_z: float) -> int:
