@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
 from square_drive import NARROW, ON_SQUARE, ON_STUB, SQUARE, drive_on, right, setup_of
 from stub_drive import DEFAULTS, Drive
+from told_filters import at_places
 
-from robot.geometry import Array, Pose2
-from robot.localization.estimate import Hypothesis
-from robot.localization.filter import Cloud
+from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import (
     INDIFFERENT,
     LEAST_SHARE,
@@ -21,59 +19,6 @@ from robot.localization.hypotheses.multi_hypothesis import (
 )
 from robot.localization.hypotheses.track import Track
 from robot.localization.rays import rays_of
-from robot.localization.setup import Setup
-from robot.scan import Scan
-
-
-@dataclass
-class Fixed:
-    """A filter of one hypothesis that only follows odometry."""
-
-    pose: Pose2
-    weights: tuple[float, ...] = (1.0,)
-    share: float = 1.0
-    told: list[object] = field(default_factory=list)
-    effective: float = 1.0
-
-    @property
-    def hypotheses(self) -> tuple[Hypothesis, ...]:
-        return tuple(
-            Hypothesis(weight, self.pose @ Pose2(0.1 * i), NARROW)
-            for i, weight in enumerate(self.weights)
-        )
-
-    @property
-    def cloud(self) -> Cloud:
-        return Cloud.even(np.tile(self.pose.to_array(), (4, 1)))
-
-    def use(self, setup: Setup) -> None:
-        self.told.append(setup)
-
-    def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        self.pose = pose
-
-    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        self.told.append(hypotheses)
-
-    def set_cloud(self, cloud: Cloud) -> None:
-        self.told.append(cloud)
-
-    def scatter(self) -> None:
-        self.told.append("scatter")
-
-    def predict(self, moved: Pose2) -> None:
-        self.pose = self.pose @ moved
-
-    def correct(self, scan: Scan) -> None:
-        self.told.append(scan)
-
-
-def at_places(*places: tuple[Pose2, float], setup: Setup = ON_STUB) -> MultiHypothesisFilter:
-    """Follows given places with given log-weights."""
-    f = MultiHypothesisFilter(setup, lambda *_: Fixed(Pose2()), np.random.default_rng(0))
-    f.set_pose(Pose2(), NARROW)
-    f._tracks = [Track(Fixed(pose), weight) for pose, weight in places]
-    return f
 
 
 def poses(f: MultiHypothesisFilter) -> list[Pose2]:

@@ -3,60 +3,23 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from particle_robot import Tracker, standing_tracker, still, tracker_of
 from stub_drive import STUB, Drive
+from told_filters import NARROW, Told
 
-from robot.geometry import Array, Pose2, Twist2
-from robot.localization.estimate import Hypothesis
+from robot.geometry import Pose2, Twist2
 from robot.localization.filter import Cloud
 from robot.localization.localizer import Localizer
 from robot.localization.models.motion_models import DifferentialMotion
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
 from robot.localization.scan_matching import ScanMatcher
-from robot.localization.setup import Setup
-from robot.scan import Scan
 
 SCAN = Drive().scan()
-NARROW = np.diag(np.square([0.001, 0.001, 0.005]))
-
-
-@dataclass
-class Told:
-    """A filter that only writes down what it is told."""
-
-    hypotheses: tuple[Hypothesis, ...] = (
-        Hypothesis(0.6, Pose2(0.003, 0, 0.01), NARROW),
-        Hypothesis(0.4, Pose2(0.003, 0.002, 0.02), NARROW),
-    )
-    effective: float = 33.0
-    told: list[object] = field(default_factory=list)
-    cloud: Cloud = field(default_factory=lambda: Cloud.even(np.zeros((1, 3))))
-
-    def use(self, setup: Setup) -> None:
-        self.told.append(setup)
-
-    def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        self.told.append((pose, covariance.tolist()))
-
-    def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        self.told.append(hypotheses)
-
-    def set_cloud(self, cloud: Cloud) -> None:
-        self.told.append(cloud)
-
-    def scatter(self) -> None:
-        self.told.append("scatter")
-
-    def predict(self, moved: Pose2) -> None:
-        self.told.append(moved)
-
-    def correct(self, scan: Scan) -> None:
-        self.told.append(scan)
 
 
 def localizer(refinement: Refinement | None = None, **changes: float) -> tuple[Localizer, Told]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 from stub_drive import DEFAULTS
-from test_hypothesis_weights import at_places
+from told_filters import at_places
 
 from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter

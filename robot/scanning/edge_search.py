@@ -245,7 +245,8 @@ def refine(
     """Place of an edge along a ray, in samples with fractions.
 
     Top of the parabola through the same kernel's answers in finer steps, on the picture
-    interpolated between four pixels.
+    interpolated between four pixels. The sample itself where that straight search would leave the
+    picture: the lens may bend the ray away from it.
 
     Args:
         picture: (h * w,) all pixels, row by row, ``width`` in a row.
@@ -253,22 +254,16 @@ def refine(
         place: sample where the edge was found.
         half: half width of the kernel [samples].
         scale: how many times wider than the kernel the edge is; the search is stretched by it.
-
-    Returns:
-        The sample itself where the search would leave the picture: it is straight, and a ray that
-        the lens bends may turn away from it.
     """
-    wide = half * PARTS
-    ends = wide + REACH
-    total = np.empty(2 * ends + 2)
+    wide, ends = half * PARTS, half * PARTS + REACH
+    total = np.zeros(2 * ends + 2)
     u, v = float(pixels[place, 0]), float(pixels[place, 1])
     du = (pixels[place + 1, 0] - pixels[place - 1, 0]) * (scale / (2 * PARTS))
     dv = (pixels[place + 1, 1] - pixels[place - 1, 1]) * (scale / (2 * PARTS))
-    last_u, last_v = width - 1, len(picture) // width - 1
-    for way in (-ends, ends):
-        if not (0 <= u + way * du < last_u and 0 <= v + way * dv < last_v):
-            return float(place)
-    total[0] = 0.0
+    far_u, far_v = ends * abs(du), ends * abs(dv)
+    height = len(picture) // width
+    if not (far_u <= u < width - 1 - far_u and far_v <= v < height - 1 - far_v):
+        return float(place)
     for j in range(2 * ends + 1):
         u_j, v_j = u + (j - ends) * du, v + (j - ends) * dv
         total[j + 1] = total[j] + _between(picture, width, u_j, v_j)

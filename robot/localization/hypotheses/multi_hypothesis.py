@@ -230,8 +230,8 @@ class MultiHypothesisFilter:
         # Back to where it was lost, or to a start of which nothing was told, a place found now is
         # as likely as one that was found since then and fits as well: also one that the old track
         # has come to, but not the old one itself.
-        still = any(track.born < self._lost_at for track in self._tracks[:1])
-        whole = search.whole and not self._told and not (self._elsewhere.lost and still)
+        old = any(track.born < self._lost_at for track in self._tracks[:1])
+        whole = search.whole and not self._told and not (self._elsewhere.lost and old)
         lives = [life for life in search.found if not self._is_followed(life.pose @ search.since)]
         before = len(self._tracks)
         if not lives:
