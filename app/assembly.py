@@ -63,7 +63,7 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
     # Independent streams: a change in the filter's luck does not change the robot's.
     for_robot, for_filter = np.random.default_rng(config.seed).spawn(2)
     robot = build_robot(config, spec, field, for_robot, wait)
-    kinematics = DifferentialDrive(spec)
+    kinematics = DifferentialDrive(spec, config.drive.multipliers)
     scanner = LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
@@ -80,6 +80,7 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
         localization,
         Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
         odometry_start(begin, robot, field),
+        kinematics,
     )
     if begin.complaint is not None:
         engine.note(begin.complaint)
@@ -112,8 +113,9 @@ def build_robot(
         true = draw(spec, config.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.physics)
         encoders = Encoders(spec, config.imperfections, rng)
+        seen = true.floor_view
         return SimulatedRobot(
-            "Simulated robot", spec, field, world, encoders, config.camera, rng, wait
+            "Simulated robot", spec, field, world, encoders, config.camera, rng, wait, seen
         )
     perfect = Encoders(spec, Imperfections.none(), rng)
     return SimulatedRobot(

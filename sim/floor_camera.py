@@ -22,6 +22,7 @@ from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 from sim.clutter import KINDS, cluttered
+from sim.lighting import lit_unevenly
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows that see the floor at a steeper slant take more."""
@@ -52,6 +53,13 @@ class CameraSettings:
     vignetting: float = setting(
         0.25, "Share of the light that is lost in the corners", low=0, high=0.9
     )
+    stamp_error: float = setting(
+        0.0, "How much later a picture is stamped than it was exposed", unit="s", low=0, high=1
+    )
+    uneven_light: float = setting(
+        0.0, "Share of the light that is lost where the floor is farthest from the lamp",
+        low=0, high=0.95,
+    )  # fmt: skip
     clutter: str = setting(
         "none", "Things on the floor that are no tape and in no map", choices=KINDS
     )
@@ -70,8 +78,10 @@ class FloorCamera:
         settings: CameraSettings,
         rng: np.random.Generator,
     ) -> None:
-        # A stream of its own: with or without clutter, noise is the same.
-        self._floor = cluttered(floor, settings.clutter, rng.spawn(1)[0])
+        # Streams of their own: with or without clutter, noise is the same.
+        for_clutter, for_light = rng.spawn(2)
+        littered = cluttered(floor, settings.clutter, for_clutter)
+        self._floor = lit_unevenly(littered, settings.uneven_light, for_light)
         self._settings = settings
         self._rng = rng
         self._bands = _bands(view)

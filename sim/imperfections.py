@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from robot.description.spec import RobotSpec
 from robot.settings import check_settings, setting
@@ -35,6 +37,16 @@ class Imperfections:
     slip_time: float = setting(
         1.0, "Time over which slip forgets what it was", unit="s", low=0.01, high=100
     )
+    camera_angle_sd: float = setting(
+        0.0, "Error of the camera's mounting about each of its axes", unit="degree", low=0, high=10
+    )
+    camera_position_sd: float = setting(
+        0.0, "Error of the camera's place along each axis", unit="m", low=0, high=0.05
+    )
+    robot: int = setting(
+        -1, "Seed of what one robot keeps: wheels, track, mounting; -1 is the run's seed",
+        low=-1, high=2**32 - 1,
+    )  # fmt: skip
     encoder_step: float = setting(
         1.0, "Angle that the encoders count in; 0 is exact", unit="degree", low=0, high=45
     )
@@ -47,23 +59,40 @@ class Imperfections:
         """The robot as described, with exact encoders."""
         return cls(wheel_radius_sd=0, track_sd=0, slip_sd=0, encoder_step=0)
 
+    def of_robot(self, rng: np.random.Generator) -> np.random.Generator:
+        """What decides what one robot keeps: its own seed's generator, or that of the run."""
+        return rng if self.robot < 0 else np.random.default_rng(self.robot)
+
 
 LARGEST = 3.0
 """Errors are drawn anew beyond this many standard deviations, so that no dimension turns absurd."""
 
 
 def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator) -> RobotSpec:
-    """The true robot: the described one with other wheel radii and another track.
+    """The true robot: with other wheel radii, another track, a camera mounted a little askew.
 
     Errors are normal, cut off at ``LARGEST`` standard deviations. A run is repeated by the same
     seed; what is switched off does not change what the rest draws.
     """
+    rng = imperfections.of_robot(rng)
     errors = _cut_normal(rng, len(spec.joints) + 1)
     radii = [
         joint.radius * (1 + imperfections.wheel_radius_sd * error)
         for joint, error in zip(spec.joints, errors, strict=False)
     ]
-    return spec.with_wheels(radii, spec.track * (1 + imperfections.track_sd * errors[-1]))
+    true = spec.with_wheels(radii, spec.track * (1 + imperfections.track_sd * errors[-1]))
+    if imperfections.camera_angle_sd == imperfections.camera_position_sd == 0:
+        return true
+    # A stream of its own: the mounting does not change what the rest of a run draws.
+    return _askew(true, imperfections, rng.spawn(1)[0])
+
+
+def _askew(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator) -> RobotSpec:
+    angles = math.radians(imperfections.camera_angle_sd) * np.array(_cut_normal(rng, 3))
+    robot_from_camera = spec.robot_from_camera.copy()
+    robot_from_camera[:3, :3] @= Rotation.from_rotvec(angles).as_matrix()
+    robot_from_camera[:3, 3] += imperfections.camera_position_sd * np.array(_cut_normal(rng, 3))
+    return replace(spec, robot_from_camera=robot_from_camera)
 
 
 def _cut_normal(rng: np.random.Generator, count: int) -> list[float]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
@@ -40,13 +41,15 @@ class SimulatedRobot:
         camera: CameraSettings,
         rng: np.random.Generator,
         wait: Callable[[float], None] = no_wait,
+        view: FloorView | None = None,
     ) -> None:
+        """Put it together; ``view`` is how its camera is truly mounted, if not as described."""
         self.name = name
         self.spec = spec
         self._world = world
         self._encoders = encoders
         self._settings = camera
-        self._camera = FloorCamera(spec.floor_view, field.floor, camera, rng)
+        self._camera = FloorCamera(view or spec.floor_view, field.floor, camera, rng)
         self._wait = wait
         self._steps = round(PERIOD / world.step_time)
         if abs(self._steps * world.step_time - PERIOD) > 1e-9:
@@ -114,7 +117,7 @@ class SimulatedRobot:
         if exposed is None:
             return None
         pose, twist = self._at(exposed)
-        return Frame(exposed, self._camera.picture(pose, twist))
+        return Frame(exposed + self._settings.stamp_error, self._camera.picture(pose, twist))
 
     def _at(self, stamp: float) -> tuple[Pose2, Twist2]:
         """True pose and twist at a moment that is still remembered."""

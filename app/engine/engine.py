@@ -67,6 +67,7 @@ class Engine:
         localization: Localization,
         driving: Driving,
         start: Pose2,
+        kinematics: DifferentialDrive | None = None,
     ) -> None:
         self.robot = robot
         self.latest: Latest[Snapshot] = Latest()
@@ -74,7 +75,7 @@ class Engine:
         self._odometry = odometry
         self._localization = localization
         self._driving = driving
-        self._kinematics = DifferentialDrive(robot.spec)
+        self._kinematics = kinematics or DifferentialDrive(robot.spec)
         self._map_from_odom = start
         self._frame: Frame | None = None
         self._odom_from_scan: Pose2 | None = None

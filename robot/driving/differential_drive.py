@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2, Twist2
+
+
+class WheelMultipliers(NamedTuple):
+    """Measured dimensions by described ones (diff_drive_controller's ``*_multiplier``)."""
+
+    left_radius: float = 1.0
+    right_radius: float = 1.0
+    separation: float = 1.0
 
 
 class DifferentialDrive:
@@ -15,11 +25,17 @@ class DifferentialDrive:
     ``v - omega y``, which the wheel rolls off at ``r`` times its angular velocity.
     """
 
-    def __init__(self, spec: RobotSpec) -> None:
+    def __init__(self, spec: RobotSpec, multipliers: WheelMultipliers | None = None) -> None:
+        by = multipliers or WheelMultipliers()
         self.spec = spec
         self.left, self.right = spec.axle
+        self.track = by.separation * spec.track
+        """Distance between the wheels [m], as corrected."""
         radii = np.array([joint.radius for joint in spec.joints])
-        offsets = np.array([joint.offset for joint in spec.joints])
+        radii[[self.left, self.right]] *= by.left_radius, by.right_radius
+        self.radii = radii
+        """Of the wheels (j,) [m], as corrected."""
+        offsets = by.separation * np.array([joint.offset for joint in spec.joints])
         self._limits = np.array([joint.max_velocity for joint in spec.joints])
         self._wheels_from_twist = np.column_stack([1 / radii, -offsets / radii])
         self._twist_from_wheels = np.linalg.inv(self._wheels_from_twist)

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2
 from robot.settings import check_settings, setting
 
 
 @dataclass(frozen=True)
 class DriveSettings:
-    """Limits of the drive."""
+    """Limits of the drive, and how the wheels are corrected, as diff_drive_controller has them."""
 
     max_velocity: float = setting(0.30, "Highest speed", unit="m/s", low=0, high=2)
     max_acceleration: float = setting(
@@ -36,9 +36,27 @@ class DriveSettings:
     cmd_vel_timeout: float = setting(
         0.5, "A command that is not renewed ends after this time", unit="s", low=0.05, high=5
     )
+    left_wheel_radius_multiplier: float = setting(
+        1.0, "The left wheel's radius, by the described one", low=0.5, high=2
+    )
+    right_wheel_radius_multiplier: float = setting(
+        1.0, "The right wheel's radius, by the described one", low=0.5, high=2
+    )
+    wheel_separation_multiplier: float = setting(
+        1.0, "The distance between the wheels, by the described one", low=0.5, high=2
+    )
 
     def __post_init__(self) -> None:
         check_settings(self)
+
+    @property
+    def multipliers(self) -> WheelMultipliers:
+        """What the described wheels are multiplied by."""
+        return WheelMultipliers(
+            self.left_wheel_radius_multiplier,
+            self.right_wheel_radius_multiplier,
+            self.wheel_separation_multiplier,
+        )
 
 
 class DriveController:

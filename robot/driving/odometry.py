@@ -114,15 +114,15 @@ class Odometry:
 
     def _spread(self, last: OdometryState, turned: Array, moved: Pose2) -> Array:
         """Carry the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""
-        spec = self._drive.spec
-        travel = np.abs(turned) * np.array([joint.radius for joint in spec.joints])
+        track = self._drive.track
+        travel = np.abs(turned) * self._drive.radii
         by_wheel = self._settings.wheel_error * travel
         cx, cy = heading_vectors(np.array([last.odom_from_robot.theta + moved.theta / 2]))[0]
         left, right = self._drive.left, self._drive.right
         by_pose = np.array([[1, 0, -moved.x * cy], [0, 1, moved.x * cx], [0, 0, 1]])
         by_turn = np.empty((3, 2))
-        by_turn[:, 0] = cx / 2, cy / 2, -1 / spec.track
-        by_turn[:, 1] = cx / 2, cy / 2, 1 / spec.track
+        by_turn[:, 0] = cx / 2, cy / 2, -1 / track
+        by_turn[:, 1] = cx / 2, cy / 2, 1 / track
         noise = np.diag([by_wheel[left], by_wheel[right]])
         grown: Array = by_pose @ last.covariance @ by_pose.T + by_turn @ noise @ by_turn.T
         return grown
