@@ -1,0 +1,1 @@
+"""Trajectories: read, put on one clock, compared, and what the comparison says."""

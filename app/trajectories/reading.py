@@ -1,0 +1,54 @@
+"""Read a trajectory from a file of any form that is known; its content tells which."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.trajectories.motive import is_motive, parse_motive
+from app.trajectories.mrclam import content_of, parse_mrclam
+from app.trajectories.text_file import number_from, numbered, read_text
+from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.trajectories.tum import COLUMNS, parse_tum
+
+VALID = (
+    f"TUM text ({COLUMNS}), the CSV of OptiTrack's Motive (begins with Format Version), "
+    "MRCLAM text with its comments"
+)
+
+
+def read_trajectory(path: Path | str, body: str | None = None) -> Trajectory:
+    """Read a file of TUM or MRCLAM text or of Motive, which may be compressed by gzip.
+
+    Args:
+        path: of the file.
+        body: which rigid body of a file of Motive; needed where it has several.
+
+    Raises:
+        TrajectoryError: it cannot be read or is no trajectory; names file and line.
+    """
+    return parse_trajectory(read_text(Path(path)), str(path), body)
+
+
+def parse_trajectory(text: str, source: str, body: str | None = None) -> Trajectory:
+    """Read the text of a file; as in `read_trajectory`."""
+    if is_motive(text):
+        return parse_motive(text, source, body)
+    if body is not None:
+        raise TrajectoryError(f"{source}: only files of Motive have a rigid body {body!r}")
+    if content_of(text) is not None:
+        return parse_mrclam(text, source)
+    _check_numeric(text, source)
+    return parse_tum(text, source)
+
+
+def _check_numeric(text: str, source: str) -> None:
+    """A text whose first row does not even begin with a number is of no known form."""
+    for line, row in numbered(text):
+        if row.startswith("#"):
+            continue
+        try:
+            number_from((row.replace(",", " ").split() or [""])[0])
+        except ValueError as error:
+            raise TrajectoryError(f"{source}, line {line}: {error}; valid are {VALID}") from error
+        return
+    raise TrajectoryError(f"{source} has no poses; valid are {VALID}")
