@@ -18,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 
 from app.config import Config
-from benchmarks.drives import Drive, on_eight, record
+from app.evaluation.drives import Drive, on_eight, record
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.config import Config
 from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, rms, with_filter
-from benchmarks.drives import Drive, Tick, record
+from app.evaluation.drives import Drive, Tick, record
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
 from robot.localization.models.entry_field import EntryField

@@ -20,7 +20,7 @@ from benchmarks.accuracy import (
     rms,
     with_filter,
 )
-from benchmarks.drives import record
+from app.evaluation.drives import record
 from benchmarks.trials import Shown, decided_at, try_filter
 from sim.floor_camera import CameraSettings
 

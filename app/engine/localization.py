@@ -23,6 +23,7 @@ from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
+from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.settings import SettingError, describe
 
@@ -94,15 +95,18 @@ class Localization:
     def measure(self, frame: Frame, odometry: OdometryState) -> None:
         """Scan a picture and update the filter, with the odometry at the picture's stamp."""
         self.line_scan = self.scanner.scan(frame, odometry.twist)
-        pose = odometry.odom_from_robot
+        self.take(self.line_scan.scan, odometry.odom_from_robot)
+
+    def take(self, scan: Scan, pose: Pose2) -> None:
+        """Update the filter with a scan, and the odometry's pose at its stamp."""
         if self.fault or (self.paused and not self._once):
             # A cloud that has not moved is an answer of before, tied to the odometry of then.
             if self._localizer.predict(pose) or self.belief is None:
-                self._believe(self._localizer.estimate(frame.stamp), pose)
+                self._believe(self._localizer.estimate(scan.stamp), pose)
             return
         self._once = False
         before = self._localizer.updates
-        estimate = self._localizer.update(pose, self.line_scan.scan)
+        estimate = self._localizer.update(pose, scan)
         if self._localizer.updates > before:
             self.own.note_update()
         self._believe(estimate, pose)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.assembly import build_robot
+from app.assembly import build_robot, settle_robot
 from app.config import MAPS, Config
 from app.engine.figure_eight import FigureEight
 from robot.description.spec import RobotSpec
@@ -88,8 +88,9 @@ def record(
     if start is not None:
         of = replace(of, start=start)
     chance = np.random.default_rng(config.seed).spawn(2)[0]
+    config, _ = settle_robot(config)
     robot = build_robot(config, spec, of, chance, no_wait)
-    kinematics = DifferentialDrive(spec)
+    kinematics = DifferentialDrive(spec, config.drive.multipliers)
     odometry = Odometry(kinematics, config.odometry)
     scanner = LineScanner(spec.floor_view, config.scanner)
     controller = DriveController(kinematics, config.drive)
@@ -108,7 +109,8 @@ def record(
         if kidnap is not None and reading.stamp >= kidnap[0]:
             robot.place(kidnap[1])
             kidnap = None
-        controller.command(FigureEight().twist(elapsed + reading.stamp), reading.stamp)
+        since = reading.stamp - ticks[0].stamp
+        controller.command(FigureEight().twist(elapsed + since), reading.stamp)
         robot.write(kinematics.wheels(controller.update(reading.stamp)))
     robot.close()
     return Drive(of, ticks)

@@ -1,0 +1,1 @@
+"""The paper's experiment: simulated or recorded drives, and how far each method is off."""
