@@ -1,0 +1,353 @@
+"""Metrics: rules they must keep, and agreement with evo, a peer that is only imported here."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from app.trajectories.association import associate
+from app.trajectories.metrics import (
+    absolute_errors,
+    align,
+    ate_rmse,
+    heading_errors,
+    relative_errors,
+    relative_pairs,
+    rms,
+)
+from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.trajectories.tum import read_tum
+
+RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
+recorded = [
+    pytest.mark.data,
+    pytest.mark.skipif(not RECORDED.is_dir(), reason="needs the recorded trajectories"),
+]
+KINDS = ("planar", "space")
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def walk(kind, rng, n=60):
+    """A wandering path with uneven stamps."""
+    stamps = np.cumsum(rng.uniform(0.02, 0.05, n)) + 1e3
+    positions = np.cumsum(rng.normal(0, 0.02, (n, 3)), axis=0)
+    turns = np.cumsum(rng.normal(0, 0.1, (n, 3)), axis=0)
+    if kind == "planar":
+        return Trajectory.of_poses(stamps, np.column_stack([positions[:, :2], turns[:, 2]]))
+    return Trajectory(stamps, positions, Rotation.from_rotvec(turns).as_quat())
+
+
+def noisy(trajectory, rng, spread=0.005):
+    kind = "planar" if trajectory.planar else "space"
+    noise = walk(kind, rng, len(trajectory))
+    turned = Rotation.from_quat(trajectory.quaternions) * Rotation.from_quat(noise.quaternions)
+    return Trajectory(
+        trajectory.stamps,
+        trajectory.positions + spread * noise.positions / 0.02,
+        turned.as_quat(),
+    )
+
+
+def rigid(kind, rng):
+    """A motion of the world."""
+    turn = rng.normal(0, 1, 3) * (0, 0, 1) if kind == "planar" else rng.normal(0, 1, 3)
+    shift = rng.uniform(-5, 5, 3) * ((1, 1, 0) if kind == "planar" else 1)
+    return Rotation.from_rotvec(turn), shift
+
+
+def moved(trajectory, motion):
+    rotation, shift = motion
+    return Trajectory(
+        trajectory.stamps,
+        trajectory.positions @ rotation.as_matrix().T + shift,
+        (rotation * Rotation.from_quat(trajectory.quaternions)).as_quat(),
+    )
+
+
+def pair(kind, seed):
+    rng = np.random.default_rng(seed)
+    truth = walk(kind, rng)
+    return truth, noisy(truth, rng), rng
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@given(seed=seeds)
+def test_errors_do_not_change_when_the_world_moves(kind, seed):
+    truth, estimate, rng = pair(kind, seed)
+    motion = rigid(kind, rng)
+    both = moved(truth, motion), moved(estimate, motion)
+    np.testing.assert_allclose(absolute_errors(*both), absolute_errors(truth, estimate), atol=1e-12)
+    assert ate_rmse(*both, aligned=True) == pytest.approx(ate_rmse(truth, estimate, True))
+    np.testing.assert_allclose(heading_errors(*both), heading_errors(truth, estimate), atol=1e-7)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@given(seed=seeds)
+def test_the_aligned_error_is_the_least_and_does_not_know_the_frame(kind, seed):
+    truth, estimate, rng = pair(kind, seed)
+    least = ate_rmse(truth, estimate, aligned=True)
+    assert least <= ate_rmse(truth, estimate) + 1e-12
+    assert ate_rmse(truth, moved(estimate, rigid(kind, rng)), True) == pytest.approx(least)
+    best = align(truth, estimate).apply(estimate)
+    for _ in range(5):
+        rotation, shift = rigid(kind, rng)
+        small = Rotation.from_rotvec(rotation.as_rotvec() * 1e-3), shift * 1e-3
+        assert least <= ate_rmse(truth, moved(best, small)) + 1e-12
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@given(seed=seeds)
+def test_alignment_finds_the_motion_that_was_made(kind, seed):
+    truth, _, rng = pair(kind, seed)
+    rotation, shift = rigid(kind, rng)
+    found = align(moved(truth, (rotation, shift)), truth)
+    np.testing.assert_allclose(found.rotation, rotation.as_matrix(), atol=1e-9)
+    np.testing.assert_allclose(found.translation, shift, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(("delta", "unit"), [(0.5, "s"), (0.3, "m"), (7, "frames")])
+@given(seed=seeds)
+def test_relative_errors_do_not_know_either_frame(kind, delta, unit, seed):
+    truth, estimate, rng = pair(kind, seed)
+    expected = relative_errors(truth, estimate, delta, unit)
+    for both in (
+        (truth, moved(estimate, rigid(kind, rng))),
+        (moved(truth, rigid(kind, rng)), estimate),
+    ):
+        translation, rotation = relative_errors(*both, delta, unit)
+        np.testing.assert_allclose(translation, expected[0], atol=1e-9)
+        np.testing.assert_allclose(rotation, expected[1], atol=1e-7)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_path_has_no_error_against_itself(kind):
+    truth = walk(kind, np.random.default_rng(0))
+    assert ate_rmse(truth, truth) == 0
+    assert ate_rmse(truth, truth, aligned=True) < 1e-12
+    translation, rotation = relative_errors(truth, truth, 0.1, "s")
+    assert translation.max() < 1e-12
+    assert rotation.max() < 1e-7
+
+
+def test_heading_errors_in_the_plane_have_a_sign_and_take_the_short_way():
+    truth = Trajectory.of_poses([0, 1, 2], [[0, 0, 3.1], [1, 0, 0], [2, 0, -3.1]])
+    estimate = Trajectory.of_poses([0, 1, 2], [[0, 0, -3.1], [1, 0, -0.2], [2, 0, 3.1]])
+    turn = 2 * np.pi - 6.2
+    np.testing.assert_allclose(heading_errors(truth, estimate), [turn, -0.2, -turn])
+
+
+def test_heading_errors_in_space_are_angles_of_rotations():
+    truth = walk("space", np.random.default_rng(1))
+    turned = Rotation.from_quat(truth.quaternions) * Rotation.from_rotvec([0.3, 0, 0])
+    estimate = Trajectory(truth.stamps, truth.positions, turned.as_quat())
+    np.testing.assert_allclose(heading_errors(truth, estimate), 0.3)
+
+
+def nearest_by_search(along, delta, tolerance):
+    """What the pairs are, one by one."""
+    for i in range(len(along) - 1):
+        off = np.abs(along[i + 1 :] - along[i] - delta)
+        best = int(np.argmin(off))
+        if off[best] <= tolerance * delta:
+            yield i, i + 1 + best
+
+
+@given(
+    st.lists(st.sampled_from([0.0, 0.01, 0.02, 0.1, 0.5]), min_size=2, max_size=40),
+    st.sampled_from([0.01, 0.1, 0.25, 1.0]),
+    st.sampled_from([0.0, 0.1, 0.5]),
+)
+def test_pairs_along_the_way_are_the_nearest_even_where_the_robot_stands(steps, delta, tolerance):
+    along = np.cumsum(steps)
+    truth = Trajectory.of_poses(
+        np.arange(len(along)), np.column_stack([along, 0 * along, 0 * along])
+    )
+    way = np.concatenate([[0], np.cumsum(np.abs(np.diff(truth.positions[:, 0])))])
+    found = list(zip(*relative_pairs(truth, delta, "m", tolerance), strict=True))
+    assert found == list(nearest_by_search(way, delta, tolerance))
+
+
+def test_numbers_of_poses_are_exact():
+    i, j = relative_pairs(walk("planar", np.random.default_rng(0)), 30, "frames")
+    np.testing.assert_array_equal(i, np.arange(30))
+    np.testing.assert_array_equal(j, i + 30)
+
+
+@given(seed=seeds, delta=st.floats(0.02, 1.5))
+def test_pairs_by_time_are_the_nearest(seed, delta):
+    truth = walk("planar", np.random.default_rng(seed), 40)
+    found = list(zip(*relative_pairs(truth, delta, "s"), strict=True))
+    assert found == list(nearest_by_search(truth.stamps - truth.stamps[0], delta, 0.1))
+
+
+def test_sixty_thousand_poses_take_less_than_a_second_a_metric():
+    rng = np.random.default_rng(0)
+    truth = walk("planar", rng, 60_000)
+    estimate = noisy(truth, rng)
+    for work in (
+        lambda: ate_rmse(truth, estimate, aligned=True),
+        lambda: relative_errors(truth, estimate, 1.0, "s"),
+        lambda: relative_errors(truth, estimate, 0.5, "m"),
+        lambda: associate(truth, estimate.picked(np.arange(0, 60_000, 2))),
+    ):
+        start = time.perf_counter()
+        work()
+        assert time.perf_counter() - start < 1
+
+
+def standing(n=5, where=(0.3, 0.1, 0.0)):
+    return Trajectory.of_poses(np.arange(n), np.tile(where, (n, 1)), "standing.tum")
+
+
+def test_what_stays_on_one_spot_cannot_be_aligned():
+    going = Trajectory.of_poses(np.arange(5), np.eye(5, 3), "going.tum")
+    for truth, estimate in ((standing(), going), (going, standing())):
+        with pytest.raises(TrajectoryError, match=r"standing.tum .* stays on one spot"):
+            align(truth, estimate)
+
+
+def test_paths_without_a_direction_in_common_cannot_be_aligned():
+    square = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]
+    mirrored = [[1, 0, 0], [0, -1, 0], [-1, 0, 0], [0, 1, 0]]
+    with pytest.raises(TrajectoryError, match="no direction in common"):
+        align(Trajectory.of_poses(range(4), square), Trajectory.of_poses(range(4), mirrored))
+
+
+@pytest.mark.parametrize("towards", [(0, 1, 0), (1, 0, 0), (-1, 0, 0), (0.6, 0, 0.8)])
+def test_along_one_line_the_alignment_turns_least(towards):
+    way = np.linspace(-1, 2, 9)[:, None]
+    upright = np.tile([0.1, 0, 0, 1], (9, 1))
+    estimate = Trajectory(np.arange(9), way * (1.0, 0, 0), upright)
+    truth = Trajectory(np.arange(9), way * np.array(towards) + 3, upright)
+    found = align(truth, estimate)
+    np.testing.assert_allclose(absolute_errors(truth, found.apply(estimate)), 0, atol=1e-12)
+    assert np.linalg.det(found.rotation) == pytest.approx(1)
+    turn = Rotation.from_matrix(found.rotation).magnitude()
+    assert turn == pytest.approx(np.arccos(towards[0]), abs=1e-7)
+
+
+def test_unequal_lengths_and_a_delta_out_of_reach_are_refused():
+    truth = walk("planar", np.random.default_rng(0))
+    with pytest.raises(TrajectoryError, match="60 poses and the trajectory 59; valid are pairs"):
+        ate_rmse(truth, truth.picked(np.arange(59)))
+    with pytest.raises(TrajectoryError, match="no two poses 1000 s apart, within 10%"):
+        relative_errors(truth, truth, 1000, "s")
+    with pytest.raises(ValueError, match="valid are positive"):
+        relative_pairs(truth, 0, "s")
+
+
+@pytest.fixture(scope="module")
+def evo(tmp_path_factory):
+    """The peer's modules; it writes its settings into the home at its first import."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
+        from evo.core import metrics, sync, trajectory, units
+
+    class Peer:
+        pass
+
+    Peer.metrics, Peer.sync, Peer.trajectory, Peer.unit = metrics, sync, trajectory, units.Unit
+    return Peer
+
+
+def as_evo(evo, trajectory):
+    return evo.trajectory.PoseTrajectory3D(
+        positions_xyz=np.array(trajectory.positions),
+        orientations_quat_wxyz=trajectory.quaternions[:, [3, 0, 1, 2]],
+        timestamps=np.array(trajectory.stamps),
+    )
+
+
+def evo_error(evo, metric, truth, estimate):
+    metric.process_data((truth, estimate))
+    return metric.error
+
+
+def assert_agrees(evo, truth, estimate, atol=1e-9):
+    """All metrics of pairs; angles of nothing differ by more, as their cosine is 1 - angle^2."""
+    theirs, others = as_evo(evo, truth), as_evo(evo, estimate)
+    relation = evo.metrics.PoseRelation
+    ape = evo.metrics.APE(relation.translation_part)
+    np.testing.assert_allclose(
+        absolute_errors(truth, estimate), evo_error(evo, ape, theirs, others), atol=atol
+    )
+    angles = evo_error(evo, evo.metrics.APE(relation.rotation_angle_rad), theirs, others)
+    np.testing.assert_allclose(np.abs(heading_errors(truth, estimate)), angles, atol=1e-7)
+    for delta, unit, name in ((1, "frames", "frames"), (7, "frames", "frames"), (0.2, "m", "m")):
+        found = relative_errors(truth, estimate, delta, unit)
+        for part, which, tolerance in (
+            (found[0], relation.translation_part, atol),
+            (found[1], relation.rotation_angle_rad, 1e-7),
+        ):
+            rpe = evo.metrics.RPE(
+                which,
+                delta,
+                getattr(evo.unit, {"m": "meters"}.get(name, name)),
+                0.1,
+                all_pairs=True,
+                pairs_from_reference=True,
+            )
+            np.testing.assert_allclose(part, evo_error(evo, rpe, theirs, others), atol=tolerance)
+    aligned = as_evo(evo, estimate)
+    aligned.align(theirs)
+    np.testing.assert_allclose(
+        ate_rmse(truth, estimate, aligned=True),
+        rms(evo_error(evo, evo.metrics.APE(relation.translation_part), theirs, aligned)),
+        atol=atol,
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_evo_agrees_on_random_paths(evo, kind, seed):
+    truth, estimate, rng = pair(kind, seed)
+    assert_agrees(evo, truth, estimate)
+    assert_agrees(evo, truth, moved(estimate, rigid(kind, rng)))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_evo_makes_the_same_pairs(evo, seed):
+    """With many ties: stamps are multiples of 5 ms."""
+    rng = np.random.default_rng(seed)
+
+    def path(n, start):
+        stamps = start + np.sort(rng.choice(2000, n, replace=False)) / 200
+        return Trajectory.of_poses(stamps, rng.normal(size=(n, 3)))
+
+    truth, estimate = path(rng.integers(400, 900), 0.0), path(rng.integers(400, 900), 3.0)
+    both = as_evo(evo, truth), as_evo(evo, estimate)
+    for largest in (0.003, 0.01, 0.03):
+        ours = associate(truth, estimate, largest)
+        theirs = evo.sync.associate_trajectories(*both, max_diff=largest)
+        for mine, other in zip(ours, theirs, strict=True):
+            np.testing.assert_array_equal(mine.positions, other.positions_xyz)
+
+
+class TestRecorded:
+    pytestmark = recorded
+
+    def pairs(self, name):
+        truth = read_tum(RECORDED / "freiburg1_xyz-groundtruth.txt")
+        return associate(truth, read_tum(RECORDED / f"freiburg1_xyz-{name}.txt"))
+
+    def test_freiburg_has_the_published_figures(self):
+        truth, estimate = self.pairs("rgbdslam")
+        assert len(truth) == 785
+        errors = absolute_errors(truth, align(truth, estimate).apply(estimate))
+        assert ate_rmse(truth, estimate) == pytest.approx(0.020079, abs=5e-7)
+        assert rms(errors) == pytest.approx(0.013470, abs=5e-7)
+        assert errors.mean() == pytest.approx(0.012024, abs=5e-7)
+        assert errors.max() == pytest.approx(0.034760, abs=5e-7)
+        for frames, figure in ((1, 0.005764), (30, 0.021701)):
+            translation, _ = relative_errors(truth, estimate, frames, "frames")
+            assert rms(translation) == pytest.approx(figure, abs=5e-7)
+
+    @pytest.mark.parametrize("name", ["rgbdslam", "rgbdslam_drift"])
+    def test_evo_agrees(self, evo, name):
+        assert_agrees(evo, *self.pairs(name))
