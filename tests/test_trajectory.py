@@ -47,6 +47,16 @@ def test_what_leaves_its_plane_is_not_planar():
     assert not Trajectory(STAMPS, changed(np.zeros((3, 3)), (1, 2), 1e-6), UPRIGHT).planar
 
 
+def test_from_above_height_and_tilt_are_not_seen():
+    tilted = UPRIGHT + np.array([0.01, -0.02, 0.3, 0])
+    trajectory = Trajectory(STAMPS, np.arange(9.0).reshape(3, 3), tilted, "take.csv", ("a",))
+    flat = trajectory.from_above()
+    assert flat.planar
+    assert (flat.source, flat.notes) == ("take.csv", ("a",))
+    np.testing.assert_allclose(flat.poses, trajectory.poses)
+    np.testing.assert_array_equal(flat.positions[:, 2], 0)
+
+
 def test_quaternions_are_brought_to_length_one():
     trajectory = Trajectory(STAMPS, np.zeros((3, 3)), UPRIGHT * 7)
     np.testing.assert_array_equal(trajectory.quaternions, UPRIGHT)

@@ -154,7 +154,8 @@ def _refined(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[fl
 
 def _speed(trajectory: Trajectory) -> float:
     """Length of the way by its duration [m/s], by poses so far apart that noise adds little."""
-    few = np.searchsorted(trajectory.stamps, np.arange(*trajectory.stamps[[0, -1]], BETWEEN))
+    asked = trajectory.stamps[0] + np.arange(0.0, trajectory.duration, BETWEEN)
+    few = np.searchsorted(trajectory.stamps, asked)
     way = np.linalg.norm(np.diff(trajectory.positions[few], axis=0), axis=1)
     return float(np.sum(way)) / trajectory.duration
 

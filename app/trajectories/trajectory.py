@@ -127,6 +127,10 @@ class Trajectory:
             self.notes,
         )
 
+    def from_above(self) -> Trajectory:
+        """The planar one that is seen from above: no height, and no turn but the heading."""
+        return Trajectory.of_poses(self.stamps, self.poses, self.source, self.notes)
+
     def shifted(self, seconds: float) -> Trajectory:
         """The same poses, all later by so much [s]."""
         return replace(self, stamps=self.stamps + seconds, lines=None)
