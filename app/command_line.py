@@ -12,6 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.config import ROBOTS, Config, load_config
+from app.evaluation.options import add_evaluate
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
@@ -46,6 +47,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
+    add_evaluate(commands)
     _add_bench(commands)
     return parser
 

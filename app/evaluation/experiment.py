@@ -1,0 +1,111 @@
+"""The paper's experiment: the open-loop figure-eight, with the pose known and with it told wrong.
+
+Each robot drives once in each world: what it is told of its pose does not change how it drives, so
+one recorded drive is followed twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from app.config import Config
+from app.engine.figure_eight import FigureEight
+from app.evaluation.drives import record
+from app.evaluation.runs import EvaluationError, Run, follow
+from app.evaluation.workers import Workers
+from app.evaluation.worlds import WORLDS
+from robot.geometry import Pose2
+
+KNOWN = np.diag(np.square([0.01, 0.01, 0.03]))
+"""Covariance of the pose at the start where it is known [m², m², rad²]; told wrong, it comes with
+the configuration's ``initial_sd_xy`` and ``initial_sd_theta``, as from the dashboard."""
+OFFSET = (-0.1, -0.1, 0.3)
+"""How far the told pose is off in the paper, in the map's axes [m, m, rad]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Which robots drive, where and for how long."""
+
+    config: Config = Config()
+    worlds: tuple[str, ...] = ("sim", "as-real")
+    first_seed: int = 0
+    seeds: int = 12
+    laps: int = 2
+    offset: tuple[float, float, float] = OFFSET
+
+    def __post_init__(self) -> None:
+        for name in self.worlds:
+            if name not in WORLDS:
+                raise EvaluationError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
+        for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
+            if value < low:
+                raise EvaluationError(f"{name} is {value}; valid is {low} or more")
+        if not (self.first_seed >= 0 and self.first_seed + self.seeds <= 2**32):
+            raise EvaluationError(f"first seed is {self.first_seed}; valid is 0 to 4294967295")
+        if not np.isfinite(self.offset).all():
+            raise EvaluationError(f"the offset {self.offset} is not finite")
+
+    @property
+    def duration(self) -> float:
+        """Of a drive [s]."""
+        return self.laps * FigureEight().lap
+
+    @property
+    def all_seeds(self) -> range:
+        """The seeds of all robots."""
+        return range(self.first_seed, self.first_seed + self.seeds)
+
+    def jobs(self) -> list[Job]:
+        """All drives, each robot's in one world after the other."""
+        return [
+            Job(replace(WORLDS[world](self.config), seed=seed), world, self.duration, self.offset)
+            for seed in self.all_seeds
+            for world in self.worlds
+        ]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One drive, to be followed with the pose known and with it told wrong."""
+
+    config: Config
+    world: str
+    duration: float
+    offset: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one drive."""
+
+    known: Run = field(repr=False)
+    """The pose was known at the start."""
+    offset: Run = field(repr=False)
+    """It was told wrong."""
+
+
+def drive_and_follow(job: Job) -> Outcome:
+    """Do one job; the same job has the same outcome to the last digit."""
+    drive = record(job.config, job.duration)
+    start, (dx, dy, turn) = drive.ticks[0].truth, job.offset
+    wrong = Pose2(start.x + dx, start.y + dy, start.theta + turn)
+    return Outcome(follow(drive, job.config, start, KNOWN), follow(drive, job.config, wrong))
+
+
+def run(experiment: Experiment, workers: Workers) -> Iterator[tuple[Job, Outcome]]:
+    """Do all of it; each outcome as soon as it is there.
+
+    Raises:
+        EvaluationError: a drive cannot be made or followed; names seed and world.
+    """
+    jobs = experiment.jobs()
+    for place, outcome in workers.each(drive_and_follow, jobs):
+        job = jobs[place]
+        if isinstance(outcome, Exception):
+            where = f"seed {job.config.seed} in the world {job.world}"
+            raise EvaluationError(f"{where}: {outcome}") from outcome
+        yield job, outcome

@@ -1,0 +1,141 @@
+"""A recorded trajectory against the true one, as from a motion capture system."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from app.evaluation import figures
+from app.evaluation.output import RESULTS, write_json, written_whole
+from app.evaluation.provenance import versions
+from app.evaluation.report import embedded, page
+from app.evaluation.results import method_table
+from app.evaluation.runs import EvaluationError
+from app.evaluation.scores import SHOWN, score
+from app.trajectories.association import associate
+from app.trajectories.clock_offset import ClockOffset, require_same_run
+from app.trajectories.metrics import absolute_errors, align
+from app.trajectories.reading import read_trajectory
+from app.trajectories.trajectory import Trajectory
+from app.trajectories.tum import write_tum
+
+TOLERANCE = 0.01
+"""Stamps of a pair differ by no more [s]; a clock that is off by less is left as it is."""
+TEMPLATE = "recorded.html.jinja"
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Two trajectories of one run."""
+
+    truth: Trajectory
+    """Pairs with those of the estimate."""
+    estimate: Trajectory
+    """On the truth's clock."""
+    clock: ClockOffset | None
+    """What was found of the clocks; None if it was not asked for."""
+    added: float
+    """To the stamps of the estimate [s]."""
+
+
+def read_recording(
+    recording: Path, truth: Path, body: str | None, clock_offset: str = "auto"
+) -> Recording:
+    """Read and associate two trajectories.
+
+    Args:
+        recording: what was estimated.
+        truth: what was true.
+        body: which rigid body of a Motive file.
+        clock_offset: what to add to the recording's stamps [s], or "auto".
+
+    Raises:
+        TrajectoryError: a file cannot be read, or they are not of one run; names file and line.
+        EvaluationError: the clock offset is neither a number nor "auto".
+    """
+    true, estimate = _read(truth, body), _read(recording, body)
+    if clock_offset == "auto":
+        clock = require_same_run(true, estimate)
+        added = clock.seconds if abs(clock.seconds) > TOLERANCE else 0.0
+    else:
+        clock, added = None, _number(clock_offset)
+    shifted = replace(estimate, stamps=estimate.stamps + added)
+    return Recording(*associate(true, shifted, TOLERANCE), clock, added)
+
+
+def evaluate_recording(
+    recording: Path, truth: Path, folder: Path, body: str | None, clock_offset: str
+) -> dict[str, Any]:
+    """Write ``results.json``, ``report.html``, ``figure3.svg`` and the pairs that were compared.
+
+    Raises:
+        TrajectoryError, EvaluationError: as `read_recording`.
+        OSError: the folder cannot be written.
+    """
+    pairs = read_recording(recording, truth, body, clock_offset)
+    with written_whole(folder) as new:
+        results = _results(pairs, recording, truth)
+        aligned = align(pairs.truth, pairs.estimate).apply(pairs.estimate)
+        figure = figures.recorded_paths(pairs.truth, pairs.estimate, aligned)
+        off = {
+            "as it is": absolute_errors(pairs.truth, pairs.estimate),
+            "aligned": absolute_errors(pairs.truth, aligned),
+        }
+        stamps = pairs.truth.stamps - pairs.truth.stamps[0]
+        (new / "figure3.svg").write_text(figure, encoding="utf-8")
+        (new / "report.html").write_text(
+            page(
+                TEMPLATE,
+                experiment=results["experiment"],
+                method=results["methods"]["amcl"],
+                paths=embedded(figure),
+                over_time=embedded(figures.recorded_errors(stamps, off)),
+                settings={},
+            ),
+            encoding="utf-8",
+        )
+        run = new / "runs" / "0"
+        run.mkdir(parents=True)
+        write_tum(run / "truth.tum", pairs.truth)
+        write_tum(run / "amcl.tum", pairs.estimate)
+        write_json(new / RESULTS, results)
+    return results
+
+
+def _read(path: Path, body: str | None) -> Trajectory:
+    """A body is named for a file of Motive; the other file may be of another kind."""
+    named = path.name.lower().removesuffix(".gz").endswith(".csv")
+    return read_trajectory(path, body if named else None)
+
+
+def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
+    clock = pairs.clock
+    return {
+        "experiment": {
+            "recording": recording.name,
+            "truth": truth.name,
+            "seeds": 1,
+            "poses": len(pairs.truth),
+            "duration_s": float(pairs.truth.stamps[-1] - pairs.truth.stamps[0]),
+            "clock_offset_s": clock.seconds if clock else None,
+            "clock_offset_added_s": pairs.added,
+            "motion_correlation": clock.correlation if clock else None,
+            "rpe_over": SHOWN,
+            "settings": {},
+            "versions": versions(),
+        },
+        "methods": {"amcl": method_table([score(pairs.truth, pairs.estimate)])},
+        "recovery": None,
+    }
+
+
+def _number(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise EvaluationError(f"--clock-offset is {text!r}; valid is auto or a number of seconds")
+    return value

@@ -1,0 +1,187 @@
+"""Who does the work: processes of this machine, or of a cluster.
+
+Jobs are independent and bring their own seeds, so who does which in what order changes nothing. A
+job whose worker was killed is done again by another, and only that one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, Protocol, TypeVar
+
+import cv2
+
+S = TypeVar("S")
+T = TypeVar("T")
+
+ATTEMPTS = 3
+"""A job that ends its worker so often is given up: it is the job that does it."""
+
+
+class WorkerError(RuntimeError):
+    """Work cannot be done where it was asked to be done, or a job ended its worker."""
+
+
+class Workers(Protocol):
+    """Some processes that do jobs."""
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done.
+
+        Args:
+            work: a function of a module, as it is looked up by name in another process.
+            jobs: what to call it with.
+        """
+        ...
+
+    def close(self) -> None:
+        """End what was started for it; may be called twice."""
+        ...
+
+
+class LocalWorkers:
+    """Processes of this machine, one job each at a time."""
+
+    def __init__(self, count: int | None = None) -> None:
+        """So many, or one for each core that this program may use.
+
+        Raises:
+            WorkerError: fewer than one was asked for.
+        """
+        self.count = count if count is not None else len(os.sched_getaffinity(0))
+        if self.count < 1:
+            raise WorkerError(f"{self.count} workers; valid is 1 or more")
+        self._crews: list[_Crew] = []
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        left = deque((place, 1) for place in range(len(jobs)))
+        while len(self._crews) < min(self.count, len(jobs)):
+            self._crews.append(_Crew())
+        idle = list(self._crews)
+        busy: dict[Future[T], tuple[_Crew, int, int]] = {}
+        while left or busy:
+            while left and idle:
+                crew = idle.pop()
+                place, attempt = left.popleft()
+                busy[crew.submit(work, jobs[place])] = crew, place, attempt
+            for done in wait(busy, return_when=FIRST_COMPLETED).done:
+                crew, place, attempt = busy.pop(done)
+                result = _result(done)
+                if isinstance(result, BrokenProcessPool):
+                    crew = self._replaced(crew)
+                    if attempt < ATTEMPTS:
+                        left.appendleft((place, attempt + 1))
+                    else:
+                        yield place, WorkerError(f"it ended its worker {ATTEMPTS} times")
+                else:
+                    yield place, result
+                idle.append(crew)
+
+    def close(self) -> None:
+        """End the processes, whatever they do; may be called twice."""
+        crews, self._crews = self._crews, []
+        for crew in crews:
+            crew.end()
+
+    def _replaced(self, crew: _Crew) -> _Crew:
+        crew.end()
+        self._crews[self._crews.index(crew)] = other = _Crew()
+        return other
+
+
+class ClusterWorkers:
+    """Workers of a Dask cluster, on any machines that have this program."""
+
+    def __init__(self, address: str) -> None:
+        """Connect to a scheduler, as ``tcp://host:8786``.
+
+        Raises:
+            WorkerError: dask.distributed is not installed, or nobody answers there.
+        """
+        try:
+            from distributed import Client  # noqa: PLC0415 - an extra
+        except ImportError as error:
+            raise WorkerError(
+                "a cluster needs dask.distributed: pip install 'brickpose[cluster]'"
+            ) from error
+        try:
+            self._client: Any = Client(address, timeout=10, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        from distributed import as_completed  # noqa: PLC0415
+
+        places = {
+            self._client.submit(work, job, pure=False, retries=0): place
+            for place, job in enumerate(jobs)
+        }
+        for done in as_completed(list(places)):
+            place = places.pop(done)
+            error = done.exception()
+            yield place, done.result() if error is None else error
+            done.release()
+
+    def close(self) -> None:
+        """Leave the cluster; may be called twice."""
+        self._client.close()
+
+
+def workers(count: int | None, cluster: str | None) -> Workers:
+    """Those that the command line names.
+
+    Raises:
+        WorkerError: both were named, or they cannot be had.
+    """
+    if cluster is None:
+        return LocalWorkers(count)
+    if count is not None:
+        raise WorkerError("--workers is for this machine; a cluster has as many as it has")
+    return ClusterWorkers(cluster)
+
+
+class _Crew:
+    """A pool of one process: when it is killed, no other's job is lost."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
+        self._pid = self._pool.submit(os.getpid)
+
+    def submit(self, work: Callable[[S], T], job: S) -> Future[T]:
+        return self._pool.submit(work, job)
+
+    def end(self) -> None:
+        """At once, whatever it does."""
+        if self._pid.done() and self._pid.exception() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self._pid.result(), signal.SIGTERM)
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _begin() -> None:
+    """In a new process: it is ended by the one that started it, and uses one core."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    cv2.setNumThreads(1)
+
+
+def _result(done: Future[T]) -> T | Exception:
+    try:
+        return done.result()
+    except Exception as error:
+        return error
