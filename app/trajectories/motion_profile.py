@@ -16,7 +16,7 @@ STEP = 0.02
 """Between samples [s]."""
 SMOOTHING = 0.15
 """Standard deviation [s] of the Gaussian that takes the noise of single poses away."""
-SHORTEST, LONGEST = 2.0, 200_000.0
+SHORTEST, LONGEST = 2.0, 20_000.0
 """How long a trajectory lasts of which this can be said [s]."""
 GAP = 0.5
 """Between poses farther apart than this [s], and than is usual in the file, nothing is known."""
