@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_fit import MotionFit
 from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Windows, windows
+from app.model_fits.motion_windows import Windows, cut, windows
 from robot.geometry import Array
 
 HORIZONS = (1.0, 5.0, 20.0)
@@ -22,6 +22,9 @@ SHARE = 0.95
 
 STRIDES = 10
 """Windows begin this many times in a horizon."""
+
+LEAST_WINDOWS = 10
+"""The largest of fewer distances holds less than 90 % of others."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +63,14 @@ def fit_regions(
     """Regions that hold their share of drives like these.
 
     The threshold is the split-conformal quantile (Lei et al. 2018): of n windows that do not
-    overlap it is the ceil((n + 1) share)-th smallest distance, whatever the distances are
-    distributed like. Windows that overlap make the quantile less rough.
+    overlap the ceil((n + 1) share)-th smallest distance, whatever the distances are distributed
+    like; the largest where there are fewer than 19 for 95 %. Side by side windows can be laid from
+    ten places on; their thresholds are averaged.
 
     Raises:
         FitError: a horizon has too few windows to tell of such a share; says what it takes.
     """
-    return tuple(_region(_cut(runs, horizon, correction), fit, share) for horizon in horizons)
+    return tuple(_region(runs, horizon, correction, fit, share) for horizon in horizons)
 
 
 def share_held(
@@ -82,20 +86,14 @@ def share_held(
 
 
 def usable_horizons(
-    runs: Sequence[MotionRun], *, horizons: Sequence[float] = HORIZONS, share: float = SHARE
+    runs: Sequence[MotionRun], horizons: Sequence[float] = HORIZONS
 ) -> tuple[float, ...]:
     """The horizons that drives have enough windows of to fit regions."""
     return tuple(
         horizon
         for horizon in horizons
-        if sum(run.duration for run in runs if run.duration >= horizon) / horizon
-        >= least_windows(share)
+        if sum(run.duration for run in runs if run.duration >= horizon) >= LEAST_WINDOWS * horizon
     )
-
-
-def least_windows(share: float = SHARE) -> int:
-    """Fewer independent windows than these do not tell what holds a share: 19 for 95 %."""
-    return math.ceil(share / (1 - share) - 1e-9)
 
 
 def squared_distances(of: Windows, fit: MotionFit) -> Array:
@@ -109,14 +107,33 @@ def _cut(runs: Sequence[MotionRun], horizon: float, correction: DriveCorrection)
     return windows(runs, horizon, correction, stride=horizon / STRIDES)
 
 
-def _region(of: Windows, fit: MotionFit, share: float) -> Region:
-    n = of.independent
-    if n < least_windows(share) - 0.5:
+def _region(
+    runs: Sequence[MotionRun],
+    horizon: float,
+    correction: DriveCorrection,
+    fit: MotionFit,
+    share: float,
+) -> Region:
+    of = _cut(runs, horizon, correction)
+    if of.independent < LEAST_WINDOWS:
         raise FitError(
-            f"{n:.0f} windows of {of.horizon:g} s cannot tell what holds {share:.0%} of them; "
-            f"it takes {least_windows(share)}: {least_windows(share) * of.horizon:g} s of driving"
+            f"{of.independent:.1f} windows of {horizon:g} s cannot tell what holds {share:.0%} of "
+            f"them; it takes {LEAST_WINDOWS}: {LEAST_WINDOWS * horizon:g} s of driving"
         )
-    level = min(math.ceil((n + 1) * share) / n, 1.0)
-    threshold = float(np.quantile(squared_distances(of, fit), level))
+    distances, phases = squared_distances(of, fit), _phases(runs, horizon)
+    thresholds = [_conformal(distances[phases == phase], share) for phase in range(STRIDES)]
     along, across, heading = np.sqrt(np.einsum("nii->i", fit.covariances(of)) / len(of)).tolist()
-    return Region(of.horizon, share, threshold, n, along, across, heading)
+    threshold = float(np.mean(thresholds))
+    return Region(horizon, share, threshold, of.independent, along, across, heading)
+
+
+def _phases(runs: Sequence[MotionRun], horizon: float) -> Array:
+    """For each window of ``_cut`` from which place on in the horizon it is laid side by side."""
+    cuts = cut(runs, horizon, stride=horizon / STRIDES)
+    return np.concatenate([np.arange(len(one.start)) % STRIDES for one in cuts])
+
+
+def _conformal(distances: Array, share: float) -> float:
+    """The smallest distance that holds a share of others, from distances (n,) like them."""
+    n = len(distances)
+    return float(np.sort(distances)[min(math.ceil((n + 1) * share), n) - 1])

@@ -81,9 +81,7 @@ def fit_motion(of: Windows) -> MotionFit:
     Raises:
         FitError: too few windows, or too little was turned or driven; says what is needed.
     """
-    _check_enough(of)
-    parts = _with_floors(of)
-    value, logs = parts.least(parts.start())
+    parts, value, logs = likeliest(of)
     intervals = _intervals(parts, value, logs)
     alphas = [0.0 if low == 0 and _needless(parts, value, logs, place) else math.exp(logs[place])
               for place, (low, _) in enumerate(intervals)]  # fmt: skip
@@ -96,6 +94,20 @@ def fit_motion(of: Windows) -> MotionFit:
         of.independent,
         of.step,
     )
+
+
+def likeliest(of: Windows) -> tuple[VarianceParts, float, Array]:
+    """The likelihood of windows, minus the logarithm of its greatest value, and where that is.
+
+    Logarithms (6,) of the alphas and of the floors' variances, along and across and of the heading.
+
+    Raises:
+        FitError: as ``fit_motion``.
+    """
+    _check_enough(of)
+    parts = _with_floors(of)
+    value, logs = parts.least(parts.start())
+    return parts, value, logs
 
 
 def _check_enough(of: Windows) -> None:

@@ -71,7 +71,8 @@ class VarianceParts:
         spread = self.errors.T @ self.errors / len(self.errors) + 1e-12 * np.eye(3)
         sizes = np.einsum("ij,ncji->c", np.linalg.inv(spread), self.parts) / len(self.errors)
         shares = 3 / (len(sizes) * np.maximum(sizes, 1e-12))
-        return np.clip(np.log(shares), SMALLEST, LARGEST)
+        logs: Array = np.clip(np.log(shares), SMALLEST, LARGEST)
+        return logs
 
     def least(self, logs: Array, fixed: int | None = None) -> tuple[float, Array]:
         """The least value, and logs (c,) that give it, from some on; one of them may be kept.

@@ -124,8 +124,7 @@ def cut_at(runs: Iterable[MotionRun], stamp: float) -> tuple[list[MotionRun], li
 
 def even_stamps(first: float, last: float, step: float) -> Array:
     """Stamps [s] from the first on, a step apart, none after the last."""
-    stamps: Array = first + step * np.arange(int((last - first) / step + 1e-9) + 1)
-    return stamps
+    return first + step * np.arange(int((last - first) / step + 1e-9) + 1, dtype=np.float64)
 
 
 def poses_at(stamps: Array, known_stamps: Array, poses: Array) -> Array:

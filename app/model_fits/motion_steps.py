@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.model_fits.motion_twists import chained, relative, seen_from
 from robot.geometry import Array, wrap_angle
 from robot.localization.models.differential_motion import STANDING_M
+
+Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +36,11 @@ class ErringPath:
         np.cumsum(_by_alpha(poses, steps), axis=0, out=sums[1:])
         return cls(poses, sums)
 
-    def moved(self, start: Array, end: Array) -> Array:
+    def moved(self, start: Places, end: Places) -> Array:
         """Motions (k, 3) from places (k,) of the path to others (k,)."""
         return relative(self.poses[start], self.poses[end])
 
-    def covariances(self, start: Array, end: Array) -> Array:
+    def covariances(self, start: Places, end: Places) -> Array:
         """(k, 4, 3, 3) of the motions between places (k,), seen from their ends, by alpha."""
         to_end = seen_from(self.poses[end])[:, None]
         whole: Array = to_end @ (self.sums[end] - self.sums[start]) @ np.swapaxes(to_end, -1, -2)

@@ -9,8 +9,8 @@ import numpy as np
 
 from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_steps import ErringPath
-from app.model_fits.motion_twists import relative, twists_of
+from app.model_fits.motion_steps import ErringPath, Places
+from app.model_fits.motion_twists import chained, relative, twists_of
 from robot.geometry import Array
 
 AS_IT_IS = DriveCorrection()
@@ -61,33 +61,67 @@ def windows(
     Raises:
         FitError: no drive is as long, or their steps are not all as long.
     """
+    cuts = cut(runs, horizon, stride=stride, keep_short=keep_short)
+    moved, errors, by_alpha = [], [], []
+    for one in cuts:
+        path = ErringPath.along(correction.corrected(one.steps))
+        moved.append(path.moved(one.start, one.end))
+        errors.append(one.errors(correction))
+        by_alpha.append(path.covariances(one.start, one.end))
+    independent = sum(max(len(one.steps) / one.length, 1.0) for one in cuts)
+    joined = (np.concatenate(parts) for parts in (moved, errors, by_alpha))
+    return Windows(horizon, common_step([one.run for one in cuts]), independent, *joined)
+
+
+@dataclass(frozen=True, eq=False)
+class Cut:
+    """One drive and where its windows start and end."""
+
+    run: MotionRun
+    steps: Array
+    """(n, 3) of odometry."""
+    start: Places
+    end: Places
+    length: int
+    """Steps of a window."""
+
+    @classmethod
+    def of(cls, run: MotionRun, length: int, apart: int) -> Cut:
+        """Windows of some steps, so many apart; the whole drive where it is shorter."""
+        steps = run.steps
+        length = min(length, len(steps))
+        start = np.arange(0, len(steps) - length + 1, apart)
+        return cls(run, steps, start, start + length, length)
+
+    def errors(self, correction: DriveCorrection) -> Array:
+        """(n, 3) [m, m, rad]: true ends seen from those by corrected odometry, as twists."""
+        path = chained(correction.corrected(self.steps))
+        moved = relative(path[self.start], path[self.end])
+        truly = relative(self.run.truth[self.start], self.run.truth[self.end])
+        return twists_of(relative(moved, truly))
+
+
+def cut(
+    runs: Iterable[MotionRun],
+    horizon: float,
+    *,
+    stride: float | None = None,
+    keep_short: bool = False,
+) -> list[Cut]:
+    """Where the windows of drives are; the arguments are those of ``windows``."""
     drives = list(runs)
-    step = _common_step(drives)
+    step = common_step(drives)
     length = max(round(horizon / step), 1)
     apart = max(round((horizon / 4 if stride is None else stride) / step), 1)
     long = [run for run in drives if keep_short or len(run.stamps) > length]
     if not long:
         longest = max(run.duration for run in drives)
         raise FitError(f"windows of {horizon:g} s are asked; the longest drive has {longest:.1f} s")
-    parts = [_of_run(run, min(length, len(run.stamps) - 1), apart, correction) for run in long]
-    moved, errors, by_alpha = (np.concatenate(column) for column in zip(*parts, strict=True))
-    independent = sum(max((len(run.stamps) - 1) / length, 1.0) for run in long)
-    return Windows(horizon, step, independent, moved, errors, by_alpha)
+    return [Cut.of(run, length, apart) for run in long]
 
 
-def _of_run(
-    run: MotionRun, length: int, apart: int, correction: DriveCorrection
-) -> tuple[Array, Array, Array]:
-    path = ErringPath.along(correction.corrected(run.steps))
-    start = np.arange(0, len(run.stamps) - length, apart)
-    end = start + length
-    moved = path.moved(start, end)
-    truly = relative(run.truth[start], run.truth[end])
-    return moved, twists_of(relative(moved, truly)), path.covariances(start, end)
-
-
-def _common_step(runs: Sequence[MotionRun]) -> float:
-    """Time of a step [s] of all drives."""
+def common_step(runs: Sequence[MotionRun]) -> float:
+    """Time of a step [s], which all drives must share."""
     if not runs:
         raise FitError("there is no drive; one or more are needed")
     step = float(np.median(np.diff(runs[0].stamps)))

@@ -1,0 +1,137 @@
+"""All that a drive with truth tells of odometry: its steady errors, and how the rest spreads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from app.model_fits.drive_correction import DriveCorrection
+from app.model_fits.motion_correction import HORIZONS, TYPICAL, robust_correction
+from app.model_fits.motion_fit import FIT_HORIZON, Interval, MotionFit, fit_motion, likeliest
+from app.model_fits.motion_run import FitError, MotionRun
+from app.model_fits.motion_windows import Cut, cut, windows
+from robot.geometry import Array
+
+ROUNDS = 3
+"""After so many the two halves of the fit move each other no more."""
+
+BLOCK = 40.0
+"""Errors this far apart [s] are taken as independent for the intervals."""
+
+LEAST_BLOCKS = 5
+"""From fewer, nothing is known of how sure the result is."""
+
+
+@dataclass(frozen=True)
+class DriveFit:
+    """Odometry's steady errors and the motion model's alphas."""
+
+    correction: DriveCorrection
+    intervals: tuple[Interval, Interval, Interval]
+    """95 % intervals of distance, turn and curvature."""
+    motion: MotionFit
+    """What is left, odometry being corrected."""
+
+
+def fit_drive(
+    runs: Sequence[MotionRun],
+    *,
+    track: float = 0.0,
+    horizons: Sequence[float] = HORIZONS,
+    horizon: float = FIT_HORIZON,
+) -> DriveFit:
+    """Find correction and alphas under which truth is likeliest.
+
+    In turns: with the covariance of each window the correction is found by least squares, and with
+    the correction the covariances; the first correction is a robust one. The correction's
+    intervals are those of clustered errors (the sandwich of Huber 1967), which neither windows that
+    overlap nor errors that last make too narrow.
+
+    Args:
+        runs: drives at even stamps, all with the same step.
+        track: distance between the wheels that odometry believes in [m], if it is known.
+        horizons: those of the first correction [s].
+        horizon: length of the windows of the fit [s].
+
+    Raises:
+        FitError: too little was driven or turned, or in too few pieces; says what is needed.
+    """
+    cuts = cut(runs, horizon, keep_short=True)
+    blocks = _blocks(cuts)
+    correction = robust_correction(runs, horizons=horizons, track=track)
+    for _ in range(ROUNDS):
+        whiten = _whitening(runs, horizon, correction)
+        problem = _Problem(cuts, whiten, track)
+        start = np.array([correction.distance, correction.turn, correction.curvature])
+        found = least_squares(problem.residuals, start, x_scale=TYPICAL).x
+        correction = problem.correction(found)
+    deviations = problem.deviations(found, blocks)
+    reach = float(student.ppf(0.975, blocks.max())) * deviations
+    low, high = (found - reach).tolist(), (found + reach).tolist()
+    return DriveFit(
+        correction,
+        ((low[0], high[0]), (low[1], high[1]), (low[2], high[2])),
+        fit_motion(windows(runs, horizon, correction, keep_short=True)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """The correction as least squares."""
+
+    cuts: Sequence[Cut]
+    whiten: Array
+    """(n, 3, 3): what makes errors of a window independent and of size one."""
+    track: float
+
+    def correction(self, found: Array) -> DriveCorrection:
+        return DriveCorrection(float(found[0]), float(found[1]), float(found[2]), self.track)
+
+    def residuals(self, found: Array) -> Array:
+        errors = np.concatenate([one.errors(self.correction(found)) for one in self.cuts])
+        flat: Array = (self.whiten @ errors[..., None]).ravel()
+        return flat
+
+    def deviations(self, found: Array, blocks: Array) -> Array:
+        """Standard deviations (3,) of what was found, from how much each stretch pulls at it."""
+        nudge = 1e-3 * TYPICAL
+        columns = [
+            (self.residuals(found + d) - self.residuals(found - d)) / (2 * nudge)
+            for d in nudge * np.eye(3)
+        ]
+        J = np.stack(columns, axis=1)
+        count = int(blocks.max()) + 1
+        by_block = np.zeros((count, 3))
+        np.add.at(by_block, np.repeat(blocks, 3), J * self.residuals(found)[:, None])
+        bread = np.linalg.inv(J.T @ J)
+        spread = bread @ (by_block.T @ by_block) @ bread * count / (count - 1)
+        deviations: Array = np.sqrt(np.diag(spread))
+        return deviations
+
+
+def _whitening(runs: Sequence[MotionRun], horizon: float, correction: DriveCorrection) -> Array:
+    parts, _, logs = likeliest(windows(runs, horizon, correction, keep_short=True))
+    inverse: Array = np.linalg.inv(np.linalg.cholesky(parts.covariances(logs)))
+    return inverse
+
+
+def _blocks(cuts: Sequence[Cut]) -> Array:
+    """For each window which stretch it lies in; drives are cut into stretches about as long."""
+    numbers, first = [], 0
+    for one in cuts:
+        run = one.run
+        count = max(round(run.duration / BLOCK), 1)
+        middle = (run.stamps[one.start] + run.stamps[one.end]) / 2 - run.stamps[0]
+        place = (middle / run.duration * count).astype(int)
+        numbers.append(first + np.minimum(place, count - 1))
+        first += count
+    if first < LEAST_BLOCKS:
+        raise FitError(
+            f"the drives make {first} stretches of {BLOCK:g} s; at least {LEAST_BLOCKS} are "
+            f"needed: {LEAST_BLOCKS * BLOCK:g} s, or {LEAST_BLOCKS} drives"
+        )
+    return np.concatenate(numbers)
