@@ -1,0 +1,61 @@
+"""Fitted values as the settings of a sensor model.
+
+``beam`` takes the six values as they are: densities by the metre and a chance of a miss, which is
+what they were fitted as.
+
+``likelihood_field`` and ``likelihood_field_prob`` are z_hit exp(-d^2 / 2 sigma_hit^2) + z_rand /
+range_max for a ray that returned, with z_hit + z_rand = 1: the normal distribution there is not
+divided by its width, and what is short is false too. So z_hit is the share of the returns that are
+from the edge, z_hit / (z_hit + z_short + z_rand), z_rand the rest. They are not the densities that
+were fitted: for those z_rand would have to be some sigma_hit sqrt(2 pi) / range_max times as great,
+a thousandth, and a single false return would weigh as much as three good ones and more. nav2_amcl
+has it like that too, and the shares mean the same. z_short, z_max and lambda_short, which these
+models do not use, are set as for the beam model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from typing import Any
+
+from app.model_fits.sensor_fit import SensorFit
+from robot.localization.parameters import SensorParameters
+from robot.settings import describe
+
+
+def fitted_sensor(fit: SensorFit, defaults: SensorParameters) -> SensorParameters:
+    """The defaults with fitted values, brought into the settings' ranges.
+
+    A lambda_short of which the rays say nothing stays what it is, as does everything that was not
+    fitted. ``clipped_settings`` tells which had to be brought into their range.
+    """
+    known = describe(defaults)
+    values: dict[str, Any] = {
+        name: min(max(value, known[name].low), known[name].high)
+        for name, value in _wanted(fit, defaults).items()
+    }
+    if defaults.laser_model_type != "beam":
+        values["z_hit"] = 1 - values["z_rand"]
+    return replace(defaults, **values)
+
+
+def clipped_settings(fit: SensorFit, defaults: SensorParameters) -> dict[str, float]:
+    """What was fitted for the settings that may not be that, by name."""
+    known = describe(defaults)
+    return {
+        name: value
+        for name, value in _wanted(fit, defaults).items()
+        if not known[name].low <= value <= known[name].high
+    }
+
+
+def _wanted(fit: SensorFit, defaults: SensorParameters) -> dict[str, float]:
+    """Settings as fitted, by name."""
+    wanted: dict[str, float] = asdict(fit.values)
+    if "z_short" in fit.at_border:
+        del wanted["lambda_short"]
+    if defaults.laser_model_type != "beam":
+        false = wanted["z_short"] + wanted["z_rand"]
+        returned = wanted["z_hit"] + false
+        wanted |= {"z_hit": wanted["z_hit"] / returned, "z_rand": false / returned}
+    return wanted
