@@ -43,7 +43,9 @@ class Umbmark:
     wheel_ratio: float
     """E_d: right wheel's diameter by the left one's."""
     track_ratio: float
-    """E_b: true track by that of the description."""
+    """E_b: true track by that of the description, both by the mean diameter."""
+    distance: float
+    """True way by odometry's of straight runs: the mean diameter, which squares do not show."""
 
     @property
     def left_factor(self) -> float:
@@ -60,17 +62,17 @@ class Umbmark:
         """E_max,syst [m]: the farther of the two centres from no error."""
         return max(math.hypot(*self.centre_cw), math.hypot(*self.centre_ccw))
 
-    def wheel_multipliers(self, distance: float = 1.0) -> WheelMultipliers:
-        """Factors on radii and track; distance is true by odometry's on straight runs.
-
-        Squares do not show the mean diameter; E_b is the track against it.
-        """
+    def wheel_multipliers(self) -> WheelMultipliers:
+        """Factors on the description's radii and track."""
+        mean = self.distance
         return WheelMultipliers(
-            distance * self.left_factor, distance * self.right_factor, distance * self.track_ratio
+            mean * self.left_factor, mean * self.right_factor, mean * self.track_ratio
         )
 
 
-def umbmark(errors_cw: Array, errors_ccw: Array, side: float, track: float) -> Umbmark:
+def umbmark(
+    errors_cw: Array, errors_ccw: Array, side: float, track: float, distance: float = 1.0
+) -> Umbmark:
     """Wheel and track errors from the ends of squares.
 
     With the centres of gravity, in metres, of a robot that starts along x:
@@ -80,14 +82,16 @@ def umbmark(errors_cw: Array, errors_ccw: Array, side: float, track: float) -> U
         R = (L / 2) / sin(beta / 2),  E_d = (R + b / 2) / (R - b / 2),  E_b = 90° / (90° - alpha)
 
     The paper takes one of the two forms; here they are averaged. As they hold for small angles
-    only, they are then made exact: the angles are corrected until the squares that they make,
-    drawn as the paper draws them, end where those that were driven did.
+    only, they are then made exact: the angles are corrected until the squares that they make end
+    where those that were driven did. So are L and b: sides are as long as the robot truly goes,
+    and wheels as far apart as they truly are.
 
     Args:
         errors_cw: (n, 2) [m] true end minus end by odometry of squares to the right.
         errors_ccw: (m, 2) the same to the left.
         side: L, a side of the square [m].
         track: b, distance between the wheels as described [m].
+        distance: true way by odometry's of straight runs; see ``distance_factor``.
 
     Raises:
         FitError: no squares in one direction, or errors too large for a square of that size.
@@ -96,9 +100,9 @@ def umbmark(errors_cw: Array, errors_ccw: Array, side: float, track: float) -> U
         if errors.ndim != 2 or errors.shape[1] != 2 or len(errors) == 0:
             raise FitError(f"errors of squares {name} of shape {errors.shape}; valid are (n, 2)")
     cw, ccw = errors_cw.mean(axis=0), errors_ccw.mean(axis=0)
-    alpha, beta = _exact_angles(cw, ccw, side, track)
-    # (L / 2) / sin(beta / 2) is infinite for equal wheels: its inverse is not.
-    bend = 2 * math.sin(beta / 2) / side
+    alpha, beta = _exact_angles(cw, ccw, distance * side, distance * track)
+    track_ratio = _track_ratio(alpha)
+    bend = _bend(alpha, beta, distance * side, distance * track)
     return Umbmark(
         (float(cw[0]), float(cw[1])),
         (float(ccw[0]), float(ccw[1])),
@@ -106,8 +110,9 @@ def umbmark(errors_cw: Array, errors_ccw: Array, side: float, track: float) -> U
         _spread(errors_ccw),
         alpha,
         beta,
-        (1 + bend * track / 2) / (1 - bend * track / 2),
-        (math.pi / 2) / (math.pi / 2 - alpha),
+        (1 + bend) / (1 - bend),
+        track_ratio,
+        distance,
     )
 
 
@@ -165,10 +170,19 @@ def _square(way: int, alpha: float, beta: float, side: float, track: float) -> A
     In its corners a robot on unequal wheels goes a little ahead or back: it turns about another
     point than the middle between them.
     """
-    ahead = way * (math.pi / 2) * track * (math.sin(beta / 2) * track / side) / 2
+    ahead = way * math.pi / 4 * track * _bend(alpha, beta, side, track)
     legs = np.array([[side, 0.0, beta], [ahead, 0.0, way * (math.pi / 2 - alpha)]])
     end: Array = chained(np.tile(motions_of(legs), (4, 1)))[-1, :2]
     return end
+
+
+def _track_ratio(alpha: float) -> float:
+    return (math.pi / 2) / (math.pi / 2 - alpha)
+
+
+def _bend(alpha: float, beta: float, side: float, track: float) -> float:
+    """(b / 2) / R for sides that bend by beta; R is infinite for equal wheels, this is not."""
+    return math.sin(beta / 2) / (side / 2) * _track_ratio(alpha) * track / 2
 
 
 def _spread(errors: Array) -> float:
