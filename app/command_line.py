@@ -13,6 +13,7 @@ from pathlib import Path
 
 from app.config import ROBOTS, Config, load_config
 from app.evaluation.options import add_evaluate
+from app.sweep.options import add_sweep
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
@@ -48,6 +49,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
     add_evaluate(commands)
+    add_sweep(commands)
     _add_bench(commands)
     return parser
 

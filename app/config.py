@@ -89,6 +89,34 @@ def from_table(group: type[T], table: dict[str, Any], path: str = "") -> T:
         raise SettingError(f"{path}{error}") from error
 
 
+def with_settings(group: T, settings: dict[str, Any], path: str = "") -> T:
+    """A dataclass with some settings replaced, named by their path as ``table.table.name``.
+
+    Raises:
+        SettingError: a setting is unknown, of the wrong type or out of range.
+    """
+    here: dict[str, Any] = {}
+    below: dict[str, dict[str, Any]] = {}
+    for name, value in settings.items():
+        first, _, rest = name.partition(".")
+        if rest:
+            below.setdefault(first, {})[rest] = value
+        else:
+            here[first] = value
+    check_names(group, (*here, *below), path)
+    types = get_type_hints(type(group))
+    changed = {name: _value(types[name], value, f"{path}{name}") for name, value in here.items()}
+    for name, values in below.items():
+        old = getattr(group, name)
+        if not dataclasses.is_dataclass(old):
+            raise SettingError(f"{path}{name} is no table; {min(values)} cannot be in it")
+        changed[name] = with_settings(old, values, f"{path}{name}.")
+    try:
+        return dataclasses.replace(group, **changed)  # type: ignore[type-var]
+    except SettingError as error:
+        raise SettingError(f"{path}{error}") from error
+
+
 def _value(wanted: Any, value: Any, path: str) -> Any:
     if dataclasses.is_dataclass(wanted):
         if not isinstance(value, dict):

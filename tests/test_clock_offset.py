@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from app.trajectories.clock_offset import estimate_clock_offset, require_same_run
-from app.trajectories.reading import read_trajectory
+from app.trajectories.files.reading import read_trajectory
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Pose2, compose
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from app.trajectories.association import associate
+from app.trajectories.files.tum import read_tum
 from app.trajectories.metrics import (
     absolute_errors,
     align,
@@ -20,7 +21,6 @@ from app.trajectories.metrics import (
     rms,
 )
 from app.trajectories.trajectory import Trajectory, TrajectoryError
-from app.trajectories.tum import read_tum
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
 recorded = [

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.motive import parse_motive, read_motive
+from app.trajectories.files.motive import parse_motive, read_motive
 from app.trajectories.trajectory import TrajectoryError
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.mrclam import integrated, parse_mrclam, read_mrclam
-from app.trajectories.reading import parse_trajectory, read_trajectory
+from app.trajectories.files.mrclam import integrated, parse_mrclam, read_mrclam
+from app.trajectories.files.reading import parse_trajectory, read_trajectory
 from app.trajectories.trajectory import TrajectoryError
 from robot.geometry import Pose2, Twist2
 

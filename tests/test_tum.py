@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from app.trajectories.files.tum import parse_tum, read_tum, write_tum
 from app.trajectories.trajectory import Trajectory, TrajectoryError
-from app.trajectories.tum import parse_tum, read_tum, write_tum
 
 ROW = "1.5 1 2 3 0 0 0 1\n"
 NEXT = "2.5 1 2 3 0 0 0 1\n"

@@ -16,7 +16,7 @@ from app.evaluation.results import condition_table, trajectory
 from app.evaluation.runs import Run
 from app.evaluation.scores import SHOWN
 from app.evaluation.workers import Workers
-from app.trajectories.tum import write_tum
+from app.trajectories.files.tum import write_tum
 from robot.fields.field_loading import load_field
 
 WITHOUT, WITH = "known", "offset"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +16,10 @@ from app.evaluation.runs import EvaluationError
 from app.evaluation.scores import SHOWN, score
 from app.trajectories.association import associate
 from app.trajectories.clock_offset import ClockOffset, require_same_run
+from app.trajectories.files.reading import read_trajectory
+from app.trajectories.files.tum import write_tum
 from app.trajectories.metrics import absolute_errors, align
-from app.trajectories.reading import read_trajectory
 from app.trajectories.trajectory import Trajectory
-from app.trajectories.tum import write_tum
 
 TOLERANCE = 0.01
 """Stamps of a pair differ by no more [s]; a clock that is off by less is left as it is."""
@@ -56,13 +56,15 @@ def read_recording(
         EvaluationError: the clock offset is neither a number nor "auto".
     """
     true, estimate = _read(truth, body), _read(recording, body)
+    if true.planar or estimate.planar:
+        # A marker's height and tilt are no errors of a robot that knows of none.
+        true, estimate = true.from_above(), estimate.from_above()
     if clock_offset == "auto":
         clock = require_same_run(true, estimate)
         added = clock.seconds if abs(clock.seconds) > TOLERANCE else 0.0
     else:
         clock, added = None, _number(clock_offset)
-    shifted = replace(estimate, stamps=estimate.stamps + added)
-    return Recording(*associate(true, shifted, TOLERANCE), clock, added)
+    return Recording(*associate(true, estimate.shifted(added), TOLERANCE), clock, added)
 
 
 def evaluate_recording(

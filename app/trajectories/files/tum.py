@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.trajectories.text_file import comments, read_text, rows_of_numbers
+from app.trajectories.files.text_file import comments, read_text, rows_of_numbers
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 COLUMNS = "stamp x y z qx qy qz qw"

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.trajectories.text_file import comments, numbered, read_text, rows_of_numbers
+from app.trajectories.files.text_file import comments, numbered, read_text, rows_of_numbers
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array, heading_vectors
 

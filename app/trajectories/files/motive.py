@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.text_file import as_numbers, read_text
+from app.trajectories.files.text_file import as_numbers, read_text
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.trajectories.motive import is_motive, parse_motive
-from app.trajectories.mrclam import content_of, parse_mrclam
-from app.trajectories.text_file import number_from, numbered, read_text
+from app.trajectories.files.motive import is_motive, parse_motive
+from app.trajectories.files.mrclam import content_of, parse_mrclam
+from app.trajectories.files.text_file import number_from, numbered, read_text
+from app.trajectories.files.tum import COLUMNS, parse_tum
 from app.trajectories.trajectory import Trajectory, TrajectoryError
-from app.trajectories.tum import COLUMNS, parse_tum
 
 VALID = (
     f"TUM text ({COLUMNS}), the CSV of OptiTrack's Motive (begins with Format Version), "

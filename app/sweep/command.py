@@ -1,0 +1,32 @@
+"""What ``brickpose sweep`` does with its arguments."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.evaluation.command import config_of, crew_of, say
+from app.sweep.sweep import sweep
+from app.sweep.sweep_file import load_sweep
+from app.sweep.table import require_format
+
+
+def sweep_command(parsed: argparse.Namespace) -> int:
+    """Do what is not done yet."""
+    file, base = load_sweep(parsed.file), config_of(parsed)
+    require_format(parsed.format)
+    folder = parsed.out or Path("sweeps") / file.name
+    crew = crew_of(parsed)
+    try:
+        swept = sweep(file, base, crew, folder, parsed.format)
+    except KeyboardInterrupt:
+        say(f"Interrupted; what is done is kept in {folder}, and the same command goes on.")
+        raise
+    finally:
+        crew.close()
+    failed = [row for row in swept.rows if row["error"]]
+    say(f"{len(swept.rows)} points, {swept.done_before} of them done before, {len(failed)} failed")
+    if failed:
+        say(f"the first that failed: {failed[0]['error']}")
+    say(f"the table is {folder / f'results.{parsed.format}'}, the plots are in {folder / 'plots'}")
+    return 0

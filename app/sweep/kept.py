@@ -1,0 +1,36 @@
+"""Results of points, kept by key so that what was done once is not done again."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from app.sweep.work import MEASURES, Measured
+
+
+class Kept:
+    """A folder with a small file for each point that is done."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def get(self, key: str) -> Measured | None:
+        """What was measured at a point; None if it was not, or its file is damaged."""
+        try:
+            found = json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        whole = isinstance(found, dict) and set(found) == {*MEASURES, "error"}
+        return found if whole else None
+
+    def put(self, key: str, measured: Measured) -> None:
+        """Keep what was measured; the file is whole or not there.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        self._folder.mkdir(parents=True, exist_ok=True)
+        new = self._folder / f".{key}.{os.getpid()}"
+        new.write_text(json.dumps(measured), encoding="utf-8")
+        new.replace(self._folder / f"{key}.json")

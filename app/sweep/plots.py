@@ -1,0 +1,72 @@
+"""What a setting does to the error: a point for each run, and the median by value."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.evaluation.figures import drawn
+
+MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
+OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"
+FEW = 12
+"""So many values at most have medians of their own: more are a random sample's."""
+MARKS = (("o", "#0072b2"), ("^", "#d55e00"), ("s", "#009e73"))
+"""Worlds, by mark and colour (Okabe and Ito)."""
+
+
+def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
+    """Write an SVG of the error by one setting; points that failed are counted in its title.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    shown = [row for row in rows if row[MEASURE] is not None]
+    values = sorted({row[setting] for row in rows}, key=_order)
+    words = not all(_is_number(value) for value in values)
+    at = {value: place if words else value for place, value in enumerate(values)}
+    done: list[str] = []
+    with drawn(5.2, 3.2, done) as figure:
+        axes = figure.add_subplot()
+        worlds = list(dict.fromkeys(row["world"] for row in rows))
+        for (mark, colour), world in zip(MARKS, worlds, strict=False):
+            of_world = [row for row in shown if row["world"] == world]
+            x = [at[row[setting]] for row in of_world]
+            y = [1e3 * row[MEASURE] for row in of_world]
+            axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
+            if len(values) <= FEW and of_world:
+                places = sorted(set(x))
+                medians = [
+                    np.median([b for a, b in zip(x, y, strict=True) if a == p]) for p in places
+                ]
+                axes.plot(places, medians, "-", color=colour, lw=1.5)
+        failed = len(rows) - len(shown)
+        axes.set(
+            xlabel=setting, ylabel=LABEL, title=f"{failed} runs failed" if failed else "",
+            yscale="log" if shown else "linear",
+        )  # fmt: skip
+        if words:
+            axes.set_xticks(range(len(values)), [str(value) for value in values])
+        elif _is_wide(values):
+            axes.set_xscale("log")
+        axes.grid(alpha=0.3)
+        axes.legend(frameon=False)
+    new = path.with_name(f".unfinished-{path.name}")
+    new.write_text(done[0], encoding="utf-8")
+    new.replace(path)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _order(value: Any) -> tuple[bool, Any]:
+    return (not _is_number(value), value if _is_number(value) else str(value))
+
+
+def _is_wide(values: list[Any]) -> bool:
+    """Whether values span so much that they are better seen by their logarithm."""
+    return bool(min(values) > 0 and max(values) / min(values) >= 20)

@@ -1,0 +1,1 @@
+"""Files of trajectories: TUM text, Motive's CSV, MRCLAM."""
