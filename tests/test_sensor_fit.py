@@ -132,7 +132,7 @@ def test_coordinates_and_values_are_each_others_inverse(place: list[float]) -> N
 
 @pytest.mark.parametrize(
     ("values", "sight"),
-    [(KNOWN, (0.0, 1.0)), (SensorValues(0.85, 0.05, 0.05, 0.05, 0.002, 4.0), CAMERA)],
+    [(KNOWN, (0.0, 1.0)), (SensorValues(0.75, 0.12, 0.05, 0.08, 0.002, 4.0), CAMERA)],
 )
 def test_known_values_are_in_their_intervals_in_90_of_100_trials(
     values: SensorValues, sight: tuple[float, float]
@@ -156,13 +156,10 @@ def test_intervals_are_no_wider_than_they_have_to_be() -> None:
 @settings(max_examples=15, deadline=None)
 def test_the_likelihood_never_falls(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    shares = rng.dirichlet([5, 1, 1, 1])
+    shares = rng.dirichlet([9, 1, 1, 1])
     values = SensorValues(*shares.tolist(), rng.uniform(0.001, 0.02), rng.uniform(2, 15))
     pairs = draw_ranges(values, 400, rng, CAMERA if rng.random() < 0.5 else (0.0, 1.0))
-    try:
-        rises = np.diff(fit_sensor(pairs, 1.0).log_likelihoods)
-    except FitError:
-        return  # of 400 rays too few may be hits
+    rises = np.diff(fit_sensor(pairs, 1.0).log_likelihoods)
     assert rises.min() > -1e-7
 
 

@@ -13,6 +13,8 @@ from app.model_fits.sensor_mixture import FitRays, Limits, SensorValues
 
 FINE_ENOUGH = 0.02
 """Profiles are this exact."""
+ALL = 1 - 1e-6
+"""A share this great is too unlikely; there is no need to try."""
 STRIDE = math.log(4)
 """Values are tried at such ratios until one is too unlikely."""
 
@@ -30,14 +32,15 @@ class Profiles:
 
         From 0 if it may be none.
         """
-        none = 1e-3 / len(self.rays.begin)
-        begin = max(getattr(self.top.values, name), none)
+        value, rays = getattr(self.top.values, name), len(self.rays.begin)
 
         def fall(share: float) -> float:
             return self._share_fall(name, share)
 
-        low = _fallen(fall, begin, none, drop) or 0.0
-        return low, _fallen(fall, begin, 1 - 1e-6, drop) or 1.0
+        none = 1e-3 / rays
+        low = (_fallen(fall, value, none, drop) if value > none else None) or 0.0
+        # A ray tells of its own share at most.
+        return low, _fallen(fall, max(value, 0.1 * drop / rays), ALL, drop) or 1.0
 
     def rate(self, drop: float) -> tuple[float, float]:
         """The same of lambda_short; from 0 or to inf if the rays cannot tell where it falls."""
@@ -73,11 +76,15 @@ def _fallen(
     def height(log_value: float) -> float:
         return drop - profile(math.exp(log_value))
 
+    if begin == end:
+        return None
     reached, last = math.log(begin), math.log(end)
+    if end != ALL and height(last) > 0:
+        return None
     while reached != last:
         way = last - reached
         ahead = last if abs(way) <= STRIDE else reached + math.copysign(STRIDE, way)
         if height(ahead) <= 0:
-            return math.exp(brentq(height, reached, ahead, xtol=0.01))
+            return math.exp(brentq(height, reached, ahead, xtol=0.03))
         reached = ahead
     return None

@@ -6,11 +6,14 @@ what they were fitted as.
 ``likelihood_field`` and ``likelihood_field_prob`` are z_hit exp(-d^2 / 2 sigma_hit^2) + z_rand /
 range_max for a ray that returned, with z_hit + z_rand = 1: the normal distribution there is not
 divided by its width, and what is short is false too. So z_hit is the share of the returns that are
-from the edge, z_hit / (z_hit + z_short + z_rand), z_rand the rest. They are not the densities that
-were fitted: for those z_rand would have to be some sigma_hit sqrt(2 pi) / range_max times as great,
-a thousandth, and a single false return would weigh as much as three good ones and more. nav2_amcl
-has it like that too, and the shares mean the same. z_short, z_max and lambda_short, which these
-models do not use, are set as for the beam model.
+from the edge, z_hit / (z_hit + z_short + z_rand), and z_rand the rest, as in nav2_amcl. For the
+ratio of the fitted densities z_rand would have to be sigma_hit sqrt(2 pi) / range_max times as
+great, a thousandth or so, which is below the setting's least value and tracks no better. z_short,
+z_max and lambda_short, which these models do not use, are set as for the beam model.
+
+A filter is not better for a sigma_hit that is as small as a scanner's: between its particles, or
+its cells, no pose fits such ranges, and it loses places that it starts a little beside. Fit with
+``least_sigma`` as small as the filter can use, so that z_rand and the others suit that.
 """
 
 from __future__ import annotations
