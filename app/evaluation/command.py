@@ -12,8 +12,8 @@ from app.evaluation.evaluate import evaluate
 from app.evaluation.experiment import Experiment
 from app.evaluation.recorded import evaluate_recording
 from app.evaluation.report import millimetres, seconds
-from app.evaluation.runs import EvaluationError
 from app.evaluation.workers import Workers, workers
+from robot.settings import SettingError
 from sim.bullet import BulletMissingError, load_pybullet
 
 
@@ -54,10 +54,10 @@ def wants_recording(parsed: argparse.Namespace) -> bool:
     """Whether a recording is to be compared.
 
     Raises:
-        EvaluationError: only one of its two files was named.
+        SettingError: only one of its two files was named.
     """
     if (parsed.recording is None) != (parsed.truth is None):
-        raise EvaluationError("--recording and --truth are given together")
+        raise SettingError("--recording and --truth are given together")
     return parsed.recording is not None
 
 

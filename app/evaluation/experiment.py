@@ -18,6 +18,7 @@ from app.evaluation.runs import EvaluationError, Run, follow
 from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
 from robot.geometry import Pose2
+from robot.settings import SettingError
 
 KNOWN = np.diag(np.square([0.01, 0.01, 0.03]))
 """Covariance of the pose at the start where it is known [m², m², rad²]; told wrong, it comes with
@@ -40,14 +41,14 @@ class Experiment:
     def __post_init__(self) -> None:
         for name in self.worlds:
             if name not in WORLDS:
-                raise EvaluationError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
+                raise SettingError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
         for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
             if value < low:
-                raise EvaluationError(f"{name} is {value}; valid is {low} or more")
+                raise SettingError(f"{name} is {value}; valid is {low} or more")
         if not (self.first_seed >= 0 and self.first_seed + self.seeds <= 2**32):
-            raise EvaluationError(f"first seed is {self.first_seed}; valid is 0 to 4294967295")
+            raise SettingError(f"first seed is {self.first_seed}; valid is 0 to 4294967295")
         if not np.isfinite(self.offset).all():
-            raise EvaluationError(f"the offset {self.offset} is not finite")
+            raise SettingError(f"the offset {self.offset} is not finite")
 
     @property
     def duration(self) -> float:

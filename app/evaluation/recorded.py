@@ -12,7 +12,6 @@ from app.evaluation.output import RESULTS, write_json, written_whole
 from app.evaluation.provenance import versions
 from app.evaluation.report import embedded, page
 from app.evaluation.results import method_table
-from app.evaluation.runs import EvaluationError
 from app.evaluation.scores import SHOWN, score
 from app.trajectories.association import associate
 from app.trajectories.clock_offset import ClockOffset, require_same_run
@@ -20,6 +19,7 @@ from app.trajectories.files.reading import read_trajectory
 from app.trajectories.files.tum import write_tum
 from app.trajectories.metrics import absolute_errors, align
 from app.trajectories.trajectory import Trajectory
+from robot.settings import SettingError
 
 TOLERANCE = 0.01
 """Stamps of a pair differ by no more [s]; a clock that is off by less is left as it is."""
@@ -53,7 +53,7 @@ def read_recording(
 
     Raises:
         TrajectoryError: a file cannot be read, or they are not of one run; names file and line.
-        EvaluationError: the clock offset is neither a number nor "auto".
+        SettingError: the clock offset is neither a number nor "auto".
     """
     true, estimate = _read(truth, body), _read(recording, body)
     if true.planar or estimate.planar:
@@ -73,7 +73,7 @@ def evaluate_recording(
     """Write ``results.json``, ``report.html``, ``figure3.svg`` and the pairs that were compared.
 
     Raises:
-        TrajectoryError, EvaluationError: as `read_recording`.
+        TrajectoryError, SettingError: as `read_recording`.
         OSError: the folder cannot be written.
     """
     pairs = read_recording(recording, truth, body, clock_offset)
@@ -139,5 +139,5 @@ def _number(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise EvaluationError(f"--clock-offset is {text!r}; valid is auto or a number of seconds")
+        raise SettingError(f"--clock-offset is {text!r}; valid is auto or a number of seconds")
     return value

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from app.trajectories.metrics import (
     Unit,
-    align,
     ate_rmse,
     heading_errors,
     motion_errors,
     relative_pairs,
     rms,
 )
-from app.trajectories.trajectory import Trajectory
+from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 DELTAS: tuple[tuple[float, Unit], ...] = (
     (0.1, "s"), (0.5, "s"), (1.0, "s"), (0.1, "m"), (0.5, "m"), (1.0, "m"),
@@ -32,7 +30,7 @@ class Score:
     ate: float
     """Position, as it is [m]."""
     ate_aligned: float
-    """After a rigid motion that makes it least [m]."""
+    """After a rigid motion that makes it least [m]; nan if the robot never moved."""
     heading: float
     """[rad]"""
     relative: dict[str, tuple[float, float]]
@@ -46,13 +44,19 @@ def score(truth: Trajectory, estimate: Trajectory) -> Score:
     Raises:
         TrajectoryError: they are not pairs.
     """
-    aligned = align(truth, estimate).apply(estimate)
     return Score(
         ate_rmse(truth, estimate),
-        ate_rmse(truth, aligned),
+        _aligned(truth, estimate),
         rms(heading_errors(truth, estimate)),
         {f"{delta:g} {unit}": _relative(truth, estimate, delta, unit) for delta, unit in DELTAS},
     )
+
+
+def _aligned(truth: Trajectory, estimate: Trajectory) -> float:
+    try:
+        return ate_rmse(truth, estimate, aligned=True)
+    except TrajectoryError:
+        return math.nan
 
 
 def _relative(
@@ -60,6 +64,6 @@ def _relative(
 ) -> tuple[float, float]:
     i, j = relative_pairs(truth, delta, unit)
     if not len(i):
-        return np.nan, np.nan
+        return math.nan, math.nan
     translation, rotation = motion_errors(truth, estimate, i, j)
     return rms(translation), rms(rotation)

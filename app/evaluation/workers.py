@@ -18,6 +18,8 @@ from typing import Any, Protocol, TypeVar
 
 import cv2
 
+from robot.settings import SettingError
+
 S = TypeVar("S")
 T = TypeVar("T")
 
@@ -55,11 +57,11 @@ class LocalWorkers:
         """So many, or one for each core that this program may use.
 
         Raises:
-            WorkerError: fewer than one was asked for.
+            SettingError: fewer than one was asked for.
         """
         self.count = count if count is not None else len(os.sched_getaffinity(0))
         if self.count < 1:
-            raise WorkerError(f"{self.count} workers; valid is 1 or more")
+            raise SettingError(f"{self.count} workers; valid is 1 or more")
         self._crews: list[_Crew] = []
 
     def each(
@@ -127,15 +129,29 @@ class ClusterWorkers:
         """Do all jobs; each one's place and result, or error, as soon as it is done."""
         from distributed import as_completed  # noqa: PLC0415
 
-        places = {
-            self._client.submit(work, job, pure=False, retries=0): place
-            for place, job in enumerate(jobs)
-        }
-        for done in as_completed(list(places)):
+        left = deque(enumerate(jobs))
+        places: dict[Any, int] = {}
+        done_ones = as_completed(loop=self._client.loop)
+
+        def submit_next() -> None:
+            place, job = left.popleft()
+            future = self._client.submit(work, job, pure=False)
+            places[future] = place
+            done_ones.add(future)
+
+        # No more at a time than are worked on, and a result is fetched before the next job is
+        # handed out: so a worker that is killed has no results of others in its memory.
+        while left and len(places) < max(sum(self._client.ncores().values()), 1):
+            submit_next()
+        while places:
+            done = next(done_ones)
             place = places.pop(done)
             error = done.exception()
-            yield place, done.result() if error is None else error
+            result = done.result() if error is None else error
             done.release()
+            if left:
+                submit_next()
+            yield place, result
 
     def close(self) -> None:
         """Leave the cluster; may be called twice."""
@@ -146,12 +162,13 @@ def workers(count: int | None, cluster: str | None) -> Workers:
     """Those that the command line names.
 
     Raises:
-        WorkerError: both were named, or they cannot be had.
+        SettingError: both were named.
+        WorkerError: they cannot be had.
     """
     if cluster is None:
         return LocalWorkers(count)
     if count is not None:
-        raise WorkerError("--workers is for this machine; a cluster has as many as it has")
+        raise SettingError("--workers is for this machine; a cluster has as many as it has")
     return ClusterWorkers(cluster)
 
 

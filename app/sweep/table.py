@@ -6,10 +6,12 @@ import csv
 from pathlib import Path
 from typing import Any
 
+from robot.settings import SettingError
+
 FORMATS = ("csv", "parquet")
 
 
-class TableError(ValueError):
+class TableError(SettingError):
     """A table cannot be written in the form that was asked for."""
 
 
@@ -53,6 +55,10 @@ def _write_parquet(path: Path, rows: list[dict[str, Any]]) -> None:
     columns = {name: [row[name] for row in rows] for name in rows[0]}
     for name, values in columns.items():
         # A column has one type: where settings of several kinds meet, it is text.
-        if len({type(v) for v in values if v is not None} - {int, float}) > 1:
+        if len({_kind(value) for value in values if value is not None}) > 1:
             columns[name] = [str(value) for value in values]
     parquet.write_table(pyarrow.table(columns), path)
+
+
+def _kind(value: Any) -> type:
+    return float if type(value) is int else type(value)

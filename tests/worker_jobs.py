@@ -1,0 +1,46 @@
+"""Jobs for workers, of which each leaves a line in a file when it begins."""
+
+import os
+import signal
+from pathlib import Path
+
+
+def double(job):
+    """Twice the number."""
+    folder, number = job
+    _begin(folder, number)
+    return 2 * number
+
+
+def refuse_three(job):
+    """Twice the number, unless that is three."""
+    if job[1] == 3:
+        raise ValueError("three is none of mine")
+    return double(job)
+
+
+def die_once_at_two(job):
+    """Twice the number; the first worker that gets two is killed."""
+    folder, number = job
+    _begin(folder, number)
+    if number == 2 and begun(folder).count(2) == 1:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 2 * number
+
+
+def die_at_two(job):
+    """Twice the number; whoever gets two is killed."""
+    if job[1] == 2:
+        _begin(*job)
+        os.kill(os.getpid(), signal.SIGKILL)
+    return double(job)
+
+
+def begun(folder):
+    """Numbers of the jobs that were begun, in that order."""
+    return [int(line) for line in (Path(folder) / "begun").read_text().split()]
+
+
+def _begin(folder, number):
+    with (Path(folder) / "begun").open("a") as file:
+        file.write(f"{number}\n")
