@@ -157,7 +157,7 @@ def test_intervals_are_no_wider_than_they_have_to_be() -> None:
 def test_the_likelihood_never_falls(seed: int) -> None:
     rng = np.random.default_rng(seed)
     shares = rng.dirichlet([9, 1, 1, 1])
-    values = SensorValues(*shares.tolist(), rng.uniform(0.001, 0.02), rng.uniform(2, 15))
+    values = SensorValues(*shares.tolist(), rng.uniform(0.001, 0.004), rng.uniform(2, 15))
     pairs = draw_ranges(values, 400, rng, CAMERA if rng.random() < 0.5 else (0.0, 1.0))
     rises = np.diff(fit_sensor(pairs, 1.0).log_likelihoods)
     assert rises.min() > -1e-7

@@ -53,9 +53,11 @@ class Profiles:
 
         Very short ranges, or long ones, may hide a share better than those of the fit.
         """
-        values, limits = self.top.values, replace(self.limits, **{name: share})
+        values, held = self.top.values, self.limits
+        short = name == "z_short"
+        limits = replace(held, z_short=share) if short else replace(held, z_rand=share)
         start = limits.within(values)
-        rates = {values.lambda_short, *(self.limits.rate if name == "z_short" else ())}
+        rates = {values.lambda_short, *(held.rate if short else ())}
         return min(self._fall(replace(start, lambda_short=rate), limits) for rate in rates)
 
     def _rate_fall(self, rate: float) -> float:
