@@ -9,7 +9,7 @@ from scipy.optimize import least_squares
 
 from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Cut, cut
+from app.model_fits.motion_windows import Comparison, cut
 from robot.geometry import Array
 
 HORIZONS = (1.0, 5.0, 20.0)
@@ -39,16 +39,18 @@ def robust_correction(
         FitError: too little was driven or turned.
     """
     _check_enough(runs)
-    cuts = [cut(runs, horizon, stride=horizon / 2, keep_short=True) for horizon in horizons]
+    compared = [
+        Comparison.of(cut(runs, horizon, stride=horizon / 2, keep_short=True))
+        for horizon in horizons
+    ]
     found = np.array([1.0, 1.0, 0.0])
     for _ in range(2):  # sizes are of the errors that are left, which the first round finds
-        sizes = [_sizes(of, _correction(found, track)) for of in cuts]
+        sizes = [_sizes(of, _correction(found, track)) for of in compared]
 
         def residuals(trial: Array, sizes: Sequence[Array] = sizes) -> Array:
             errors = [
-                one.errors(_correction(trial, track)) / size
-                for of, size in zip(cuts, sizes, strict=True)
-                for one in of
+                of.errors(_correction(trial, track)) / size
+                for of, size in zip(compared, sizes, strict=True)
             ]
             return np.concatenate(errors).ravel()
 
@@ -71,8 +73,8 @@ def _check_enough(runs: Sequence[MotionRun]) -> None:
         )
 
 
-def _sizes(of: Sequence[Cut], correction: DriveCorrection) -> Array:
+def _sizes(of: Comparison, correction: DriveCorrection) -> Array:
     """Typical size (3,) of errors: their standard deviation, if they were normal."""
-    errors = np.concatenate([one.errors(correction) for one in of])
-    sizes: Array = np.maximum(1.4826 * np.median(np.abs(errors), axis=0), 1e-6)
+    medians = np.median(np.abs(of.errors(correction)), axis=0)
+    sizes: Array = np.maximum(1.4826 * medians, 1e-6)
     return sizes

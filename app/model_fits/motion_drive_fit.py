@@ -13,7 +13,7 @@ from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_correction import HORIZONS, TYPICAL, robust_correction
 from app.model_fits.motion_fit import FIT_HORIZON, Interval, MotionFit, fit_motion, likeliest
 from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Cut, cut, windows
+from app.model_fits.motion_windows import Comparison, Cut, cut, windows
 from robot.geometry import Array
 
 ROUNDS = 3
@@ -61,11 +61,11 @@ def fit_drive(
         FitError: too little was driven or turned, or in too few pieces; says what is needed.
     """
     cuts = cut(runs, horizon, keep_short=True)
-    blocks = _blocks(cuts)
+    blocks, compared = _blocks(cuts), Comparison.of(cuts)
     correction = robust_correction(runs, horizons=horizons, track=track)
     for _ in range(ROUNDS):
         whiten = _whitening(runs, horizon, correction)
-        problem = _Problem(cuts, whiten, track)
+        problem = _Problem(compared, whiten, track)
         start = np.array([correction.distance, correction.turn, correction.curvature])
         found = least_squares(problem.residuals, start, x_scale=TYPICAL).x
         correction = problem.correction(found)
@@ -83,7 +83,7 @@ def fit_drive(
 class _Problem:
     """The correction as least squares."""
 
-    cuts: Sequence[Cut]
+    compared: Comparison
     whiten: Array
     """(n, 3, 3): what makes errors of a window independent and of size one."""
     track: float
@@ -92,7 +92,7 @@ class _Problem:
         return DriveCorrection(float(found[0]), float(found[1]), float(found[2]), self.track)
 
     def residuals(self, found: Array) -> Array:
-        errors = np.concatenate([one.errors(self.correction(found)) for one in self.cuts])
+        errors = self.compared.errors(self.correction(found))
         flat: Array = (self.whiten @ errors[..., None]).ravel()
         return flat
 

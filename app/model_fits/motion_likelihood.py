@@ -6,12 +6,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
 from robot.geometry import Array
 
 SMALLEST, LARGEST = math.log(1e-13), math.log(1e5)
 """Logarithms of factors that are tried; metres and radians, so none is near either end."""
+
+ENOUGH = 1e-6
+"""A step that gains less of the logarithm of the likelihood is the last."""
+
+BOLDEST, MOST_STEPS = 3.0, 200
+"""No logarithm changes by more in a step, and so many steps are never needed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,38 +38,46 @@ class VarianceParts:
         whole: Array = np.einsum("c,ncij->nij", np.exp(logs), self.parts)
         return whole
 
-    def value(self, logs: Array) -> float:
-        """Minus the logarithm of the likelihood."""
-        covariances = self.covariances(logs)
-        _, logdets = np.linalg.slogdet(covariances)
-        pulls = np.linalg.solve(covariances, self.errors[..., None])[..., 0]
-        terms = np.sum(self.errors * pulls, axis=1) + logdets + 3 * math.log(2 * math.pi)
-        return 0.5 * self.weight * float(terms.sum())
-
     def value_and_gradient(self, logs: Array) -> tuple[float, Array]:
         """Minus the logarithm of the likelihood, and what it changes by with logs (c,)."""
-        inverse = np.linalg.inv(self.covariances(logs))
-        pulls = np.einsum("nij,nj->ni", inverse, self.errors)
-        _, logdets = np.linalg.slogdet(inverse)
-        terms = np.sum(self.errors * pulls, axis=1) - logdets + 3 * math.log(2 * math.pi)
-        excess = inverse - pulls[:, :, None] * pulls[:, None, :]
-        gradient = np.tensordot(excess, self.parts.swapaxes(0, 1), axes=([0, 1, 2], [1, 2, 3]))
-        half = 0.5 * self.weight
-        return half * float(terms.sum()), half * np.exp(logs) * gradient
+        inverse = self._inverse(logs)
+        return self._value(inverse), self._gradient(logs, inverse)
 
     def information(self, logs: Array) -> Array:
         """(c, c): the second derivatives of minus the logarithm of the likelihood, by logs."""
-        inverse = np.linalg.inv(self.covariances(logs))
-        pulls = np.einsum("nij,nj->ni", inverse, self.errors)
+        inverse = self._inverse(logs)
         scaled = np.exp(logs)[:, None, None] * self.parts
-        shares = inverse[:, None] @ scaled
-        pulled = np.einsum("ncij,nj->nci", scaled, pulls)
-        by_factors = np.einsum("nai,nij,nbj->ab", pulled, inverse, pulled) - 0.5 * np.einsum(
-            "naij,nbji->ab", shares, shares
-        )
-        _, gradient = self.value_and_gradient(logs)
-        whole: Array = self.weight * by_factors + np.diag(gradient)
-        return whole
+        pulled = np.einsum("ncij,nj->nci", scaled, self._pulls(inverse))
+        of_errors = self.weight * np.einsum("nai,nij,nbj->ab", pulled, inverse, pulled)
+        curvature: Array = of_errors - self._expected(logs, inverse)
+        return curvature + np.diag(self._gradient(logs, inverse))
+
+    def _inverse(self, logs: Array) -> Array:
+        return np.asarray(np.linalg.inv(self.covariances(logs)), dtype=np.float64)
+
+    def _value(self, inverse: Array) -> float:
+        terms = np.sum(self.errors * self._pulls(inverse), axis=1)
+        terms += 3 * math.log(2 * math.pi) - np.linalg.slogdet(inverse)[1]
+        return 0.5 * self.weight * float(terms.sum())
+
+    def _gradient(self, logs: Array, inverse: Array) -> Array:
+        pulls = self._pulls(inverse)
+        excess = (inverse - pulls[:, :, None] * pulls[:, None, :]).reshape(-1)
+        by_factor = excess @ self.parts.swapaxes(0, 1).reshape(len(logs), -1).T
+        gradient: Array = 0.5 * self.weight * np.exp(logs) * by_factor
+        return gradient
+
+    def _expected(self, logs: Array, inverse: Array) -> Array:
+        """(c, c): the information that errors of these covariances have on the mean (Fisher)."""
+        shares = inverse[:, None] @ (np.exp(logs)[:, None, None] * self.parts)
+        rows = shares.swapaxes(0, 1).reshape(len(logs), -1)
+        columns = shares.swapaxes(2, 3).swapaxes(0, 1).reshape(len(logs), -1)
+        expected: Array = 0.5 * self.weight * rows @ columns.T
+        return expected
+
+    def _pulls(self, inverse: Array) -> Array:
+        pulls: Array = np.einsum("nij,nj->ni", inverse, self.errors)
+        return pulls
 
     def start(self) -> Array:
         """Logarithms (c,) to begin with: each part explains as much as any other."""
@@ -78,24 +91,38 @@ class VarianceParts:
         """The least value, and logs (c,) that give it, from some on; one of them may be kept.
 
         Near zero a factor's logarithm changes nothing, and one that went there by a bold step
-        would not come back; so those are tried once more from where they matter a little.
+        would not come back; so all begin where they matter a little, and the greatest of all
+        likelihoods is sought twice.
         """
         matters = self.start() - 5
         value, found = self._descend(self._above(logs, matters, fixed), fixed)
-        if (found < matters).any():
+        if fixed is None and (found < matters).any():
             again = self._descend(self._above(found, matters, fixed), fixed)
             return min((value, found), again, key=lambda result: result[0])
         return value, found
 
     def _descend(self, logs: Array, fixed: int | None) -> tuple[float, Array]:
-        bounds = [(SMALLEST, LARGEST)] * len(logs)
-        if fixed is not None:
-            bounds[fixed] = (logs[fixed], logs[fixed])
-        found = minimize(
-            self.value_and_gradient, logs, jac=True, method="L-BFGS-B", bounds=bounds,
-            options={"ftol": 1e-11, "gtol": 1e-7, "maxiter": 500},
-        )  # fmt: skip
-        return float(found.fun), np.asarray(found.x)
+        """Fisher scoring: Newton's steps with the expected information, damped where too bold."""
+        free = np.arange(len(logs)) != fixed
+        inverse, damping = self._inverse(logs), 1e-3
+        value = self._value(inverse)
+        for _ in range(MOST_STEPS):
+            gradient = self._gradient(logs, inverse)[free]
+            information = self._expected(logs, inverse)[np.ix_(free, free)]
+            while damping < 1e9:
+                damped = information + np.diag(damping * np.diag(information) + 1e-12)
+                move = np.clip(np.linalg.solve(damped, -gradient), -BOLDEST, BOLDEST)
+                trial = logs.copy()
+                trial[free] = np.clip(logs[free] + move, SMALLEST, LARGEST)
+                inverse = self._inverse(trial)
+                reached = self._value(inverse)
+                if reached <= value:
+                    break
+                damping *= 10
+            if reached > value or value - reached < ENOUGH:
+                break
+            value, logs, damping = reached, trial, max(damping / 10, 1e-6)
+        return value, logs
 
     def _above(self, logs: Array, least: Array, fixed: int | None) -> Array:
         raised = np.maximum(logs, least)

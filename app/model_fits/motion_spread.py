@@ -11,6 +11,7 @@ from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_run import FitError, MotionRun
 from app.model_fits.motion_steps import ErringPath
 from app.model_fits.motion_twists import relative, twists_of
+from app.model_fits.motion_windows import floors_of
 from robot.geometry import Array
 from robot.localization.models.differential_motion import DifferentialMotion
 
@@ -53,8 +54,7 @@ def end_spreads(
         runs: at the even stamps that the model's alphas are for.
         model: the motion model.
         correction: what odometry errs by on the mean.
-        floors: standard deviations of an end however short the way, [m] along and across and
-            [rad].
+        floors: standard deviations of poses at both ends, [m] along and across and [rad].
 
     Raises:
         FitError: a motion was driven only once.
@@ -75,10 +75,9 @@ def _spread(
     correction: DriveCorrection,
     floors: tuple[float, float],
 ) -> EndSpread:
-    ends = [_end(run, model, correction) for run in runs]
+    ends = [_end(run, model, correction, floors) for run in runs]
     errors = np.array([error for error, _ in ends])
-    floor = np.diag(np.square([floors[0], floors[0], floors[1]]))
-    covariances = np.array([covariance for _, covariance in ends]) + floor
+    covariances = np.array([covariance for _, covariance in ends])
     # A run that stood still has no spread, and no error either.
     inverses = np.linalg.pinv(covariances, hermitian=True)
     distances = np.einsum("ni,nij,nj->n", errors, inverses, errors)
@@ -86,12 +85,16 @@ def _spread(
 
 
 def _end(
-    run: MotionRun, model: DifferentialMotion, correction: DriveCorrection
+    run: MotionRun,
+    model: DifferentialMotion,
+    correction: DriveCorrection,
+    floors: tuple[float, float],
 ) -> tuple[Array, Array]:
     """Error (3,) at the end of a run, and its covariance (3, 3) by the model."""
     path = ErringPath.along(correction.corrected(run.steps))
     first, last = np.array([0]), np.array([len(run.stamps) - 1])
-    truly = relative(run.truth[first], run.truth[last])
-    error = twists_of(relative(path.moved(first, last), truly))[0]
+    moved, truly = path.moved(first, last), relative(run.truth[first], run.truth[last])
     alphas = np.array([model.alpha1, model.alpha2, model.alpha3, model.alpha4])
-    return error, np.einsum("c,cij->ij", alphas, path.covariances(first, last)[0])
+    covariance = np.einsum("c,cij->ij", alphas, path.covariances(first, last)[0])
+    covariance += np.einsum("c,cij->ij", np.square(floors), floors_of(moved)[0])
+    return twists_of(relative(moved, truly))[0], covariance

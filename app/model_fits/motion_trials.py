@@ -27,6 +27,9 @@ REST = 0.3
 CREEP = 0.03
 """The end of a leg is reached at this part of its speed."""
 
+STARTING = 0.5
+"""Time to gain a leg's speed [s]: both axes then stay within their limits, and arcs are arcs."""
+
 NEARING = 3.0
 """Speed by the way that is left [1/s]: so slow before the end that motors that lag keep up."""
 
@@ -136,9 +139,11 @@ class _Trial:
             self._robot.speed / max(abs(leg.distance), 1e-9),
             self._robot.turning / max(abs(leg.turn), 1e-9),
         )
-        left = 1.0
+        left, rate = 1.0, 0.0
         while left > 0:
-            yield leg.twist(max(min(fastest, NEARING * left), CREEP * fastest))
+            rate += fastest * PERIOD / STARTING
+            rate = max(min(rate, fastest, NEARING * left), CREEP * fastest)
+            yield leg.twist(rate)
             left -= leg.share(self._odometry[-2].inverse() @ self._odometry[-1])
 
     def _rest(self) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_run import FitError, MotionRun
 from app.model_fits.motion_steps import ErringPath, Places
-from app.model_fits.motion_twists import chained, relative, twists_of
+from app.model_fits.motion_twists import chained, relative, seen_from, twists_of
 from robot.geometry import Array
 
 AS_IT_IS = DriveCorrection()
@@ -40,6 +40,25 @@ class Windows:
     def __len__(self) -> int:
         return len(self.errors)
 
+    @property
+    def by_floor(self) -> Array:
+        """(n, 2, 3, 3): covariance of the errors if truth errs by one at both ends.
+
+        First along and across [m], then by heading [rad].
+        """
+        return floors_of(self.moved)
+
+
+def floors_of(moved: Array) -> Array:
+    """Covariances (n, 2, 3, 3) of motions (n, 3) whose ends are known to one metre, one radian.
+
+    An error of the start's heading is, seen from the end, one of the place too.
+    """
+    at_end = np.array([np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 0.0, 1.0])])
+    to_end = seen_from(moved)[:, None]
+    whole: Array = at_end + to_end @ at_end @ np.swapaxes(to_end, -1, -2)
+    return whole
+
 
 def windows(
     runs: Iterable[MotionRun],
@@ -62,15 +81,20 @@ def windows(
         FitError: no drive is as long, or their steps are not all as long.
     """
     cuts = cut(runs, horizon, stride=stride, keep_short=keep_short)
-    moved, errors, by_alpha = [], [], []
+    moved, by_alpha = [], []
     for one in cuts:
         path = ErringPath.along(correction.corrected(one.steps))
         moved.append(path.moved(one.start, one.end))
-        errors.append(one.errors(correction))
         by_alpha.append(path.covariances(one.start, one.end))
     independent = sum(max(len(one.steps) / one.length, 1.0) for one in cuts)
-    joined = (np.concatenate(parts) for parts in (moved, errors, by_alpha))
-    return Windows(horizon, common_step([one.run for one in cuts]), independent, *joined)
+    return Windows(
+        horizon,
+        common_step([one.run for one in cuts]),
+        independent,
+        np.concatenate(moved),
+        Comparison.of(cuts).errors(correction),
+        np.concatenate(by_alpha),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,12 +117,36 @@ class Cut:
         start = np.arange(0, len(steps) - length + 1, apart)
         return cls(run, steps, start, start + length, length)
 
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """All windows of several drives, to be compared with truth under one correction or another.
+
+    The drives are set end to end, which changes nothing in how a window's end is seen from its
+    start, and makes one long path of many short ones.
+    """
+
+    steps: Array
+    """(m, 3) of odometry."""
+    start: Places
+    end: Places
+    truly: Array
+    """(n, 3) [m, m, rad]: true ends of the windows, seen from their true starts."""
+
+    @classmethod
+    def of(cls, cuts: Sequence[Cut]) -> Comparison:
+        """The windows of drives, in their order."""
+        firsts = np.cumsum([0, *(len(one.steps) for one in cuts)])
+        starts = [one.start + first for one, first in zip(cuts, firsts[:-1], strict=True)]
+        ends = [one.end + first for one, first in zip(cuts, firsts[:-1], strict=True)]
+        truly = [relative(one.run.truth[one.start], one.run.truth[one.end]) for one in cuts]
+        steps = np.concatenate([one.steps for one in cuts])
+        return cls(steps, np.concatenate(starts), np.concatenate(ends), np.concatenate(truly))
+
     def errors(self, correction: DriveCorrection) -> Array:
         """(n, 3) [m, m, rad]: true ends seen from those by corrected odometry, as twists."""
         path = chained(correction.corrected(self.steps))
-        moved = relative(path[self.start], path[self.end])
-        truly = relative(self.run.truth[self.start], self.run.truth[self.end])
-        return twists_of(relative(moved, truly))
+        return twists_of(relative(relative(path[self.start], path[self.end]), self.truly))
 
 
 def cut(
