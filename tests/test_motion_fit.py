@@ -11,7 +11,7 @@ from motion_drives import drawn_runs
 from app.model_fits.motion_fit import fit_motion
 from app.model_fits.motion_likelihood import VarianceParts
 from app.model_fits.motion_run import FitError
-from app.model_fits.motion_windows import Windows, windows
+from app.model_fits.motion_windows import Windows, together, windows
 from robot.localization.models.differential_motion import DifferentialMotion
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)
@@ -42,6 +42,12 @@ def test_more_data_make_narrower_intervals(drives):
     few, many = (fit_motion(windows(drives[:count], 5.0)).intervals for count in (1, 9))
     widths = [np.ptp(np.log(intervals), axis=1) for intervals in (few, many)]
     assert widths[1] == pytest.approx(widths[0] / 3, rel=0.3)
+
+
+def test_windows_of_several_lengths_tell_the_same_alphas(drives):
+    of = together([windows(drives, horizon) for horizon in (5.0, 10.0, 20.0)])
+    assert of.weights.sum() == pytest.approx(of.independent * (1 + 1 / 2 + 1 / 4) / 3, rel=1e-3)
+    assert fit_motion(of).alphas == pytest.approx(ALPHAS, rel=0.15)
 
 
 def test_many_short_drives_are_as_good_as_a_long_one(drives):
@@ -91,7 +97,8 @@ def test_a_motion_that_never_happened_tells_no_alpha(drives, kept, message):
 
 def test_derivatives_of_the_likelihood_are_exact(drives):
     of: Windows = windows([drives[0].part(0, 3000)], 5.0)
-    parts = VarianceParts(of.errors, of.by_alpha + 1e-6 * np.eye(3), 0.3)
+    rng = np.random.default_rng(0)
+    parts = VarianceParts(of.errors, of.by_alpha + 1e-6 * np.eye(3), rng.random(len(of)))
     logs = np.log(ALPHAS)
     _, gradient = parts.value_and_gradient(logs)
     information = parts.information(logs)

@@ -87,4 +87,4 @@ def test_regions_of_a_real_robot_hold_on_the_second_half_of_its_drive(robot):
     for region in fit_regions(first, fit.correction, fit.motion):
         held = share_held(second, fit.correction, fit.motion, region)
         assert 0.92 <= held <= 0.98, f"{held:.3f} over {region.horizon:g} s"
-        assert region.sd_across < 0.1 and region.sd_heading < 0.13
+        assert region.sd_across < 0.12 and region.sd_heading < 0.15

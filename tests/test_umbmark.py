@@ -34,9 +34,9 @@ def squares_of(left: float, right: float, track: float, world: str) -> Umbmark:
 
 def check(found: Umbmark, left: float, right: float, track: float, within: float) -> None:
     wheels = found.wheel_multipliers()
-    assert wheels.left_wheel_radius_multiplier == pytest.approx(left, rel=within)
-    assert wheels.right_wheel_radius_multiplier == pytest.approx(right, rel=within)
-    assert wheels.wheel_separation_multiplier == pytest.approx(track, rel=within)
+    assert wheels.left_radius == pytest.approx(left, rel=within)
+    assert wheels.right_radius == pytest.approx(right, rel=within)
+    assert wheels.separation == pytest.approx(track, rel=within)
     assert found.wheel_ratio == pytest.approx(right / left, rel=within)
     assert found.track_ratio == pytest.approx(track / ((left + right) / 2), rel=within)
 

@@ -7,23 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.model_fits.motion_twists import motions_of, twists_of
+from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
-
-
-@dataclass(frozen=True, slots=True)
-class WheelMultipliers:
-    """Factors on a robot's description, as ros2_control's diff_drive_controller takes them."""
-
-    left_wheel_radius_multiplier: float = 1.0
-    right_wheel_radius_multiplier: float = 1.0
-    wheel_separation_multiplier: float = 1.0
-
-    def correction(self, track: float) -> DriveCorrection:
-        """What it makes of odometry that was reckoned without; track [m] as described."""
-        left, right = self.left_wheel_radius_multiplier, self.right_wheel_radius_multiplier
-        mean = (left + right) / 2
-        curvature = (right - left) / (self.wheel_separation_multiplier * track)
-        return DriveCorrection(mean, mean / self.wheel_separation_multiplier, curvature, track)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +34,13 @@ class DriveCorrection:
     track: float = 0.0
     """Distance between the wheels that odometry believes in [m]; 0 where it is not known, and the
     last term, of less than a millimetre a radian, is left out."""
+
+    @classmethod
+    def of_wheels(cls, wheels: WheelMultipliers, track: float) -> DriveCorrection:
+        """What odometry needs that was reckoned without the multipliers; track [m] as described."""
+        mean = (wheels.left_radius + wheels.right_radius) / 2
+        curvature = (wheels.right_radius - wheels.left_radius) / (wheels.separation * track)
+        return cls(mean, mean / wheels.separation, curvature, track)
 
     def corrected(self, steps: Array) -> Array:
         """Steps (n, 3) [m, m, rad] of odometry as they are on the mean; each is an arc."""

@@ -11,9 +11,9 @@ from scipy.stats import t as student
 
 from app.model_fits.drive_correction import DriveCorrection
 from app.model_fits.motion_correction import HORIZONS, TYPICAL, robust_correction
-from app.model_fits.motion_fit import FIT_HORIZON, Interval, MotionFit, fit_motion, likeliest
+from app.model_fits.motion_fit import FIT_HORIZONS, Interval, MotionFit, fit_motion, likeliest
 from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Comparison, Cut, cut, windows
+from app.model_fits.motion_windows import Comparison, Cut, cut, together, windows
 from robot.geometry import Array
 
 ROUNDS = 3
@@ -42,40 +42,44 @@ def fit_drive(
     *,
     track: float = 0.0,
     horizons: Sequence[float] = HORIZONS,
-    horizon: float = FIT_HORIZON,
+    fit_horizons: Sequence[float] = FIT_HORIZONS,
 ) -> DriveFit:
     """Find correction and alphas under which truth is likeliest.
 
-    In turns: with the covariance of each window the correction is found by least squares, and with
-    the correction the covariances; the first correction is a robust one. The correction's
-    intervals are those of clustered errors (the sandwich of Huber 1967), which neither windows that
-    overlap nor errors that last make too narrow.
+    In turns, on the shortest windows: with the covariance of each window the correction is found by
+    least squares, and with the correction the covariances; the first correction is a robust one.
+    In the end the alphas are fitted to windows of all lengths, each length counting the same: a
+    composite likelihood (Varin, Reid and Firth 2011), as they are parts of each other. The
+    correction's intervals are those of clustered errors (the sandwich of Huber 1967), which neither
+    windows that overlap nor errors that last make too narrow.
 
     Args:
         runs: drives at even stamps, all with the same step.
         track: distance between the wheels that odometry believes in [m], if it is known.
         horizons: those of the first correction [s].
-        horizon: length of the windows of the fit [s].
+        fit_horizons: lengths of the windows of the fit [s], the shortest first; a drive that is
+            shorter is a window as a whole.
 
     Raises:
         FitError: too little was driven or turned, or in too few pieces; says what is needed.
     """
-    cuts = cut(runs, horizon, keep_short=True)
+    cuts = cut(runs, fit_horizons[0], keep_short=True)
     blocks, compared = _blocks(cuts), Comparison.of(cuts)
     correction = robust_correction(runs, horizons=horizons, track=track)
     for _ in range(ROUNDS):
-        whiten = _whitening(runs, horizon, correction)
+        whiten = _whitening(runs, fit_horizons[0], correction)
         problem = _Problem(compared, whiten, track)
         start = np.array([correction.distance, correction.turn, correction.curvature])
         found = least_squares(problem.residuals, start, x_scale=TYPICAL).x
         correction = problem.correction(found)
     deviations = problem.deviations(found, blocks)
     reach = float(student.ppf(0.975, blocks.max())) * deviations
+    all_windows = [windows(runs, one, correction, keep_short=True) for one in fit_horizons]
     low, high = (found - reach).tolist(), (found + reach).tolist()
     return DriveFit(
         correction,
         ((low[0], high[0]), (low[1], high[1]), (low[2], high[2])),
-        fit_motion(windows(runs, horizon, correction, keep_short=True)),
+        fit_motion(together(all_windows)),
     )
 
 

@@ -15,9 +15,10 @@ from app.model_fits.motion_windows import Windows
 from robot.geometry import Array
 from robot.localization.models.differential_motion import DifferentialMotion
 
-FIT_HORIZON = 5.0
-"""Windows that the alphas are fitted to [s]: longer ones are few, and in shorter ones stamps that
-are a little off look like noise."""
+FIT_HORIZONS = (5.0, 10.0, 20.0)
+"""Windows that the alphas are fitted to [s]. In shorter ones stamps that are a little off look like
+noise; and of one length alone, what grows with the way is hard to tell from what is always there.
+"""
 
 LEAST_WINDOWS = 20
 """A variance from fewer independent windows is known to less than a factor of two."""
@@ -134,8 +135,7 @@ def _check_enough(of: Windows) -> None:
 
 
 def _with_floors(of: Windows) -> VarianceParts:
-    weight = min(of.independent / len(of), 1.0)
-    return VarianceParts(of.errors, np.concatenate([of.by_alpha, of.by_floor], axis=1), weight)
+    return VarianceParts(of.errors, np.concatenate([of.by_alpha, of.by_floor], axis=1), of.weights)
 
 
 def _needless(parts: VarianceParts, value: float, logs: Array, place: int) -> bool:

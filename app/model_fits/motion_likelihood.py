@@ -30,8 +30,8 @@ class VarianceParts:
     """(n, 3)"""
     parts: Array
     """(n, c, 3, 3)"""
-    weight: float
-    """What each error counts: below one where errors repeat each other."""
+    weights: Array
+    """(n,): what each error counts; below one where errors repeat each other."""
 
     def covariances(self, logs: Array) -> Array:
         """(n, 3, 3) with factors of these logarithms (c,)."""
@@ -48,7 +48,8 @@ class VarianceParts:
         inverse = self._inverse(logs)
         scaled = np.exp(logs)[:, None, None] * self.parts
         pulled = np.einsum("ncij,nj->nci", scaled, self._pulls(inverse))
-        of_errors = self.weight * np.einsum("nai,nij,nbj->ab", pulled, inverse, pulled)
+        weighed = self.weights[:, None, None] * inverse
+        of_errors = np.einsum("nai,nij,nbj->ab", pulled, weighed, pulled)
         curvature: Array = of_errors - self._expected(logs, inverse)
         return curvature + np.diag(self._gradient(logs, inverse))
 
@@ -58,21 +59,23 @@ class VarianceParts:
     def _value(self, inverse: Array) -> float:
         terms = np.sum(self.errors * self._pulls(inverse), axis=1)
         terms += 3 * math.log(2 * math.pi) - np.linalg.slogdet(inverse)[1]
-        return 0.5 * self.weight * float(terms.sum())
+        return 0.5 * float(self.weights @ terms)
 
     def _gradient(self, logs: Array, inverse: Array) -> Array:
         pulls = self._pulls(inverse)
-        excess = (inverse - pulls[:, :, None] * pulls[:, None, :]).reshape(-1)
+        excess = inverse - pulls[:, :, None] * pulls[:, None, :]
+        excess = (self.weights[:, None, None] * excess).reshape(-1)
         by_factor = excess @ self.parts.swapaxes(0, 1).reshape(len(logs), -1).T
-        gradient: Array = 0.5 * self.weight * np.exp(logs) * by_factor
+        gradient: Array = 0.5 * np.exp(logs) * by_factor
         return gradient
 
     def _expected(self, logs: Array, inverse: Array) -> Array:
         """(c, c): the information that errors of these covariances have on the mean (Fisher)."""
         shares = inverse[:, None] @ (np.exp(logs)[:, None, None] * self.parts)
-        rows = shares.swapaxes(0, 1).reshape(len(logs), -1)
+        weighed = self.weights[:, None, None, None] * shares
+        rows = weighed.swapaxes(0, 1).reshape(len(logs), -1)
         columns = shares.swapaxes(2, 3).swapaxes(0, 1).reshape(len(logs), -1)
-        expected: Array = 0.5 * self.weight * rows @ columns.T
+        expected: Array = 0.5 * rows @ columns.T
         return expected
 
     def _pulls(self, inverse: Array) -> Array:

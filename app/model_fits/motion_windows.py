@@ -18,10 +18,10 @@ AS_IT_IS = DriveCorrection()
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Windows of drives, all as long; they may overlap."""
+    """Windows of drives; they may overlap."""
 
     horizon: float
-    """How long each is [s]; shorter where a whole drive is."""
+    """How long each is, or the shortest [s]; a whole drive where that is shorter."""
     step: float
     """Time of a step of the motion model [s]."""
     independent: float
@@ -36,6 +36,8 @@ class Windows:
     """
     by_alpha: Array
     """(n, 4, 3, 3): covariance of the errors for each alpha at one."""
+    weights: Array
+    """(n,): what each counts; together as many as are independent, and none more than one."""
 
     def __len__(self) -> int:
         return len(self.errors)
@@ -47,6 +49,23 @@ class Windows:
         First along and across [m], then by heading [rad].
         """
         return floors_of(self.moved)
+
+
+def together(several: Sequence[Windows]) -> Windows:
+    """Windows of several lengths as one set, in which each length counts as much as another.
+
+    In all they count as many as are independent of each length on the mean.
+    """
+    each = np.mean([one.weights.sum() for one in several]) / len(several)
+    return Windows(
+        several[0].horizon,
+        several[0].step,
+        several[0].independent,
+        np.concatenate([one.moved for one in several]),
+        np.concatenate([one.errors for one in several]),
+        np.concatenate([one.by_alpha for one in several]),
+        np.concatenate([one.weights * (each / one.weights.sum()) for one in several]),
+    )
 
 
 def floors_of(moved: Array) -> Array:
@@ -87,13 +106,15 @@ def windows(
         moved.append(path.moved(one.start, one.end))
         by_alpha.append(path.covariances(one.start, one.end))
     independent = sum(max(len(one.steps) / one.length, 1.0) for one in cuts)
+    errors = Comparison.of(cuts).errors(correction)
     return Windows(
         horizon,
         common_step([one.run for one in cuts]),
         independent,
         np.concatenate(moved),
-        Comparison.of(cuts).errors(correction),
+        errors,
         np.concatenate(by_alpha),
+        np.full(len(errors), min(independent / len(errors), 1.0)),
     )
 
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.drive_correction import WheelMultipliers
 from app.model_fits.motion_run import FitError, MotionRun
 from app.model_fits.motion_twists import chained, motions_of, relative, twists_of
+from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 
 SHORTEST = 0.1
