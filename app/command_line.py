@@ -14,6 +14,7 @@ from pathlib import Path
 from app.config import ROBOTS, Config, load_config
 from app.evaluation.options import add_evaluate
 from app.sweep.options import add_sweep
+from app.trajectories.trajectory import TrajectoryError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
@@ -32,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = _parser().parse_args(arguments)
     try:
         return int(parsed.command(parsed))
-    except (SettingError, FieldError) as error:
+    except (SettingError, FieldError, TrajectoryError) as error:
         return _complain(error, 2)
     except (OSError, ValueError, ImportError, RuntimeError) as error:
         return _complain(error, 1)

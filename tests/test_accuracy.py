@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from app.config import Config
+from app.evaluation.drives import record
 from benchmarks.accuracy import (
     CARRIED_FOR,
     FINDERS_AGAIN,
@@ -20,7 +21,6 @@ from benchmarks.accuracy import (
     rms,
     with_filter,
 )
-from app.evaluation.drives import record
 from benchmarks.trials import Shown, decided_at, try_filter
 from sim.floor_camera import CameraSettings
 

@@ -129,7 +129,7 @@ def _add_models(what: Any) -> None:
     add_what(models)
     add_out(models, OUT / "models")
     add_workers(models)
-    models.add_argument("--repeats", type=int, default=30, help="how often each motion is driven")
+    models.add_argument("--repeats", type=int, default=20, help="how often each motion is driven")
     models.add_argument(
         "--seeds", type=int, default=6, help="runs in which fitted and default settings compare"
     )

@@ -59,12 +59,11 @@ def read_recording(
     if true.planar or estimate.planar:
         # A marker's height and tilt are no errors of a robot that knows of none.
         true, estimate = true.from_above(), estimate.from_above()
-    if clock_offset == "auto":
+    asked, clock = clock_of(clock_offset), None
+    if asked is None:
         clock = require_same_run(true, estimate)
-        added = clock.seconds if abs(clock.seconds) > TOLERANCE else 0.0
-    else:
-        clock, added = None, _number(clock_offset)
-    return Recording(*associate(true, estimate.shifted(added), TOLERANCE), clock, added)
+        asked = clock.seconds if abs(clock.seconds) > TOLERANCE else 0.0
+    return Recording(*associate(true, estimate.shifted(asked), TOLERANCE), clock, asked)
 
 
 def evaluate_recording(
@@ -133,7 +132,14 @@ def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
     }
 
 
-def _number(text: str) -> float:
+def clock_of(text: str) -> float | None:
+    """A number of seconds, or None for "auto".
+
+    Raises:
+        SettingError: it is neither.
+    """
+    if text == "auto":
+        return None
     try:
         value = float(text)
     except ValueError:

@@ -19,6 +19,8 @@ from app.evaluation.runs import Run
 from robot.fields.field import Field
 
 TEMPLATE = "report.html.jinja"
+FOLDERS = (Path(__file__).parent, Path(__file__).parent.parent / "model_fits")
+"""With templates."""
 TOLD = {"known": "start known", "offset": "start told wrong"}
 
 PAPER = {
@@ -72,9 +74,9 @@ def report(evaluation: Evaluation) -> str:
 
 
 def page(template: str, **values: Any) -> str:
-    """A page of this folder's templates."""
+    """A page of a template."""
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=FileSystemLoader(FOLDERS),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -1,0 +1,62 @@
+"""Fitted parameters as a file for ``--config``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.config import Config, with_settings
+from app.model_fits.motion_statistics import MotionStatistics
+from app.model_fits.sensor_settings import fitted_sensor
+from app.model_fits.sensor_statistics import SensorStatistics
+from robot.localization.parameters import MotionParameters
+from robot.settings import describe
+
+DIGITS = 6
+
+FITTED_SENSOR = ("sigma_hit", "z_hit", "z_short", "z_max", "z_rand", "lambda_short")
+
+
+def fitted_settings(
+    motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
+) -> dict[str, Any]:
+    """Settings by their path, each within its range."""
+    found: dict[str, Any] = {}
+    if motion is not None:
+        left, right, separation = motion.multipliers
+        found["drive.left_wheel_radius_multiplier"] = left
+        found["drive.right_wheel_radius_multiplier"] = right
+        found["drive.wheel_separation_multiplier"] = separation
+        known = describe(MotionParameters)
+        for name, value in zip(
+            ("alpha1", "alpha2", "alpha3", "alpha4"), motion.fit.motion.alphas, strict=True
+        ):
+            limits = known[name]
+            found[f"localization.motion.{name}"] = min(max(value, limits.low), limits.high)
+    if sensor is not None:
+        fitted = fitted_sensor(sensor.usable, config.localization.sensor)
+        for name in FITTED_SENSOR:
+            found[f"localization.sensor.{name}"] = getattr(fitted, name)
+        found["localization.sensor.likelihood_weight"] = sensor.correlation.weight
+    return {path: float(f"{value:.{DIGITS}g}") for path, value in found.items()}
+
+
+def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
+    """Settings by path as TOML text, a table for each group.
+
+    Raises:
+        SettingError: they would not be accepted.
+    """
+    with_settings(Config(), settings)
+    lines = [f"# {comment}" for comment in comments]
+    table = ""
+    for path, value in settings.items():
+        group, _, name = path.rpartition(".")
+        if group != table:
+            lines += ["", f"[{group}]"]
+            table = group
+        lines.append(f"{name} = {_shown(value)}")
+    return "\n".join(lines) + "\n"
+
+
+def _shown(value: Any) -> str:
+    return str(value).lower() if isinstance(value, bool) else repr(value)
