@@ -11,7 +11,8 @@ from app.model_fits.sensor_statistics import SensorStatistics
 from robot.localization.parameters import MotionParameters
 from robot.settings import describe
 
-DIGITS = 6
+DIGITS, NOTHING = 6, 1e-9
+"""Fitted values are written with so many digits; smaller ones are none."""
 
 FITTED_SENSOR = ("sigma_hit", "z_hit", "z_short", "z_max", "z_rand", "lambda_short")
 
@@ -37,7 +38,7 @@ def fitted_settings(
         for name in FITTED_SENSOR:
             found[f"localization.sensor.{name}"] = getattr(fitted, name)
         found["localization.sensor.likelihood_weight"] = sensor.correlation.weight
-    return {path: float(f"{value:.{DIGITS}g}") for path, value in found.items()}
+    return {path: _rounded(value) for path, value in found.items()}
 
 
 def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
@@ -56,6 +57,10 @@ def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
             table = group
         lines.append(f"{name} = {_shown(value)}")
     return "\n".join(lines) + "\n"
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}") if abs(value) > NOTHING else 0.0
 
 
 def _shown(value: Any) -> str:

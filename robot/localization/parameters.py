@@ -42,7 +42,7 @@ class MotionParameters:
         0.04, "Variance of a distance, by distance squared", unit="m²/m²", low=0, high=10
     )
     alpha4: float = setting(
-        0.0004, "Variance of a distance, by turn squared", unit="m²/rad²", low=0, high=1
+        0.0004, "Variance of a distance, by turn squared", unit="m²/rad²", low=0, high=10
     )
     alpha5: float = setting(
         0.04, "Variance across the way, by distance squared (omni)", unit="m²/m²", low=0, high=10
