@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import accuracy, live, loop, recovery, render, scan, start, worth
+from benchmarks import accuracy, live, loop, recovery, render, scan, start, sweep, worth
 from benchmarks import filter as particle_filter
 from benchmarks.result import Result
 from robot.settings import SettingError
@@ -21,6 +21,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "render": render.measure,
     "scan": scan.measure,
     "start": start.measure,
+    "sweep": sweep.measure,
     "worth": worth.measure,
 }
 

@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from app.config import Config
-from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, rms, with_filter
 from app.evaluation.drives import Drive, Tick, record
+from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, rms, with_filter
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
 from robot.localization.models.entry_field import EntryField

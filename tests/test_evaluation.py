@@ -243,11 +243,11 @@ def test_covariances_are_compared_with_errors_by_chi_square():
     rng = np.random.default_rng(0)
     honest, sure = [], []
     for _ in range(12):
-        run = run_of(np.zeros(400))
-        errors = rng.normal(0, 0.01, (400, 3))
-        run = replace(run, estimate=errors, covariance=np.tile(1e-4 * np.eye(3), (400, 1, 1)))
+        run = run_of(np.zeros(4000))
+        errors = rng.normal(0, 0.01, (4000, 3))
+        run = replace(run, estimate=errors, covariance=np.tile(1e-4 * np.eye(3), (4000, 1, 1)))
         honest.append(run)
         sure.append(replace(run, covariance=run.covariance / 4))
-    assert condition_table(honest)["nees"]["within"] == pytest.approx(0.95, abs=0.03)
-    assert condition_table(honest)["nees"]["mean"] == pytest.approx(3, abs=0.2)
+    assert condition_table(honest)["nees"]["within"] == pytest.approx(0.95, abs=0.015)
+    assert condition_table(honest)["nees"]["mean"] == pytest.approx(3, abs=0.05)
     assert condition_table(sure)["nees"]["too_sure"] > 0.99

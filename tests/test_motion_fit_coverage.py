@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 from motion_drives import drawn_runs
 
-from app.model_fits.coverage import (
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.coverage import (
     fit_regions,
     share_held,
     squared_distances,
     usable_horizons,
 )
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_drive_fit import fit_drive
-from app.model_fits.motion_fit import MotionFit
-from app.model_fits.motion_run import FitError, cut_at, paired_runs
-from app.model_fits.motion_windows import windows
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.drive_fit import fit_drive
+from app.model_fits.motion.fit import MotionFit
+from app.model_fits.motion.run import cut_at, paired_runs
+from app.model_fits.motion.windows import windows
 from app.trajectories.files.mrclam import read_mrclam
 from robot.localization.models.differential_motion import DifferentialMotion
 

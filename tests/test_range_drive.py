@@ -9,10 +9,10 @@ import pytest
 
 from app.config import Config
 from app.evaluation.drives import Drive, record
-from app.model_fits.beam_correlation import correlate_beams
-from app.model_fits.range_pairs import FAR_OFF, RangePairs, pair_ranges
-from app.model_fits.range_statistics import by_bearing, by_distance, overall
-from app.model_fits.sensor_fit import fit_sensor
+from app.model_fits.sensor.beam_correlation import correlate_beams
+from app.model_fits.sensor.fit import fit_sensor
+from app.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
+from app.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
 from robot.geometry import Pose2
 from robot.scan import Scan
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from sensor_draws import draw_ranges
 
-from app.model_fits.sensor_fit import SensorFit, fit_sensor
-from app.model_fits.sensor_mixture import SensorValues
-from app.model_fits.sensor_settings import clipped_settings, fitted_sensor
+from app.model_fits.sensor.fit import SensorFit, fit_sensor
+from app.model_fits.sensor.mixture import SensorValues
+from app.model_fits.sensor.settings import clipped_settings, fitted_sensor
 from robot.localization.parameters import SensorParameters
 
 FIELD = SensorParameters()

@@ -6,7 +6,7 @@ from typing import Any
 
 from app.config import Config, with_settings
 from app.model_fits.motion_statistics import MotionStatistics
-from app.model_fits.sensor_settings import fitted_sensor
+from app.model_fits.sensor.settings import fitted_sensor
 from app.model_fits.sensor_statistics import SensorStatistics
 from robot.localization.parameters import MotionParameters
 from robot.settings import describe

@@ -17,10 +17,10 @@ from app.evaluation.results import condition_table
 from app.evaluation.workers import Workers
 from app.model_fits.fitted_file import fitted_settings, toml_of
 from app.model_fits.models_report import models_report
-from app.model_fits.motion_spread import EndSpread
 from app.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
-from app.model_fits.range_statistics import RangeStatistics
+from app.model_fits.sensor.range_statistics import RangeStatistics
 from app.model_fits.sensor_statistics import SensorStatistics, scanned_drives
+from app.model_fits.trials.spread import EndSpread
 from app.trajectories.clock_offset import require_same_run
 from app.trajectories.files.reading import read_trajectory
 from robot.description.spec import RobotSpec

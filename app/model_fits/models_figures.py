@@ -11,9 +11,9 @@ from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
 from app.evaluation.figures import drawn
-from app.model_fits.motion_spread import EndSpread
 from app.model_fits.motion_statistics import Held
 from app.model_fits.sensor_statistics import SensorStatistics
+from app.model_fits.trials.spread import EndSpread
 from robot.geometry import Array
 
 AS_SET, FITTED = "#d55e00", "#0072b2"

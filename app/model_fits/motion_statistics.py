@@ -11,13 +11,13 @@ from app.config import Config
 from app.evaluation.runs import EvaluationError
 from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
-from app.model_fits.coverage import Region, fit_regions, share_held, usable_horizons
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_drive_fit import DriveFit, fit_drive
-from app.model_fits.motion_run import MotionRun, cut_at, paired_runs
-from app.model_fits.motion_spread import EndSpread, end_spreads
-from app.model_fits.motion_trials import TrialRobot, run_motion, trials
-from app.model_fits.umbmark import Umbmark, distance_factor, return_errors, umbmark
+from app.model_fits.motion.coverage import Region, fit_regions, share_held, usable_horizons
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.drive_fit import DriveFit, fit_drive
+from app.model_fits.motion.run import MotionRun, cut_at, paired_runs
+from app.model_fits.trials.spread import EndSpread, end_spreads
+from app.model_fits.trials.trials import TrialRobot, run_motion, trials
+from app.model_fits.trials.umbmark import Umbmark, distance_factor, return_errors, umbmark
 from app.trajectories.trajectory import Trajectory
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import WheelMultipliers

@@ -11,10 +11,10 @@ from app.evaluation.drives import record
 from app.evaluation.runs import EvaluationError
 from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
-from app.model_fits.beam_correlation import BeamCorrelation, correlate_beams
-from app.model_fits.range_pairs import RangePairs, pair_ranges
-from app.model_fits.range_statistics import RangeStatistics, by_bearing, by_distance, overall
-from app.model_fits.sensor_fit import SensorFit, fit_sensor
+from app.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
+from app.model_fits.sensor.fit import SensorFit, fit_sensor
+from app.model_fits.sensor.range_pairs import RangePairs, pair_ranges
+from app.model_fits.sensor.range_statistics import RangeStatistics, by_bearing, by_distance, overall
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.scan import Scan

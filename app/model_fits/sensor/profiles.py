@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 from scipy.optimize import brentq
 
-from app.model_fits.sensor_climb import Climb, climb
-from app.model_fits.sensor_mixture import FitRays, Limits, SensorValues
+from app.model_fits.sensor.climb import Climb, climb
+from app.model_fits.sensor.mixture import FitRays, Limits, SensorValues
 
 FINE_ENOUGH = 0.02
 """Profiles are this exact."""

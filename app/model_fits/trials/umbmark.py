@@ -12,8 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_twists import chained, motions_of, relative, twists_of
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.twists import chained, motions_of, relative, twists_of
 from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import xlogy
 
-from app.model_fits.range_pairs import RangePairs
+from app.model_fits.sensor.range_pairs import RangePairs
 from robot.geometry import Array
 
 LEAST_SIGMA = 1e-6
@@ -105,7 +105,7 @@ class Counts:
 def expect(rays: FitRays, values: SensorValues) -> Counts:
     """Expectation step, with the exact log-likelihood at the values.
 
-    See ``sensor_fit`` for the distribution.
+    See ``fit`` for the distribution.
     """
     z_hit, z_short, z_max, z_rand, sigma, rate = astuple(values)
     m, on = len(rays.ranges), z_hit + z_max

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_fit import MotionFit
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Windows, cut, windows
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.fit import MotionFit
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.windows import Windows, cut, windows
 from robot.geometry import Array
 
 HORIZONS = (1.0, 5.0, 20.0)

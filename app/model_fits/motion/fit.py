@@ -9,9 +9,9 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from app.model_fits.motion_likelihood import LARGEST, SMALLEST, VarianceParts
-from app.model_fits.motion_run import FitError
-from app.model_fits.motion_windows import Windows
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.likelihood import LARGEST, SMALLEST, VarianceParts
+from app.model_fits.motion.windows import Windows
 from robot.geometry import Array
 from robot.localization.models.differential_motion import DifferentialMotion
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model_fits.motion_twists import chained, relative, seen_from
+from app.model_fits.motion.twists import chained, relative, seen_from
 from robot.geometry import Array, wrap_angle
 from robot.localization.models.differential_motion import STANDING_M
 

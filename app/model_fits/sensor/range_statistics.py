@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model_fits.range_pairs import RangePairs
+from app.model_fits.sensor.range_pairs import RangePairs
 from robot.geometry import Array
 
 TO_SD = 1.4826

@@ -36,20 +36,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.range_pairs import RangePairs
-from app.model_fits.range_statistics import TO_SD
-from app.model_fits.sensor_climb import climb
-from app.model_fits.sensor_intervals import Intervals, intervals
-from app.model_fits.sensor_mixture import FitRays, Limits, SensorValues
+from app.model_fits.fit_error import FitError
+from app.model_fits.sensor.climb import climb
+from app.model_fits.sensor.intervals import Intervals, intervals
+from app.model_fits.sensor.mixture import FitRays, Limits, SensorValues
+from app.model_fits.sensor.range_pairs import RangePairs
+from app.model_fits.sensor.range_statistics import TO_SD
 
 FEWEST_RAYS = 30
 FEWEST_HITS = 10
 WIDEST = 0.25
 """A spread by more of the longest range is none: hits are not told from false ranges."""
-
-
-class FitError(ValueError):
-    """Ranges that nothing can be fitted to; the message says what is needed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.motion_twists import motions_of, relative, twists_of
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.twists import motions_of, relative, twists_of
 from robot.geometry import Array, compose
 
 STEP = 1 / 30
@@ -16,10 +17,6 @@ variance that they give to a metre grows with the length of the steps it is cut 
 
 MAX_GAP = 0.2
 """Truth is not interpolated over longer gaps [s]."""
-
-
-class FitError(ValueError):
-    """The data do not tell what is asked of them; says what is needed."""
 
 
 @dataclass(frozen=True, eq=False)

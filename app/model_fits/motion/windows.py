@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_steps import ErringPath, Places
-from app.model_fits.motion_twists import chained, relative, seen_from, twists_of
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.steps import ErringPath, Places
+from app.model_fits.motion.twists import chained, relative, seen_from, twists_of
 from robot.geometry import Array
 
 AS_IT_IS = DriveCorrection()

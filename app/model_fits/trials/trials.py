@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from app.model_fits.motion_paths import MOTIONS, Leg
-from app.model_fits.motion_run import MotionRun
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.trials.motions import MOTIONS, Leg
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController, DriveSettings

@@ -10,8 +10,8 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from app.model_fits.range_pairs import RangePairs
-from app.model_fits.range_statistics import TO_SD
+from app.model_fits.sensor.range_pairs import RangePairs
+from app.model_fits.sensor.range_statistics import TO_SD
 from robot.geometry import Array
 from robot.scan import evenly
 

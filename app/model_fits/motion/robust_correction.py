@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import least_squares
 
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Comparison, cut
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.windows import Comparison, cut
 from robot.geometry import Array
 
 HORIZONS = (1.0, 5.0, 20.0)

@@ -21,7 +21,7 @@ from __future__ import annotations
 from dataclasses import asdict, replace
 from typing import Any
 
-from app.model_fits.sensor_fit import SensorFit
+from app.model_fits.sensor.fit import SensorFit
 from robot.localization.parameters import SensorParameters
 from robot.settings import describe
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, logit
 
-from app.model_fits.sensor_climb import Climb, coordinates, values_at
-from app.model_fits.sensor_mixture import SHARES, FitRays, Limits, SensorValues, expect
-from app.model_fits.sensor_profiles import Profiles
+from app.model_fits.sensor.climb import Climb, coordinates, values_at
+from app.model_fits.sensor.mixture import SHARES, FitRays, Limits, SensorValues, expect
+from app.model_fits.sensor.profiles import Profiles
 from robot.geometry import Array
 
 NAMES = tuple(one.name for one in fields(SensorValues))

@@ -9,11 +9,12 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_correction import HORIZONS, TYPICAL, robust_correction
-from app.model_fits.motion_fit import FIT_HORIZONS, Interval, MotionFit, fit_motion, likeliest
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_windows import Comparison, Cut, cut, together, windows
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.fit import FIT_HORIZONS, Interval, MotionFit, fit_motion, likeliest
+from app.model_fits.motion.robust_correction import HORIZONS, TYPICAL, robust_correction
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.windows import Comparison, Cut, cut, together, windows
 from robot.geometry import Array
 
 ROUNDS = 3

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.motion_twists import motions_of, twists_of
+from app.model_fits.motion.twists import motions_of, twists_of
 from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 

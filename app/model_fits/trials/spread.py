@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.model_fits.drive_correction import DriveCorrection
-from app.model_fits.motion_run import FitError, MotionRun
-from app.model_fits.motion_steps import ErringPath
-from app.model_fits.motion_twists import relative, twists_of
-from app.model_fits.motion_windows import floors_of
+from app.model_fits.fit_error import FitError
+from app.model_fits.motion.drive_correction import DriveCorrection
+from app.model_fits.motion.run import MotionRun
+from app.model_fits.motion.steps import ErringPath
+from app.model_fits.motion.twists import relative, twists_of
+from app.model_fits.motion.windows import floors_of
 from robot.geometry import Array
 from robot.localization.models.differential_motion import DifferentialMotion
 

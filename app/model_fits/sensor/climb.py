@@ -8,7 +8,7 @@ from dataclasses import astuple, dataclass
 import numpy as np
 from scipy.special import expit, logit
 
-from app.model_fits.sensor_mixture import (
+from app.model_fits.sensor.mixture import (
     Counts,
     FitRays,
     Limits,

@@ -1,0 +1,1 @@
+"""Known motions, driven again and again by a simulated robot."""
