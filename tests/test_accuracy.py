@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from app.config import Config
+from app.evaluation.convergence import errors
 from app.evaluation.drives import record
+from app.evaluation.runs import follow
+from app.evaluation.worlds import WORLDS
 from benchmarks.accuracy import (
     CARRIED_FOR,
     FINDERS_AGAIN,
@@ -31,6 +34,13 @@ SECONDS = 9.0
 @pytest.fixture(scope="module")
 def drive():
     return record(Config(robot="sim", seed=SEED), SECONDS)
+
+
+def test_a_robot_whose_camera_is_mounted_askew_is_not_lost():
+    """Of the plain square, whose four places look alike: it once ended at one of the others."""
+    config = WORLDS["as-real"](Config(seed=101))
+    run = follow(askew := record(config, SECONDS), config, askew.ticks[0].truth, TOLD)
+    assert errors(run, run.estimate)[0].max() < 0.05
 
 
 def followed(drive, **changes) -> list[Shown]:

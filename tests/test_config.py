@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.config import Config, load_config
+from app.config import Config, load_config, with_settings
 from robot.settings import SettingError
 
 
@@ -54,6 +54,31 @@ def test_values_reach_their_place(tmp_path):
 def test_a_wrong_key_or_value_is_refused_with_its_path_and_what_is_valid(tmp_path, text, told):
     with pytest.raises(SettingError, match=told):
         load(tmp_path, text)
+
+
+def test_settings_are_replaced_by_their_path():
+    changed = with_settings(
+        Config(), {"seed": 3, "localization.sensor.sigma_hit": 1e-3, "camera.noise": 5}
+    )
+    assert (changed.seed, changed.localization.sensor.sigma_hit) == (3, 0.001)
+    assert changed.camera.noise == 5.0
+    assert changed.localization.filter == Config().localization.filter
+    assert with_settings(Config(), {}) == Config()
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ({"localization.sensor.sigma_hut": 1.0}, "localization.sensor.sigma_hut is unknown; valid"),
+        ({"localisation.sensor.sigma_hit": 1.0}, "localisation is unknown; valid are"),
+        ({"localization.sensor.sigma_hit": 9.0}, "localization.sensor.sigma_hit is 9 m; valid is"),
+        ({"seed.next": 1}, "seed is no table; next cannot be in it"),
+        ({"seed": "one"}, "seed is 'one'; valid is a int"),
+    ],
+)
+def test_a_wrong_path_or_value_is_refused(settings, told):
+    with pytest.raises(SettingError, match=told):
+        with_settings(Config(), settings)
 
 
 def test_a_missing_file_is_named(tmp_path):

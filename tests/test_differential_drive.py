@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.description.spec import RobotSpec
-from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2
 
 SPEC = RobotSpec.load()
@@ -20,6 +20,22 @@ speeds = st.floats(-2, 2)
 turns = st.floats(-20, 20)
 twists = st.builds(Twist2, speeds, turns)
 drives = st.sampled_from([DRIVE, UNEVEN])
+
+
+def test_multipliers_are_other_wheels() -> None:
+    by = WheelMultipliers(left_radius=1.02, right_radius=0.99, separation=1.05)
+    multiplied = DifferentialDrive(SPEC, by)
+    left, right = SPEC.axle
+    radii = [joint.radius for joint in SPEC.joints]
+    radii[left] *= 1.02
+    radii[right] *= 0.99
+    other = DifferentialDrive(SPEC.with_wheels(radii, 1.05 * SPEC.track))
+    np.testing.assert_allclose(
+        multiplied.wheels(Twist2(0.1, 0.7)), other.wheels(Twist2(0.1, 0.7)), rtol=1e-12
+    )
+    assert multiplied.track == pytest.approx(1.05 * SPEC.track)
+    turned = np.array([1.0, 1.3])
+    assert multiplied.moved(turned) == other.moved(turned)
 
 
 @given(drives, twists)

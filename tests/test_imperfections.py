@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
@@ -46,13 +47,34 @@ def test_what_is_switched_off_does_not_change_the_rest() -> None:
     assert wheels_only.track == pytest.approx(SPEC.track)
 
 
+def test_a_robot_of_its_own_seed_is_the_same_in_all_runs() -> None:
+    kept = Imperfections(robot=5, camera_angle_sd=0.3)
+    one, same = (draw(SPEC, kept, np.random.default_rng(seed)) for seed in (1, 2))
+    assert one.joints == same.joints
+    np.testing.assert_array_equal(one.robot_from_camera, same.robot_from_camera)
+    assert one.joints == draw(SPEC, Imperfections(), np.random.default_rng(5)).joints
+
+
+def test_a_camera_is_askew_by_as_much_as_is_asked_for_and_nothing_else_changes() -> None:
+    askew = Imperfections(camera_angle_sd=0.3, camera_position_sd=0.001)
+    drawn = [draw(SPEC, askew, np.random.default_rng(seed)) for seed in range(100)]
+    mounts = np.array([spec.robot_from_camera for spec in drawn])
+    turns = Rotation.from_matrix(SPEC.robot_from_camera[:3, :3].T @ mounts[:, :3, :3]).as_rotvec()
+    moves = mounts[:, :3, 3] - SPEC.robot_from_camera[:3, 3]
+    assert np.degrees(turns).std(axis=0) == pytest.approx(0.3, rel=0.2)
+    assert moves.std(axis=0) == pytest.approx(0.001, rel=0.2)
+    straight = draw(SPEC, Imperfections(), np.random.default_rng(7))
+    assert drawn[7].joints == straight.joints
+    np.testing.assert_array_equal(straight.robot_from_camera, SPEC.robot_from_camera)
+
+
 def test_every_imperfection_is_documented_and_checked() -> None:
     known = describe(Imperfections)
     assert set(known) == set(vars(Imperfections()))
     assert all(entry.meaning for entry in known.values())
     for name in known:
         with pytest.raises(SettingError, match=name):
-            Imperfections(**{name: -1.0})
+            Imperfections(**{name: -2})
 
 
 def odometry_error(seed: int) -> float:

@@ -10,7 +10,7 @@ from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
 from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
-from robot.localization.hypotheses.track import Track
+from robot.localization.hypotheses.track import STUCK, Track
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.rays import rays_of
 from robot.localization.setup import Setup
@@ -55,6 +55,27 @@ def test_it_does_not_live_on_what_fits_another_place(off: Pose2) -> None:
     rough = SETUP.evidence.log_likelihood(TRUE @ off, RAYS)
     assert fit(TRUE @ off) == pytest.approx(rough, abs=0.01)
     assert rough < fit(TRUE) - 1
+
+
+def test_surer_than_it_should_be_it_begins_anew_where_scans_fit() -> None:
+    off = Pose2(TRUE.x + 0.018, TRUE.y + 0.018, TRUE.theta + 0.03)
+    track = track_at(off)
+    for scans in range(1, STUCK + 1):
+        track.fit(RAYS, SETUP.matcher, SETUP.evidence)
+        track.come_unstuck()
+        held = track.pose.distance_to(off) < 0.003
+        assert held == (scans < STUCK)
+    assert track.pose.distance_to(TRUE) < 0.5 * off.distance_to(TRUE)
+
+
+def test_one_scan_that_fits_elsewhere_does_not_move_it() -> None:
+    off = Pose2(TRUE.x + 0.018, TRUE.y + 0.018, TRUE.theta + 0.03)
+    track = track_at(off)
+    here = rays_of(Drive(off).scan(), 60)
+    for rays in (RAYS, RAYS, here, RAYS, RAYS):
+        track.fit(rays, SETUP.matcher, SETUP.evidence)
+        track.come_unstuck()
+    assert track.pose.distance_to(off) < 0.003
 
 
 def test_to_look_how_it_fits_moves_nothing() -> None:

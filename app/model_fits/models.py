@@ -42,6 +42,12 @@ class ModelsJob:
     """Of each motion."""
     seeds: int
     """Runs in which fitted and default settings are compared."""
+    laps: int = 2
+    """Of the figure-eight in each of them."""
+    drives: int = 3
+    """Of the figure-eight whose scans are compared with exact ones."""
+    seconds: float = 32.0
+    """How long each takes [s]."""
 
 
 def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
@@ -55,7 +61,7 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
     config = with_settings(job.config, one_robot)
     with written_whole(folder) as new:
         motion = repeated_motions(config, job.world, job.repeats, workers)
-        sensor = scanned_drives(config, job.world, workers)
+        sensor = scanned_drives(config, job.world, job.drives, job.seconds, workers)
         settings = fitted_settings(motion, sensor, config)
         compared = _compared(config, settings, job, workers)
         about = {
@@ -171,6 +177,8 @@ def _umbmark_table(motion: MotionStatistics) -> Table | None:
     if squares is None:
         return None
     return asdict(squares) | {
+        "centre_cw": list(squares.centre_cw),
+        "centre_ccw": list(squares.centre_ccw),
         "worst": squares.worst,
         "multipliers": squares.wheel_multipliers()._asdict(),
     }
@@ -234,7 +242,7 @@ def _compared(config: Config, settings: Table, job: ModelsJob, workers: Workers)
     """The experiment with the same robot, as it is set and as it was fitted."""
     found = {}
     for name, chosen in (("default", config), ("fitted", with_settings(config, settings))):
-        experiment = Experiment(chosen, (job.world,), job.robot + 1000, job.seeds)
+        experiment = Experiment(chosen, (job.world,), job.robot + 1000, job.seeds, job.laps)
         runs = {}
         for done, outcome in tqdm(
             run(experiment, workers), total=job.seeds, unit="drive", disable=None

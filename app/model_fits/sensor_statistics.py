@@ -19,8 +19,6 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.scan import Scan
 
-DRIVES, SECONDS = 3, 32.0
-"""Drives of the figure-eight whose scans are compared, and how long each takes [s]."""
 DISTANCES = np.arange(0.1, 1.01, 0.1)
 """Borders of bins [m]."""
 BEARINGS = np.radians(np.arange(-40, 41, 10))
@@ -52,16 +50,25 @@ def scans_of(job: tuple[Config, float]) -> tuple[list[Scan], list[Pose2]]:
     return scans, [drive.truth_at(scan.stamp) for scan in scans]
 
 
-def scanned_drives(config: Config, world: str, workers: Workers) -> SensorStatistics:
+def scanned_drives(
+    config: Config, world: str, drives: int, seconds: float, workers: Workers
+) -> SensorStatistics:
     """Compare the scans of some drives of one simulated robot.
+
+    Args:
+        config: ``imperfections.robot`` is which one.
+        world: one of ``WORLDS``.
+        drives: of the figure-eight.
+        seconds: how long each takes [s].
+        workers: who does it.
 
     Raises:
         EvaluationError: a drive cannot be made.
         FitError: the ranges have no edges in them.
     """
     config = WORLDS[world](config)
-    seeds = range(config.seed, config.seed + DRIVES)
-    jobs = [(replace(config, seed=seed), SECONDS) for seed in seeds]
+    seeds = range(config.seed, config.seed + drives)
+    jobs = [(replace(config, seed=seed), seconds) for seed in seeds]
     found = dict(workers.each(scans_of, jobs))
     scans: list[Scan] = []
     poses: list[Pose2] = []

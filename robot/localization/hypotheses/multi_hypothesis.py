@@ -176,6 +176,8 @@ class MultiHypothesisFilter:
             return
         p, matcher, evidence = self.setup.hypotheses, self.setup.matcher, self.setup.evidence
         fits = np.array([track.fit(rays, matcher, evidence) for track in self._tracks])
+        for track in self._tracks:
+            track.come_unstuck()
         lost = p.scan_worth * (fits.max() - fits)
         # No single scan decides alone.
         for track, loss in zip(self._tracks, np.minimum(lost, p.most_a_scan), strict=True):

@@ -44,6 +44,8 @@ class Track:
     """Scans that had been kept when it was found."""
     strayed: int = 0
     """Scans in a row that fit far off."""
+    fitting: Pose2 | None = None
+    """Where the last scan fits."""
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
@@ -74,9 +76,13 @@ class Track:
         fitting = matcher.match(best.pose, rays, known).pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
+        self.fitting = fitting
         self.strayed = self.strayed + 1 if far > FAR else 0
-        if self.strayed >= STUCK:
-            self.filter.set_pose(fitting, best.covariance + POLISH)
-            self.strayed = 0
         # Farther than it may be, it would live on what fits another place.
         return evidence.log_likelihood(fitting if far < FARTHEST else best.pose, rays)
+
+    def come_unstuck(self) -> None:
+        """Begin anew where scans fit, if they have fitted far off for long enough."""
+        if self.strayed >= STUCK and self.fitting is not None:
+            self.filter.set_pose(self.fitting, self.best.covariance + POLISH)
+            self.strayed = 0

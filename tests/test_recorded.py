@@ -1,0 +1,147 @@
+"""A recording against truth: published figures, clocks, and what is refused."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from shared_data import SHARED
+
+from app.command_line import main
+from app.trajectories.files.tum import write_tum
+from app.trajectories.trajectory import Trajectory
+
+TUM = SHARED / "tum_ate"
+
+
+def eight(offset=0.0, noise=0.0, rate=30.0, seconds=32.0, seed=0):
+    """A robot on the figure-eight, as a trajectory whose clock is off."""
+    stamps = np.arange(0, seconds, 1 / rate)
+    turn = np.where(stamps % 15.9 < 7.96, 0.79, -0.79)
+    theta = np.concatenate([[0], np.cumsum(turn[:-1]) / rate])
+    middle = theta + turn / rate / 2
+    way = 0.15 / rate * np.stack([np.cos(middle), np.sin(middle)], 1)
+    xy = np.concatenate([[[0, 0]], np.cumsum(way, 0)[:-1]])
+    xy += np.random.default_rng(seed).normal(0, noise, xy.shape)
+    return Trajectory.of_poses(stamps + offset, np.column_stack([xy, theta]))
+
+
+def motive(path, trajectory, bodies=("robot",)):
+    """As Motive writes it: y up, quaternions, seconds since the take began."""
+    rows = ["Format Version,1.23,Take Name,t,Rotation Type,Quaternion,Length Units,Meters"]
+    kinds = ["Rotation"] * 4 + ["Position"] * 3
+    columns = [(body, kind) for body in bodies for kind in kinds]
+    rows += ["", ",Type" + ",Rigid Body" * len(columns)]
+    rows += [",Name" + "".join(f",{body}" for body, _ in columns)]
+    rows += [",ID" + ",1" * len(columns), "," + "".join(f",{kind}" for _, kind in columns)]
+    rows += ["Frame,Time (Seconds)" + ",X,Y,Z,W,X,Y,Z" * len(bodies)]
+    since = trajectory.stamps - trajectory.stamps[0]
+    for n, (t, (x, y, theta)) in enumerate(zip(since, trajectory.poses, strict=True)):
+        half = theta / 2
+        one = f",0,{math.sin(half):.9f},0,{math.cos(half):.9f},{x:.7f},0.1,{-y:.7f}"
+        rows.append(f"{n},{t:.6f}" + one * len(bodies))
+    path.write_text("\n".join(rows) + "\n")
+
+
+def evaluate(tmp_path, *more):
+    out = tmp_path / "out"
+    given = ["--recording", str(tmp_path / "estimate.tum"), "--out", str(out)]
+    code = main(["evaluate", *given, *more])
+    return code, json.loads((out / "results.json").read_text()) if not code else None
+
+
+def mean(results, name="ate_rmse_m"):
+    return results["methods"]["amcl"][name]["mean"]
+
+
+@pytest.mark.data
+@pytest.mark.skipif(not TUM.exists(), reason="needs recorded trajectories")
+def test_published_figures_of_freiburg1_xyz(tmp_path):
+    out = tmp_path / "out"
+    files = (
+        "--recording", str(TUM / "freiburg1_xyz-rgbdslam.txt"),
+        "--truth", str(TUM / "freiburg1_xyz-groundtruth.txt"),
+    )  # fmt: skip
+    assert main(["evaluate", *files, "--out", str(out)]) == 0
+    results = json.loads((out / "results.json").read_text())
+    assert results["experiment"]["poses"] == 785
+    assert mean(results) == pytest.approx(0.020079, abs=1e-6)
+    assert mean(results, "ate_aligned_rmse_m") == pytest.approx(0.013470, abs=1e-6)
+    assert "http" not in (out / "report.html").read_text()
+
+
+def test_a_clock_that_is_off_is_found_and_set(tmp_path):
+    write_tum(tmp_path / "truth.tum", eight(rate=120))
+    write_tum(tmp_path / "estimate.tum", eight(offset=4321.37, noise=0.001))
+    code, results = evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))
+    assert code == 0
+    assert results["experiment"]["clock_offset_added_s"] == pytest.approx(-4321.37, abs=0.002)
+    assert mean(results) == pytest.approx(0.001 * math.sqrt(2), rel=0.2)
+
+
+def test_truth_of_motive_is_seen_from_above(tmp_path, capsys):
+    motive(tmp_path / "take.csv", eight(rate=120))
+    write_tum(tmp_path / "estimate.tum", eight(offset=5.0))
+    code, results = evaluate(tmp_path, "--truth", str(tmp_path / "take.csv"))
+    assert code == 0, capsys.readouterr().err
+    assert mean(results) < 0.001
+    assert mean(results, "heading_rmse_rad") < 0.01
+
+
+def test_one_of_several_bodies_is_named(tmp_path, capsys):
+    motive(tmp_path / "take.csv", eight(rate=60), bodies=("cup", "robot"))
+    write_tum(tmp_path / "estimate.tum", eight())
+    truth = ("--truth", str(tmp_path / "take.csv"))
+    assert evaluate(tmp_path, *truth)[0] == 2
+    assert "cup" in (error := capsys.readouterr().err)
+    assert "robot" in error
+    assert evaluate(tmp_path, *truth, "--body", "robot")[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("truth", "message"),
+    [
+        ("", "empty"),
+        ("1 0 0 0 0 0 0 1\n", "1 pose"),
+        ("1 0 0 0 0 0 0 1\n0.5 0 0 0 0 0 0 1\n", "line 2: "),
+        ("1 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n", "line 2: "),
+        ("1 0 0 0 0 0 0 1\n2 nan 0 0 0 0 0 1\n", "line 2: "),
+        ("1 0 0 0 0 0 0 1\n2 0 0 0 0 1\n", "line 2"),
+    ],
+)
+def test_a_bad_file_is_refused_by_name_and_line(tmp_path, capsys, truth, message):
+    (tmp_path / "truth.tum").write_text(truth)
+    write_tum(tmp_path / "estimate.tum", eight())
+    assert evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))[0] == 2
+    error = capsys.readouterr().err
+    assert "truth.tum" in error
+    assert message in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out" / "results.json").exists()
+
+
+def test_truth_of_another_run_is_refused(tmp_path, capsys):
+    rng = np.random.default_rng(1)
+    turns = np.cumsum(rng.normal(0, 0.2, 960)) / 30
+    way = np.cumsum(0.005 * np.stack([np.cos(turns), np.sin(turns)], 1), 0)
+    stamps = np.arange(960) / 30
+    write_tum(tmp_path / "truth.tum", Trajectory.of_poses(stamps, np.column_stack([way, turns])))
+    write_tum(tmp_path / "estimate.tum", eight())
+    assert evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))[0] == 2
+    assert "another run" in capsys.readouterr().err
+
+
+def test_stamps_that_do_not_overlap_are_refused_when_the_clock_is_given(tmp_path, capsys):
+    write_tum(tmp_path / "truth.tum", eight())
+    write_tum(tmp_path / "estimate.tum", eight(offset=100.0))
+    truth = ("--truth", str(tmp_path / "truth.tum"))
+    assert evaluate(tmp_path, *truth, "--clock-offset", "0")[0] == 2
+    assert "truth.tum" in capsys.readouterr().err
+    assert evaluate(tmp_path, *truth, "--clock-offset", "-100")[0] == 0
+    assert evaluate(tmp_path, *truth, "--clock-offset", "soon")[0] == 2
+    assert "valid is auto or a number of seconds" in capsys.readouterr().err
+
+
+def test_half_a_pair_is_refused(tmp_path, capsys):
+    assert main(["evaluate", "--recording", "a.tum", "--out", str(tmp_path / "out")]) == 2
+    assert "--recording and --truth are given together" in capsys.readouterr().err
