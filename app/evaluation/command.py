@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import sys
 from dataclasses import replace
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 from app.config import Config, load_config
 from app.evaluation.evaluate import evaluate
@@ -19,10 +20,10 @@ from sim.bullet import BulletMissingError, load_pybullet
 
 def evaluate_command(parsed: argparse.Namespace) -> int:
     """Make the experiment, or compare a recording."""
-    if wants_recording(parsed):
-        results = evaluate_recording(
-            parsed.recording, parsed.truth, parsed.out, parsed.body, parsed.clock_offset
-        )
+    recording = recording_of(parsed)
+    if recording is not None:
+        files = recording.estimate, recording.truth
+        results = evaluate_recording(*files, parsed.out, recording.body, parsed.clock_offset)
         ate = {key: results["methods"]["amcl"][key]["mean"] for key in ATE}
         added = results["experiment"]["clock_offset_added_s"]
         say(f"{', '.join(f'{ATE[key]} {millimetres(value)}' for key, value in ate.items())}")
@@ -50,15 +51,26 @@ def evaluate_command(parsed: argparse.Namespace) -> int:
 ATE = {"ate_rmse_m": "unaligned", "ate_aligned_rmse_m": "aligned"}
 
 
-def wants_recording(parsed: argparse.Namespace) -> bool:
-    """Whether a recording is to be compared.
+class RecordingFiles(NamedTuple):
+    """What the command line names of a recording."""
+
+    estimate: Path
+    truth: Path
+    body: str | None
+
+
+def recording_of(parsed: argparse.Namespace) -> RecordingFiles | None:
+    """The recording that is to be compared; None for a simulation.
 
     Raises:
         SettingError: only one of its two files was named.
     """
-    if (parsed.recording is None) != (parsed.truth is None):
+    given = vars(parsed)
+    if ("recording" in given) != ("truth" in given):
         raise SettingError("--recording and --truth are given together")
-    return parsed.recording is not None
+    if "recording" not in given:
+        return None
+    return RecordingFiles(given["recording"], given["truth"], given.get("body"))
 
 
 def config_of(parsed: argparse.Namespace) -> Config:

@@ -38,7 +38,7 @@ def add_evaluate(commands: Commands) -> None:
     add_worlds(command)
     add_recording(command)
     command.set_defaults(command=_evaluate)
-    _add_models(command.add_subparsers(metavar="models"))
+    _add_models(command.add_subparsers(metavar="[models]"))
 
 
 def add_what(command: argparse.ArgumentParser) -> None:
@@ -101,13 +101,21 @@ def add_recording(command: argparse.ArgumentParser) -> None:
         "--recording",
         type=Path,
         metavar="FILE",
+        default=argparse.SUPPRESS,
         help="what was estimated: TUM text, Motive CSV or MRCLAM",
     )
     recording.add_argument(
-        "--truth", type=Path, metavar="FILE", help="what was true: TUM text, Motive CSV or MRCLAM"
+        "--truth",
+        type=Path,
+        metavar="FILE",
+        default=argparse.SUPPRESS,
+        help="what was true: TUM text, Motive CSV or MRCLAM",
     )
     recording.add_argument(
-        "--body", metavar="NAME", help="which rigid body of a Motive file, if it has several"
+        "--body",
+        metavar="NAME",
+        default=argparse.SUPPRESS,
+        help="which rigid body of a Motive file, if it has several",
     )
     recording.add_argument(
         "--clock-offset",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from app.evaluation.command import config_of, crew_of, say, wants_recording, worlds_of
+from app.evaluation.command import config_of, crew_of, recording_of, say, worlds_of
 from app.evaluation.recorded import clock_of
 from app.evaluation.report import millimetres
 from app.model_fits.models import FITTED, ModelsJob, evaluate_models, evaluate_recorded_models
@@ -14,10 +14,15 @@ from robot.settings import SettingError
 def models_command(parsed: argparse.Namespace) -> int:
     """Measure one simulated robot, or a recording."""
     config = config_of(parsed)
-    if wants_recording(parsed):
-        clock = clock_of(parsed.clock_offset)
+    recording = recording_of(parsed)
+    if recording is not None:
         results = evaluate_recorded_models(
-            parsed.recording, parsed.truth, parsed.out, parsed.body, clock, config
+            recording.estimate,
+            recording.truth,
+            parsed.out,
+            recording.body,
+            clock_of(parsed.clock_offset),
+            config,
         )
         for region in results["motion"]["regions"]:
             say(
