@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import time
 
+from app.batch.workers import LocalWorkers
 from app.config import Config, with_settings
-from app.evaluation.workers import LocalWorkers
 from app.sweep.points import SweepJob, jobs_of
 from app.sweep.work import follow_all
 from benchmarks.result import Result

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from app.assembly import assemble
+from app.batch.output import written_whole
+from app.batch.workers import LocalWorkers
 from app.config import Config
 from app.evaluation.convergence import settled, time_to_converge
 from app.evaluation.drives import record
 from app.evaluation.evaluate import evaluate
 from app.evaluation.experiment import Experiment
-from app.evaluation.output import written_whole
 from app.evaluation.results import METHODS, condition_table, spread
 from app.evaluation.runs import EvaluationError, Run, follow
-from app.evaluation.workers import LocalWorkers
 from app.evaluation.worlds import WORLDS
 from app.messages.commands import FigureEightCommand, SetPoseCommand
 from robot.settings import SettingError

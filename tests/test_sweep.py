@@ -7,9 +7,9 @@ import textwrap
 import pytest
 from pyarrow import parquet
 
+from app.batch.workers import LocalWorkers
 from app.command_line import main
 from app.config import Config, with_settings
-from app.evaluation.workers import LocalWorkers
 from app.sweep.points import AT_ONCE, jobs_of, key_of, points_of
 from app.sweep.sweep import sweep
 from app.sweep.sweep_file import load_sweep

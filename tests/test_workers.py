@@ -4,7 +4,7 @@ import pytest
 import worker_jobs
 from distributed import LocalCluster
 
-from app.evaluation.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
+from app.batch.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
 from robot.settings import SettingError
 
 

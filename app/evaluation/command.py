@@ -8,12 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from app.batch.workers import Workers, workers
 from app.config import Config, load_config
 from app.evaluation.evaluate import evaluate
 from app.evaluation.experiment import Experiment
 from app.evaluation.recorded import evaluate_recording
-from app.evaluation.report import millimetres, seconds
-from app.evaluation.workers import Workers, workers
+from app.evaluation.report.report import millimetres, seconds
 from robot.settings import SettingError
 from sim.bullet import BulletMissingError, load_pybullet
 

@@ -7,15 +7,15 @@ from typing import Any
 
 from tqdm import tqdm
 
+from app.batch.output import RESULTS, write_json, written_whole
+from app.batch.provenance import changed_settings, versions
+from app.batch.workers import Workers
 from app.config import MAPS
 from app.evaluation.experiment import Experiment, Outcome, run
-from app.evaluation.output import RESULTS, write_json, written_whole
-from app.evaluation.provenance import changed_settings, versions
-from app.evaluation.report import Evaluation, figure3, report
+from app.evaluation.report.report import Evaluation, figure3, report
 from app.evaluation.results import condition_table, trajectory
 from app.evaluation.runs import Run
 from app.evaluation.scores import SHOWN
-from app.evaluation.workers import Workers
 from app.trajectories.files.tum import write_tum
 from robot.fields.field_loading import load_field
 

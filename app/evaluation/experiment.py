@@ -11,11 +11,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from app.batch.workers import Workers
 from app.config import Config
 from app.engine.figure_eight import FigureEight
 from app.evaluation.drives import record
 from app.evaluation.runs import EvaluationError, Run, follow
-from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
 from robot.geometry import Pose2
 from robot.settings import SettingError

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.evaluation import figures
-from app.evaluation.output import RESULTS, write_json, written_whole
-from app.evaluation.provenance import versions
-from app.evaluation.report import embedded, page
+from app.batch.output import RESULTS, write_json, written_whole
+from app.batch.provenance import versions
+from app.evaluation.report import figures
+from app.evaluation.report.report import embedded, page
 from app.evaluation.results import method_table
 from app.evaluation.scores import SHOWN, score
 from app.trajectories.association import associate

@@ -6,7 +6,7 @@ import argparse
 
 from app.evaluation.command import config_of, crew_of, recording_of, say, worlds_of
 from app.evaluation.recorded import clock_of
-from app.evaluation.report import millimetres
+from app.evaluation.report.report import millimetres
 from app.model_fits.models import FITTED, ModelsJob, evaluate_models, evaluate_recorded_models
 from robot.settings import SettingError
 

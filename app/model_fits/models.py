@@ -9,15 +9,15 @@ from typing import Any
 
 from tqdm import tqdm
 
+from app.batch.output import RESULTS, write_json, written_whole
+from app.batch.provenance import changed_settings, versions
+from app.batch.workers import Workers
 from app.config import Config, with_settings
 from app.evaluation.experiment import Experiment, run
-from app.evaluation.output import RESULTS, write_json, written_whole
-from app.evaluation.provenance import changed_settings, versions
 from app.evaluation.results import condition_table
-from app.evaluation.workers import Workers
 from app.model_fits.fitted_file import fitted_settings, toml_of
-from app.model_fits.models_report import models_report
 from app.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
+from app.model_fits.report.models_report import models_report
 from app.model_fits.sensor.range_statistics import RangeStatistics
 from app.model_fits.sensor_statistics import SensorStatistics, scanned_drives
 from app.model_fits.trials.spread import EndSpread

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
+from app.batch.workers import Workers
 from app.config import Config
 from app.evaluation.runs import EvaluationError
-from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
 from app.model_fits.motion.coverage import Region, fit_regions, share_held, usable_horizons
 from app.model_fits.motion.drive_correction import DriveCorrection

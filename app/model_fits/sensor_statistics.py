@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from app.batch.workers import Workers
 from app.config import MAPS, Config
 from app.evaluation.drives import record
 from app.evaluation.runs import EvaluationError
-from app.evaluation.workers import Workers
 from app.evaluation.worlds import WORLDS
 from app.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
 from app.model_fits.sensor.fit import SensorFit, fit_sensor

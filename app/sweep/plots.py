@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from app.evaluation.figures import drawn
+from app.evaluation.report.figures import drawn
 
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
 OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from app.batch.provenance import code_version, settings_of
 from app.config import Config, with_settings
 from app.engine.figure_eight import FigureEight
-from app.evaluation.provenance import code_version, settings_of
 from app.evaluation.worlds import WORLDS
 from app.sweep.sweep_file import Settings, SweepFile
 from robot.localization.parameters import LocalizationParameters

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from app.batch.workers import Workers
 from app.config import Config
-from app.evaluation.workers import Workers
 from app.sweep.kept import Kept
 from app.sweep.plots import plot_setting
 from app.sweep.points import Point, Row, duration_of, jobs_of, key_of, points_of

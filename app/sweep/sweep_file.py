@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from app.batch.provenance import settings_of
 from app.config import Config, from_table
-from app.evaluation.provenance import settings_of
 from app.evaluation.worlds import WORLDS
 from robot.settings import SettingError, check_settings, setting
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.batch.provenance import settings_of
 from app.config import Config
-from app.evaluation.provenance import settings_of
-from app.evaluation.report import embedded, page
-from app.model_fits.models_figures import motion_ends, range_errors, regions_held
+from app.evaluation.report.report import embedded, page
 from app.model_fits.motion_statistics import MotionStatistics
+from app.model_fits.report.models_figures import motion_ends, range_errors, regions_held
 from app.model_fits.sensor_statistics import SensorStatistics
 
 TEMPLATE = "models.html.jinja"

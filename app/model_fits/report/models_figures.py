@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
-from app.evaluation.figures import drawn
+from app.evaluation.report.figures import drawn
 from app.model_fits.motion_statistics import Held
 from app.model_fits.sensor_statistics import SensorStatistics
 from app.model_fits.trials.spread import EndSpread

@@ -11,15 +11,15 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from app.evaluation import figures
+from app.batch.provenance import settings_of
 from app.evaluation.experiment import Experiment
-from app.evaluation.provenance import settings_of
+from app.evaluation.report import figures
 from app.evaluation.results import METHODS
 from app.evaluation.runs import Run
 from robot.fields.field import Field
 
 TEMPLATE = "report.html.jinja"
-FOLDERS = (Path(__file__).parent, Path(__file__).parent.parent / "model_fits")
+FOLDERS = (Path(__file__).parent, Path(__file__).parents[2] / "model_fits" / "report")
 """With templates."""
 TOLD = {"known": "start known", "offset": "start told wrong"}
 

@@ -1,0 +1,1 @@
+"""The report of the experiment: a page with figures."""

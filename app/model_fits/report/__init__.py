@@ -1,0 +1,1 @@
+"""The report of the statistics of the models: a page with figures."""
