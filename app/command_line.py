@@ -31,6 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns 0 when it did its job, 2 on a wrong argument, 1 on another failure."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     parsed = _parser().parse_args(arguments)
+    # A program that is told to end cleans up as by Ctrl-C; a server has its own way later.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return int(parsed.command(parsed))
     except (SettingError, FieldError, TrajectoryError) as error:
@@ -38,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (OSError, ValueError, ImportError, RuntimeError) as error:
         return _complain(error, 1)
     except KeyboardInterrupt:
-        return 0
+        return 0 if parsed.command is _run else _complain(RuntimeError("interrupted"), 1)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -152,8 +154,6 @@ def _run(parsed: argparse.Namespace) -> int:
     from app.web.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
-    # Until the server has its own: a program told to end while it starts ends as by Ctrl-C.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     config, missing = settle_robot(config_from(parsed))
     listening = listen(config.host, config.port)
     if missing:

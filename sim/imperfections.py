@@ -64,6 +64,9 @@ class Imperfections:
         return rng if self.robot < 0 else np.random.default_rng(self.robot)
 
 
+MOUNTING = 2**31
+"""Number of the stream that the camera's mounting is drawn from: no child has it by itself."""
+
 LARGEST = 3.0
 """Errors are drawn anew beyond this many standard deviations, so that no dimension turns absurd."""
 
@@ -83,8 +86,16 @@ def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator
     true = spec.with_wheels(radii, spec.track * (1 + imperfections.track_sd * errors[-1]))
     if imperfections.camera_angle_sd == imperfections.camera_position_sd == 0:
         return true
-    # A stream of its own: the mounting does not change what the rest of a run draws.
-    return _askew(true, imperfections, rng.spawn(1)[0])
+    return _askew(true, imperfections, _beside(rng))
+
+
+def _beside(rng: np.random.Generator) -> np.random.Generator:
+    """A stream of its own, which changes nothing of what the other one and its children draw."""
+    seed = rng.bit_generator.seed_seq
+    assert isinstance(seed, np.random.SeedSequence)
+    return np.random.default_rng(
+        np.random.SeedSequence(seed.entropy, spawn_key=(*seed.spawn_key, MOUNTING))
+    )
 
 
 def _askew(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator) -> RobotSpec:

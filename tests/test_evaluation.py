@@ -30,6 +30,8 @@ SMALL = Experiment(QUICK, ("sim", "kinematic"), seeds=2, laps=1)
 class Here:
     """Does jobs in this process, in order."""
 
+    count = 1
+
     def each(self, work, jobs):
         return ((place, work(job)) for place, job in enumerate(jobs))
 

@@ -3,13 +3,16 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from shared_data import SHARED
 
 from app.command_line import main
-from app.config import Config, load_config
+from app.config import Config, load_config, with_settings
 from app.model_fits.fitted_file import toml_of
 from app.model_fits.models import ModelsJob, evaluate_models
+from app.model_fits.motion_statistics import recorded_motion
+from app.trajectories.trajectory import Trajectory
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 
@@ -17,6 +20,8 @@ MRCLAM = SHARED / "mrclam"
 
 
 class Here:
+    count = 1
+
     def each(self, work, jobs):
         return ((place, work(job)) for place, job in enumerate(jobs))
 
@@ -84,6 +89,37 @@ def test_fitted_wheels_make_odometry_better(done):
         assert one["offset"]["convergence"]["converged"] == 1
 
 
+def test_wheels_that_were_corrected_are_corrected_further():
+    odometry = Trajectory.of_poses(STAMPS, path(1.0))
+    truth = Trajectory.of_poses(STAMPS, path(1.01))
+    before = with_settings(
+        Config(),
+        {
+            "drive.left_wheel_radius_multiplier": 1.02,
+            "drive.right_wheel_radius_multiplier": 1.02,
+            "camera.frame_rate": 10.0,
+        },
+    )
+    left, right, separation = recorded_motion(odometry, truth, 0.0, before).multipliers
+    assert left == pytest.approx(1.02 * 1.01, abs=0.002)
+    assert right == pytest.approx(1.02 * 1.01, abs=0.002)
+    assert separation == pytest.approx(1.01, abs=0.003)
+
+
+def path(longer):
+    """Poses (n, 3) of a robot that goes and turns, with some noise; each way is longer by that."""
+    rng = np.random.default_rng(0)
+    turn = 0.8 * np.sin(np.cumsum(rng.normal(0, 0.1, len(STAMPS)))) * 0.1
+    theta = np.cumsum(turn)
+    # The same wheels and noise each time; the truth alone is longer.
+    way = longer * 0.015 + (rng.normal(0, 0.0005, len(STAMPS)) if longer != 1 else 0)
+    steps = np.stack([way * np.cos(theta - turn / 2), way * np.sin(theta - turn / 2)], 1)
+    return np.column_stack([np.cumsum(steps, axis=0), theta + rng.normal(0, 1e-3, len(STAMPS))])
+
+
+STAMPS = 0.1 * np.arange(4000)
+
+
 def test_what_the_program_would_refuse_is_not_written():
     with pytest.raises(SettingError, match="alpha1 is 11"):
         toml_of({"localization.motion.alpha1": 11.0})
@@ -109,9 +145,9 @@ def test_regions_fitted_to_half_a_recording_hold_the_other(robot, tmp_path):
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        (["--repeats", "1"], "repeats is 1; valid is 2 or more"),
-        (["--seeds", "0"], "seeds is 0"),
-        (["--first-seed", "-2"], "first_seed is -2"),
+        (["--repeats", "1"], "--repeats is 1; valid is 2 to 10000"),
+        (["--seeds", "0"], "--seeds is 0"),
+        (["--first-seed", "-2"], "--first-seed is -2"),
     ],
 )
 def test_too_little_is_refused(given, message, tmp_path, capsys):

@@ -145,10 +145,23 @@ def test_two_turns_in_degrees_have_the_pose_that_they_say():
     """By hand: 90 deg about x, then 45 deg about the body's new y, which is the world's z."""
     body = Rotation.from_euler("XYZ", [90, 45, 0], degrees=True)
     np.testing.assert_allclose(body.apply([1, 0, 0]), np.sqrt([0.5, 0.5, 0]), atol=1e-12)
-    stamps, poses = eight(5)
+    stamps, poses = eight(200)
     positions, _ = in_motive(poses, up="z")
-    text = export({"R": (positions, Rotation.concatenate([body] * 5))}, stamps, rotation="XYZ")
+    text = export({"R": (positions, Rotation.concatenate([body] * 200))}, stamps, rotation="XYZ")
     assert parse_motive(text, "a.csv").poses[0, 2] == pytest.approx(math.pi / 4)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_of_a_drive_straight_along_x_y_is_up(seed):
+    """Noise alone says nothing of what is up."""
+    rng = np.random.default_rng(seed)
+    stamps = np.arange(100) / 50
+    positions = np.column_stack([0.2 * stamps, *rng.normal(0, 2e-4, (2, 100))])
+    level = Rotation.identity(100)
+    read = parse_motive(export({"R": (positions, level)}, stamps), "a.csv")
+    assert "up: y" in read.notes
+    np.testing.assert_allclose(read.poses[:, 0], positions[:, 0], atol=1e-6)
+    np.testing.assert_allclose(read.poses[:, 1], -positions[:, 2], atol=1e-6)
 
 
 @pytest.mark.parametrize("bom", ["", "\ufeff"])

@@ -79,6 +79,16 @@ def test_a_clock_that_is_off_is_found_and_set(tmp_path):
     assert mean(results) == pytest.approx(0.001 * math.sqrt(2), rel=0.2)
 
 
+@pytest.mark.parametrize("late", [0.008, 0.012])
+def test_a_clock_that_is_off_by_less_than_stamps_may_be_is_set_where_it_shows(tmp_path, late):
+    write_tum(tmp_path / "truth.tum", eight(rate=120))
+    write_tum(tmp_path / "estimate.tum", eight(offset=late))
+    code, results = evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))
+    assert code == 0
+    assert results["experiment"]["clock_offset_added_s"] == pytest.approx(-late, abs=0.001)
+    assert mean(results) < 0.0005
+
+
 def test_truth_of_motive_is_seen_from_above(tmp_path, capsys):
     motive(tmp_path / "take.csv", eight(rate=120))
     write_tum(tmp_path / "estimate.tum", eight(offset=5.0))
@@ -140,6 +150,28 @@ def test_stamps_that_do_not_overlap_are_refused_when_the_clock_is_given(tmp_path
     assert evaluate(tmp_path, *truth, "--clock-offset", "-100")[0] == 0
     assert evaluate(tmp_path, *truth, "--clock-offset", "soon")[0] == 2
     assert "valid is auto or a number of seconds" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (["--recording", "a", "--truth", "b", "--laps", "1"], "--laps does not go with experiment"),
+        (["--body", "cup"], "--body does not go with experiment of a simulation"),
+        (["models", "--laps", "1"], "--laps does not go with models of a simulation"),
+        (["--repeats", "3"], "--repeats does not go with experiment"),
+        (["--workers", "2", "--cluster", "tcp://127.0.0.1:1"], "--workers is for this machine"),
+        (["models", "--world", "sim", "--world", "as-real"], "one --world"),
+    ],
+)
+def test_options_without_effect_are_refused(given, message, capsys):
+    assert main(["evaluate", *given]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_what_is_no_folder_is_refused_before_the_work(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["evaluate", "--seeds", "1", "--out", str(tmp_path / "file")]) == 2
+    assert "valid is a folder" in capsys.readouterr().err
 
 
 def test_half_a_pair_is_refused(tmp_path, capsys):

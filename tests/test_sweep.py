@@ -4,13 +4,15 @@ import csv
 import re
 import textwrap
 
+import cv2
+import numpy as np
 import pytest
 from pyarrow import parquet
 
-from app.batch.workers import LocalWorkers
+from app.batch.workers import LocalWorkers, WorkerError
 from app.command_line import main
 from app.config import Config, with_settings
-from app.sweep.points import AT_ONCE, jobs_of, key_of, points_of
+from app.sweep.points import AT_ONCE, _map_digest, at_once, jobs_of, key_of, points_of
 from app.sweep.sweep import sweep
 from app.sweep.sweep_file import load_sweep
 from app.sweep.table import TableError, require_format, write_table
@@ -33,6 +35,8 @@ KINEMATIC = """
 
 class Here:
     """Does jobs in this process, in order, and keeps them."""
+
+    count = 1
 
     def __init__(self):
         self.jobs = []
@@ -101,7 +105,7 @@ def test_an_interrupted_sweep_goes_on_where_it_was(tmp_path):
     assert not (tmp_path / "out" / "results.csv").exists()
     rest, again = Told(), Told()
     swept = sweep(file, QUICK, rest, tmp_path / "out")
-    assert (len(rest.jobs), swept.done_before) == (1, 2)
+    assert (sum(len(job.configs) for job in rest.jobs), swept.done_before) == (2, 2)
     rows = rows_of(tmp_path / "out")
     assert sweep(file, QUICK, again, tmp_path / "out").done_before == 4
     assert (again.jobs, rows_of(tmp_path / "out")) == ([], rows)
@@ -172,6 +176,54 @@ def test_a_worker_that_is_killed_repeats_its_own_task_only(tmp_path):
     assert counted == 2 * (3 + 1), "three drives, one of them twice"
 
 
+def test_a_point_that_always_ends_its_worker_takes_no_other_with_it(tmp_path):
+    class Deadly(Told):
+        """Ends whenever the point with 5 mm is among a job's."""
+
+        def each(self, work, jobs):
+            for place, outcome in super().each(work, jobs):
+                sigmas = [c.localization.sensor.sigma_hit for c in jobs[place].configs.values()]
+                yield place, WorkerError("it ended its worker") if 0.005 in sigmas else outcome
+
+    text = KINEMATIC.replace("5.0", "0.005, 0.006")
+    file = load_sweep(write(tmp_path, text))
+    for _ in range(2):
+        swept = sweep(file, QUICK, Deadly(), tmp_path / "out")
+        bad = {row["localization.sensor.sigma_hit"] for row in swept.rows if row["error"]}
+        good = {row["localization.sensor.sigma_hit"] for row in swept.rows if not row["error"]}
+        assert (bad, good) == ({0.005}, {0.003, 0.006})
+
+
+def test_what_failed_is_tried_again_the_next_time(tmp_path):
+    class Broken(Told):
+        """A machine on which nothing works."""
+
+        def each(self, work, jobs):
+            for place, job in enumerate(jobs):
+                yield (
+                    place,
+                    {key: dict.fromkeys(MEASURES) | {"error": "no disk"} for key in job.configs},
+                )
+
+    file = load_sweep(write(tmp_path, KINEMATIC))
+    assert all(row["error"] for row in sweep(file, QUICK, Broken(), tmp_path / "out").rows)
+    assert sum(not row["error"] for row in sweep(file, QUICK, Told(), tmp_path / "out").rows) == 4
+
+
+def test_an_interrupted_sweep_leaves_no_table_of_before(tmp_path):
+    file = load_sweep(write(tmp_path, KINEMATIC))
+    sweep(file, QUICK, Told(), tmp_path / "out")
+    more = load_sweep(write(tmp_path, KINEMATIC.replace("seeds = 2", "seeds = 3")))
+    with pytest.raises(KeyboardInterrupt):
+        sweep(more, QUICK, Told(most=0), tmp_path / "out")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["points"]
+
+
+def test_many_workers_share_a_drive_less():
+    assert [at_once(points, 1) for points in (1, 8, 16, 100)] == [1, 4, 8, AT_ONCE]
+    assert at_once(8, 8) == at_once(8, 100) == 1
+
+
 def test_a_random_sample_is_the_same_with_the_same_seed(tmp_path):
     file = load_sweep(
         write(
@@ -208,9 +260,27 @@ def test_the_key_of_a_point_is_of_all_that_it_depends_on(tmp_path, monkeypatch):
     keys.add(key_of(config, 16.0, (0.1, 0.0, 0.0)))
     model.write_text("2")
     keys.add(key_of(config, 16.0, ()))
-    monkeypatch.setattr("app.sweep.points.code_version", lambda: "other")
+    (tmp_path / "beside.py").write_text("1")
     keys.add(key_of(config, 16.0, ()))
-    assert len(keys) == 7
+    monkeypatch.setattr("app.sweep.points.versions", lambda: {"code": "other"})
+    keys.add(key_of(config, 16.0, ()))
+    assert len(keys) == 8
+
+
+def test_the_picture_of_a_map_is_part_of_the_key(tmp_path):
+    """Also where the map's file only names it."""
+    (tmp_path / "room.yaml").write_text(
+        "image: room.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+        "occupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+    keys = set()
+    for wall in (5, 10):
+        picture = np.full((40, 40), 254, dtype=np.uint8)
+        picture[wall] = 0
+        cv2.imwrite(str(tmp_path / "room.png"), picture)
+        _map_digest.cache_clear()
+        keys.add(key_of(with_settings(Config(), {"map": str(tmp_path / "room.yaml")}), 16.0, ()))
+    assert len(keys) == 2
 
 
 def test_drives_are_shared_by_what_follows_them_alone():
@@ -242,6 +312,10 @@ def test_drives_are_shared_by_what_follows_them_alone():
         ("[swoop]\nseeds = 1", "line 1: swoop is unknown; valid are sweep, settings"),
         ("[sweep]\nseeds = 1", "no settings; valid is a table"),
         ("[settings]\nmap = [", "is no TOML"),
+        (
+            "[settings]\nlocalization.sensor.sigma_hit = [0.003, [1, 2]]",
+            r"line 2: localization.sensor.sigma_hit has the value \[1, 2\]; valid are numbers",
+        ),
         (
             "[settings.localization.sensor]\nz_hit = { low = 0.1, high = 0.2 }",
             "line 2: localization.sensor.z_hit is an interval; that needs sample",

@@ -1,11 +1,31 @@
 """What holds of all workers: all jobs are done, and a killed worker costs only its own job."""
 
+import os
+import select
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 import worker_jobs
 from distributed import LocalCluster
 
+from app.batch import provenance
 from app.batch.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
 from robot.settings import SettingError
+
+TESTS = Path(__file__).parent
+PARENT = """
+import sys
+import worker_jobs
+from app.batch.workers import LocalWorkers
+
+if __name__ == "__main__":
+    for _, pid in LocalWorkers(1).each(worker_jobs.process, [0]):
+        print(pid, flush=True)
+    sys.stdin.read()
+"""
 
 
 @pytest.fixture(scope="module")
@@ -77,10 +97,47 @@ def test_they_are_closed_twice():
 def test_what_the_command_line_cannot_mean_is_refused():
     with pytest.raises(SettingError, match="0 workers; valid is 1 or more"):
         workers(0, None)
-    with pytest.raises(SettingError, match="--workers is for this machine"):
-        workers(2, "tcp://127.0.0.1:1")
+    with pytest.raises(SettingError, match="--cluster is 'nowhere'; valid is tcp://host:port"):
+        workers(None, "nowhere")
 
 
 def test_a_cluster_that_is_not_there_is_told():
-    with pytest.raises(WorkerError, match="no Dask scheduler answers at nowhere"):
-        workers(None, "nowhere")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    with pytest.raises(WorkerError, match="no Dask scheduler answers at tcp"):
+        workers(None, address)
+
+
+def test_a_cluster_with_another_version_of_the_program_is_refused(cluster, monkeypatch):
+    address = cluster._client.scheduler.address
+    monkeypatch.setattr(provenance, "LIBRARIES", (*provenance.LIBRARIES, "pytest"))
+    with pytest.raises(WorkerError, match=r"has pytest None \(here [0-9.]+\)"):
+        ClusterWorkers(address)
+
+
+def test_workers_end_with_the_one_that_started_them(tmp_path):
+    """Also if that one is killed and can end nobody."""
+    script = tmp_path / "parent.py"
+    script.write_text(PARENT)
+    with subprocess.Popen(
+        [sys.executable, str(script)],
+        env=os.environ | {"PYTHONPATH": f"{TESTS}:{TESTS.parent}"},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as parent:
+        worker = int(parent.stdout.readline())
+        parent.kill()
+    ended = os.pidfd_open(worker) if is_alive(worker) else None
+    if ended is not None:
+        assert select.select([ended], [], [], 30)[0], "the worker lives on"
+        os.close(ended)
+
+
+def is_alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True

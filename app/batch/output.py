@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from robot.settings import SettingError
 
 RESULTS = "results.json"
 """Comes last and goes first: where it is, the rest is of the same run."""
@@ -24,9 +27,10 @@ def written_whole(folder: Path) -> Iterator[Path]:
         folder: where results belong; it is made if it is not there.
 
     Raises:
+        SettingError: it cannot be a folder.
         OSError: it cannot be written.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
     try:
         yield beside
@@ -40,6 +44,46 @@ def written_whole(folder: Path) -> Iterator[Path]:
         shutil.rmtree(beside, ignore_errors=True)
 
 
+@contextmanager
+def file_written_whole(path: Path) -> Iterator[Path]:
+    """A file to write, which takes a path when all is done; on an error it is as it was.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=".unfinished-", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    new = Path(name)
+    try:
+        yield new
+        new.chmod(0o666 & ~_umask())
+        new.replace(path)
+    finally:
+        new.unlink(missing_ok=True)
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for results, before there are any.
+
+    Raises:
+        SettingError: it cannot be one.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SettingError(
+            f"{folder} cannot be written to: {error.strerror}; valid is a folder"
+        ) from error
+
+
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write a table so that people can read it too; no number is without a value."""
     path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _umask() -> int:
+    """What files of this program are not allowed: temporary ones allow nobody else anything."""
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

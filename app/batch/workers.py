@@ -9,7 +9,10 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import os
+import re
 import signal
+import socket
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
@@ -18,11 +21,14 @@ from typing import Any, Protocol, TypeVar
 
 import cv2
 
+from app.batch.provenance import versions
 from robot.settings import SettingError
 
 S = TypeVar("S")
 T = TypeVar("T")
 
+PATIENCE = 10
+"""So long a cluster may take to answer [s]."""
 ATTEMPTS = 3
 """A job that ends its worker so often is given up: it is the job that does it."""
 
@@ -33,6 +39,11 @@ class WorkerError(RuntimeError):
 
 class Workers(Protocol):
     """Some processes that do jobs."""
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time."""
+        ...
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
@@ -59,10 +70,15 @@ class LocalWorkers:
         Raises:
             SettingError: fewer than one was asked for.
         """
-        self.count = count if count is not None else len(os.sched_getaffinity(0))
+        self._count = count if count is not None else len(os.sched_getaffinity(0))
         if self.count < 1:
             raise SettingError(f"{self.count} workers; valid is 1 or more")
         self._crews: list[_Crew] = []
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time."""
+        return self._count
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
@@ -110,7 +126,9 @@ class ClusterWorkers:
         """Connect to a scheduler, as ``tcp://host:8786``.
 
         Raises:
-            WorkerError: dask.distributed is not installed, or nobody answers there.
+            SettingError: the address is none.
+            WorkerError: dask.distributed is not installed, nobody answers there, no worker is
+                there, or one has another version of this program.
         """
         try:
             from distributed import Client  # noqa: PLC0415 - an extra
@@ -118,10 +136,18 @@ class ClusterWorkers:
             raise WorkerError(
                 "a cluster needs dask.distributed: pip install 'brickpose[cluster]'"
             ) from error
+        _knock(address)
         try:
-            self._client: Any = Client(address, timeout=10, set_as_default=False)
+            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=PATIENCE)
         except (OSError, ValueError) as error:
-            raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
+            raise WorkerError(f"no Dask scheduler with workers is at {address}: {error}") from error
+        self._check_versions()
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time, now."""
+        return max(int(sum(self._client.ncores().values())), 1)
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
@@ -141,7 +167,7 @@ class ClusterWorkers:
 
         # No more at a time than are worked on, and a result is fetched before the next job is
         # handed out: so a worker that is killed has no results of others in its memory.
-        while left and len(places) < max(sum(self._client.ncores().values()), 1):
+        while left and len(places) < self.count:
             submit_next()
         while places:
             done = next(done_ones)
@@ -149,7 +175,7 @@ class ClusterWorkers:
             error = done.exception()
             result = done.result() if error is None else error
             done.release()
-            if left:
+            while left and len(places) < self.count:
                 submit_next()
             yield place, result
 
@@ -157,19 +183,48 @@ class ClusterWorkers:
         """Leave the cluster; may be called twice."""
         self._client.close()
 
+    def _check_versions(self) -> None:
+        """Results of another program than ours would pass for ours."""
+        ours = versions()
+        try:
+            found = self._client.run(versions)
+        except Exception as error:
+            self.close()
+            raise WorkerError(f"a worker of the cluster has not this program: {error}") from error
+        for where, theirs in found.items():
+            if theirs != ours:
+                self.close()
+                names = [name for name in ours if theirs.get(name) != ours[name]]
+                other = ", ".join(
+                    f"{name} {theirs.get(name)} (here {ours[name]})" for name in names
+                )
+                raise WorkerError(f"the worker {where} has {other}")
+
 
 def workers(count: int | None, cluster: str | None) -> Workers:
-    """Those that the command line names.
+    """Those of a cluster, or so many of this machine.
 
     Raises:
-        SettingError: both were named.
+        SettingError: they cannot be meant.
         WorkerError: they cannot be had.
     """
-    if cluster is None:
-        return LocalWorkers(count)
-    if count is not None:
-        raise SettingError("--workers is for this machine; a cluster has as many as it has")
-    return ClusterWorkers(cluster)
+    return LocalWorkers(count) if cluster is None else ClusterWorkers(cluster)
+
+
+def _knock(address: str) -> None:
+    """Find out whether anybody listens, which a client would try for long.
+
+    Raises:
+        SettingError: the address is none.
+        WorkerError: nobody listens.
+    """
+    parts = re.fullmatch(r"(?:(?:tcp|tls)://)?(\[[^]]+\]|[^:/\s]+):(\d{1,5})", address)
+    if parts is None or not 0 < int(parts[2]) < 65536:
+        raise SettingError(f"--cluster is {address!r}; valid is tcp://host:port")
+    try:
+        socket.create_connection((parts[1].strip("[]"), int(parts[2])), PATIENCE).close()
+    except OSError as error:
+        raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
 
 
 class _Crew:
@@ -192,9 +247,18 @@ class _Crew:
 
 
 def _begin() -> None:
-    """In a new process: it is ended by the one that started it, and uses one core."""
+    """In a new process: it ends when the one that started it does, and uses one core."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     cv2.setNumThreads(1)
+    threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _result(done: Future[T]) -> T | Exception:

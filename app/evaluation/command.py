@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from app.batch.workers import Workers, workers
 from app.config import Config, load_config
@@ -17,74 +16,44 @@ from app.evaluation.report.report import millimetres, seconds
 from robot.settings import SettingError
 from sim.bullet import BulletMissingError, load_pybullet
 
+Given = dict[str, Any]
+"""The options that the command line names."""
 
-def evaluate_command(parsed: argparse.Namespace) -> int:
+OUT = Path("evaluation")
+
+
+def evaluate_command(given: Given) -> int:
     """Make the experiment, or compare a recording."""
-    recording = recording_of(parsed)
-    if recording is not None:
-        files = recording.estimate, recording.truth
-        results = evaluate_recording(*files, parsed.out, recording.body, parsed.clock_offset)
+    folder = given.get("out", OUT)
+    if "recording" in given:
+        files = given["recording"], given["truth"]
+        clock = given.get("clock_offset", "auto")
+        results = evaluate_recording(*files, folder, given.get("body"), clock)
         ate = {key: results["methods"]["amcl"][key]["mean"] for key in ATE}
-        added = results["experiment"]["clock_offset_added_s"]
-        say(f"{', '.join(f'{ATE[key]} {millimetres(value)}' for key, value in ate.items())}")
-        say(f"{added:.4f} s was added to the recording's stamps")
+        say(", ".join(f"{ATE[key]} {millimetres(value)}" for key, value in ate.items()))
+        say(_clock_line(results["experiment"]))
     else:
-        experiment = Experiment(
-            config_of(parsed),
-            worlds_of(parsed),
-            parsed.first_seed,
-            parsed.seeds,
-            parsed.laps,
-            tuple(parsed.offset),
-        )
-        crew = crew_of(parsed)
-        try:
-            results = evaluate(experiment, crew, parsed.out)
-        finally:
-            crew.close()
+        results = _experiment(given, folder)
         for condition in results["conditions"]:
             say(_line(condition))
-    say(f"the report is {parsed.out / 'report.html'}")
+    say(f"the report is {folder / 'report.html'}")
     return 0
 
 
 ATE = {"ate_rmse_m": "unaligned", "ate_aligned_rmse_m": "aligned"}
 
 
-class RecordingFiles(NamedTuple):
-    """What the command line names of a recording."""
-
-    estimate: Path
-    truth: Path
-    body: str | None
-
-
-def recording_of(parsed: argparse.Namespace) -> RecordingFiles | None:
-    """The recording that is to be compared; None for a simulation.
-
-    Raises:
-        SettingError: only one of its two files was named.
-    """
-    given = vars(parsed)
-    if ("recording" in given) != ("truth" in given):
-        raise SettingError("--recording and --truth are given together")
-    if "recording" not in given:
-        return None
-    return RecordingFiles(given["recording"], given["truth"], given.get("body"))
-
-
-def config_of(parsed: argparse.Namespace) -> Config:
+def config_of(given: Given) -> Config:
     """The configuration file, if there is one, with the map of the command line."""
-    given = vars(parsed)
     config = load_config(given["config"]) if "config" in given else Config()
     return replace(config, map=given["map"]) if "map" in given else config
 
 
-def worlds_of(parsed: argparse.Namespace) -> tuple[str, ...]:
+def worlds_of(given: Given) -> tuple[str, ...]:
     """Those of the command line, or what can be had here."""
-    given = tuple(dict.fromkeys(vars(parsed).get("world", ())))
-    if given:
-        return given
+    named = tuple(dict.fromkeys(given.get("world", ())))
+    if named:
+        return named
     try:
         load_pybullet()
     except BulletMissingError as error:
@@ -93,9 +62,14 @@ def worlds_of(parsed: argparse.Namespace) -> tuple[str, ...]:
     return ("sim", "as-real")
 
 
-def crew_of(parsed: argparse.Namespace) -> Workers:
-    """Who does the work."""
-    given = vars(parsed)
+def crew_of(given: Given) -> Workers:
+    """Who does the work.
+
+    Raises:
+        SettingError: both kinds were named.
+    """
+    if "workers" in given and "cluster" in given:
+        raise SettingError("--workers is for this machine; a cluster has as many as it has")
     return workers(given.get("workers"), given.get("cluster"))
 
 
@@ -103,6 +77,19 @@ def say(text: str) -> None:
     """A line for people."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()
+
+
+def _experiment(given: Given, folder: Path) -> dict[str, Any]:
+    named = ("first_seed", "seeds", "laps")
+    options: dict[str, Any] = {name: given[name] for name in named if name in given}
+    if "offset" in given:
+        options["offset"] = tuple(given["offset"])
+    experiment = Experiment(config_of(given), worlds_of(given), **options)
+    crew = crew_of(given)
+    try:
+        return evaluate(experiment, crew, folder)
+    finally:
+        crew.close()
 
 
 def _line(condition: dict[str, Any]) -> str:
@@ -116,3 +103,9 @@ def _line(condition: dict[str, Any]) -> str:
         f"{after['converged']} of {after['of']} right, after {seconds(median)}, "
         f"then {millimetres(after['steady_ate_rmse_m']['mean'])}"
     )
+
+
+def _clock_line(experiment: dict[str, Any]) -> str:
+    found, added = experiment["clock_offset_s"], experiment["clock_offset_added_s"]
+    told = "" if found is None else f"the recording's clock seems {found:.4f} s behind; "
+    return f"{told}{added:.4f} s was added to its stamps"

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from app.evaluation.runs import Run
+from app.trajectories.metrics import rms
 from robot.geometry import Array, wrap_angle
 
 RIGHT_XY, RIGHT_THETA = 0.02, 0.1
@@ -38,6 +39,12 @@ def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
         if until < len(stamps) and right[first : until + 1].all():
             return float(stamps[first] - stamps[0])
     return math.inf
+
+
+def steady_error(run: Run) -> float:
+    """Root mean square of the distances [m] once it is settled; nan if it never is."""
+    late = settled(run)
+    return rms(errors(run, run.estimate)[0][late]) if late.any() else math.nan
 
 
 def settled(run: Run) -> Array:

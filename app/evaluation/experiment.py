@@ -6,7 +6,7 @@ one recorded drive is followed twice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from app.batch.workers import Workers
 from app.config import Config
 from app.engine.figure_eight import FigureEight
-from app.evaluation.drives import record
+from app.evaluation.drives import Drive, record
 from app.evaluation.runs import EvaluationError, Run, follow
 from app.evaluation.worlds import WORLDS
 from robot.geometry import Pose2
@@ -92,9 +92,16 @@ class Outcome:
 def drive_and_follow(job: Job) -> Outcome:
     """Do one job; the same job has the same outcome to the last digit."""
     drive = record(job.config, job.duration)
-    start, (dx, dy, turn) = drive.ticks[0].truth, job.offset
-    wrong = Pose2(start.x + dx, start.y + dy, start.theta + turn)
-    return Outcome(follow(drive, job.config, start, KNOWN), follow(drive, job.config, wrong))
+    return Outcome(
+        follow(drive, job.config, drive.ticks[0].truth, KNOWN),
+        follow_from_offset(drive, job.config, job.offset),
+    )
+
+
+def follow_from_offset(drive: Drive, config: Config, offset: Sequence[float]) -> Run:
+    """Follow a drive from a pose told wrong by an offset [m, m, rad] in the map's axes."""
+    start, (dx, dy, turn) = drive.ticks[0].truth, offset
+    return follow(drive, config, Pose2(start.x + dx, start.y + dy, start.theta + turn))
 
 
 def run(experiment: Experiment, workers: Workers) -> Iterator[tuple[Job, Outcome]]:

@@ -6,63 +6,64 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-OUT = Path("evaluation")
+from robot.settings import SettingError
+
 Commands = Any
 """What ``add_subparsers`` returns."""
 
+SIMULATED = ("map", "first_seed", "config", "workers", "cluster", "seeds", "world")
+"""Options that go with a simulation; there is more for the experiment and for the models."""
+RECORDED = ("recording", "truth", "body", "clock_offset")
+"""Options that go with a recording."""
+VALID = {
+    ("experiment", False): (*SIMULATED, "laps", "offset"),
+    ("models", False): (*SIMULATED, "repeats"),
+    ("experiment", True): RECORDED,
+    ("models", True): (*RECORDED, "config"),
+}
+"""By what is evaluated and whether it is recorded; ``out`` goes with all."""
+
 
 def add_evaluate(commands: Commands) -> None:
-    """Add the command and its own sub-command."""
+    """Add the command."""
     command = commands.add_parser(
         "evaluate",
-        help="the paper's experiment: how far off are odometry and localization?",
+        help="the paper's experiment, or statistics of the models",
         description="Drive the open-loop figure-eight with simulated robots, follow each with the "
-        "pose known and with it told wrong, and write a report. Or, with --recording and --truth, "
-        "compare a recorded trajectory with the true one. Metres, radians, seconds.",
-        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+        "pose known and with it told wrong, and write a report. With --recording and --truth: "
+        "compare a recorded trajectory with the true one. As `evaluate models`: statistics of the "
+        "motion and sensor models of one robot, or of recorded odometry with truth, and fitted "
+        "parameters for --config. Metres, radians, seconds.",
+        argument_default=argparse.SUPPRESS,
         allow_abbrev=False,
     )
-    add_what(command)
-    add_out(command, OUT)
+    command.add_argument(
+        "what",
+        nargs="?",
+        choices=("experiment", "models"),
+        default="experiment",
+        help="the experiment (default), or statistics of the models",
+    )
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="where the results go (default: evaluation; of models evaluation/models)",
+    )
+    _add_simulation(command)
     add_workers(command)
-    command.add_argument("--seeds", type=int, default=12, help="how many robots")
-    command.add_argument("--laps", type=int, default=2, help="laps of the figure-eight")
-    command.add_argument(
-        "--offset",
-        type=float,
-        nargs=3,
-        metavar=("DX", "DY", "DTHETA"),
-        default=[-0.1, -0.1, 0.3],
-        help="how far the told pose is off [m, m, rad]",
-    )
-    add_worlds(command)
-    add_recording(command)
+    _add_recording(command)
     command.set_defaults(command=_evaluate)
-    _add_models(command.add_subparsers(metavar="[models]"))
 
 
-def add_what(command: argparse.ArgumentParser) -> None:
-    """Which map, robots and settings."""
-    command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        default=argparse.SUPPRESS,
-        help="a field of maps/, or an .svg or .yaml file (default: square)",
-    )
-    command.add_argument("--first-seed", type=int, default=0, help="seed of the first robot")
+def add_config(command: argparse.ArgumentParser) -> None:
+    """Settings from a file."""
     command.add_argument(
         "--config",
         type=Path,
         metavar="FILE.toml",
         default=argparse.SUPPRESS,
         help="settings, as for run",
-    )
-
-
-def add_out(command: argparse.ArgumentParser, folder: Path) -> None:
-    """Where results go."""
-    command.add_argument(
-        "--out", type=Path, metavar="DIR", default=folder, help="where the results go"
     )
 
 
@@ -83,76 +84,99 @@ def add_workers(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_worlds(command: argparse.ArgumentParser) -> None:
-    """In which worlds."""
+def check_options(given: dict[str, Any]) -> None:
+    """Refuse options without effect.
+
+    Raises:
+        SettingError: names one, and what goes with what is evaluated.
+    """
+    if ("recording" in given) != ("truth" in given):
+        raise SettingError("--recording and --truth are given together")
+    recorded = "recording" in given
+    valid = VALID[given["what"], recorded]
+    for name in given:
+        if name not in (*valid, "out", "what", "command"):
+            of = "a recording" if recorded else "a simulation"
+            options = ", ".join(_option(one) for one in ("out", *valid))
+            raise SettingError(
+                f"{_option(name)} does not go with {given['what']} of {of}; valid are {options}"
+            )
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
+
+
+def _add_simulation(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        help="a field of maps/, or an .svg or .yaml file (default: square)",
+    )
+    command.add_argument(
+        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
+    )
+    command.add_argument(
+        "--seeds",
+        type=int,
+        metavar="N",
+        help="how many robots (default: 12); of models how many runs compare fitted and default "
+        "settings (default: 6)",
+    )
+    command.add_argument(
+        "--laps", type=int, metavar="N", help="laps of the figure-eight (default: 2)"
+    )
+    command.add_argument(
+        "--offset",
+        type=float,
+        nargs=3,
+        metavar=("DX", "DY", "DTHETA"),
+        help="how far the told pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
+    )
     command.add_argument(
         "--world",
         action="append",
         choices=("sim", "as-real", "kinematic"),
-        default=argparse.SUPPRESS,
-        help="may be given more than once (default: sim and as-real; kinematic without pybullet)",
+        help="may be given more than once (default: sim and as-real; of models sim; kinematic "
+        "without pybullet)",
     )
+    command.add_argument(
+        "--repeats",
+        type=int,
+        metavar="N",
+        help="how often each motion is driven, of models (default: 20)",
+    )
+    add_config(command)
 
 
-def add_recording(command: argparse.ArgumentParser) -> None:
+def _add_recording(command: argparse.ArgumentParser) -> None:
     """A recording instead of a simulation."""
     recording = command.add_argument_group("a recording instead of a simulation")
     recording.add_argument(
         "--recording",
         type=Path,
         metavar="FILE",
-        default=argparse.SUPPRESS,
-        help="what was estimated: TUM text, Motive CSV or MRCLAM",
+        help="what was estimated, of models odometry: TUM text, Motive CSV or MRCLAM",
     )
     recording.add_argument(
-        "--truth",
-        type=Path,
-        metavar="FILE",
-        default=argparse.SUPPRESS,
-        help="what was true: TUM text, Motive CSV or MRCLAM",
+        "--truth", type=Path, metavar="FILE", help="what was true, in the same forms"
     )
     recording.add_argument(
-        "--body",
-        metavar="NAME",
-        default=argparse.SUPPRESS,
-        help="which rigid body of a Motive file, if it has several",
+        "--body", metavar="NAME", help="which rigid body of a Motive file, if it has several"
     )
     recording.add_argument(
         "--clock-offset",
         metavar="SECONDS",
-        default="auto",
-        help="what to add to the recording's stamps; auto estimates it",
+        help="what to add to the recording's stamps; auto estimates it (default: auto)",
     )
-
-
-def _add_models(what: Any) -> None:
-    models = what.add_parser(
-        "models",
-        help="statistics of the motion and sensor models, and fitted parameters",
-        description="Repeat motions and scans of one simulated robot, or take a recording, compare "
-        "them with the models, and write fitted parameters for --config.",
-        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-        allow_abbrev=False,
-    )
-    add_what(models)
-    add_out(models, OUT / "models")
-    add_workers(models)
-    models.add_argument("--repeats", type=int, default=20, help="how often each motion is driven")
-    models.add_argument(
-        "--seeds", type=int, default=6, help="runs in which fitted and default settings compare"
-    )
-    add_worlds(models)
-    add_recording(models)
-    models.set_defaults(command=_models)
 
 
 def _evaluate(parsed: argparse.Namespace) -> int:
+    check_options(vars(parsed))
+    if parsed.what == "models":
+        from app.model_fits.command import models_command  # noqa: PLC0415
+
+        return models_command(vars(parsed))
     from app.evaluation.command import evaluate_command  # noqa: PLC0415
 
-    return evaluate_command(parsed)
-
-
-def _models(parsed: argparse.Namespace) -> int:
-    from app.model_fits.command import models_command  # noqa: PLC0415
-
-    return models_command(parsed)
+    return evaluate_command(vars(parsed))

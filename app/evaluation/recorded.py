@@ -17,12 +17,15 @@ from app.trajectories.association import associate
 from app.trajectories.clock_offset import ClockOffset, require_same_run
 from app.trajectories.files.reading import read_trajectory
 from app.trajectories.files.tum import write_tum
-from app.trajectories.metrics import absolute_errors, align
+from app.trajectories.metrics import absolute_errors, align, ate_rmse
 from app.trajectories.trajectory import Trajectory
 from robot.settings import SettingError
 
 TOLERANCE = 0.01
-"""Stamps of a pair differ by no more [s]; a clock that is off by less is left as it is."""
+"""Stamps of a pair differ by no more [s]."""
+SHOWS = 0.1
+"""A clock that is off by less than that is left as it is, unless to set it right makes the aligned
+error less by such a part."""
 TEMPLATE = "recorded.html.jinja"
 
 
@@ -62,7 +65,7 @@ def read_recording(
     asked, clock = clock_of(clock_offset), None
     if asked is None:
         clock = require_same_run(true, estimate)
-        asked = clock.seconds if abs(clock.seconds) > TOLERANCE else 0.0
+        asked = clock.seconds if _matters(clock.seconds, true, estimate) else 0.0
     return Recording(*associate(true, estimate.shifted(asked), TOLERANCE), clock, asked)
 
 
@@ -130,6 +133,17 @@ def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
         "methods": {"amcl": method_table([score(pairs.truth, pairs.estimate)])},
         "recovery": None,
     }
+
+
+def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
+    """Whether a clock is to be set right: it is off by more than stamps may be, or it shows."""
+    if abs(offset) > TOLERANCE:
+        return True
+    as_it_is, set_right = (
+        ate_rmse(*associate(true, estimate.shifted(added), TOLERANCE), aligned=True)
+        for added in (0.0, offset)
+    )
+    return set_right < (1 - SHOWS) * as_it_is
 
 
 def clock_of(text: str) -> float | None:

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from app.evaluation.convergence import errors, settled, time_to_converge
+from app.evaluation.convergence import errors, steady_error, time_to_converge
 from app.evaluation.runs import Run
 from app.evaluation.scores import SHOWN, Score, score
 from app.trajectories.consistency import ConsistencyError, anees_bounds, nees
-from app.trajectories.metrics import rms
 from app.trajectories.seed_statistics import bootstrap_interval, summary
 from app.trajectories.trajectory import Trajectory
 from robot.geometry import Array, wrap_angle
@@ -93,13 +92,8 @@ def convergence_table(runs: Sequence[Run]) -> Table:
         "converged": sum(map(math.isfinite, seconds)),
         "of": len(runs),
         "seconds": spread(seconds),
-        "steady_ate_rmse_m": spread([_steady(run) for run in runs]),
+        "steady_ate_rmse_m": spread([steady_error(run) for run in runs]),
     }
-
-
-def _steady(run: Run) -> float:
-    late = settled(run)
-    return rms(errors(run, run.estimate)[0][late]) if late.any() else math.nan
 
 
 def nees_table(runs: Sequence[Run]) -> Table | None:

@@ -2,46 +2,33 @@
 
 from __future__ import annotations
 
-import argparse
+from pathlib import Path
+from typing import Any
 
-from app.evaluation.command import config_of, crew_of, recording_of, say, worlds_of
+from app.evaluation.command import Given, config_of, crew_of, say, worlds_of
 from app.evaluation.recorded import clock_of
 from app.evaluation.report.report import millimetres
 from app.model_fits.models import FITTED, ModelsJob, evaluate_models, evaluate_recorded_models
 from robot.settings import SettingError
 
+OUT = Path("evaluation") / "models"
+LIMITS = {"repeats": (2, 10_000), "seeds": (2, 10_000), "first_seed": (0, 2**31)}
 
-def models_command(parsed: argparse.Namespace) -> int:
+
+def models_command(given: Given) -> int:
     """Measure one simulated robot, or a recording."""
-    config = config_of(parsed)
-    recording = recording_of(parsed)
-    if recording is not None:
+    folder = given.get("out", OUT)
+    if "recording" in given:
+        files = given["recording"], given["truth"]
+        clock = clock_of(given.get("clock_offset", "auto"))
         results = evaluate_recorded_models(
-            recording.estimate,
-            recording.truth,
-            parsed.out,
-            recording.body,
-            clock_of(parsed.clock_offset),
-            config,
+            *files, folder, given.get("body"), clock, config_of(given)
         )
         for region in results["motion"]["regions"]:
-            say(
-                f"the 95 % region over {region['horizon']:g} s held {region['held']:.1%} of the "
-                "second half"
-            )
+            share, horizon = region["held"], region["horizon"]
+            say(f"the 95 % region over {horizon:g} s held {share:.1%} of the second half")
     else:
-        for name in ("repeats", "seeds", "first_seed"):
-            least = 0 if name == "first_seed" else 2
-            if getattr(parsed, name) < least:
-                raise SettingError(f"{name} is {getattr(parsed, name)}; valid is {least} or more")
-        job = ModelsJob(
-            config, worlds_of(parsed)[0], parsed.first_seed, parsed.repeats, parsed.seeds
-        )
-        crew = crew_of(parsed)
-        try:
-            results = evaluate_models(job, crew, parsed.out)
-        finally:
-            crew.close()
+        results = _simulated(given, folder)
         for name, tables in results["compared"].items():
             ate = tables["known"]["methods"]
             say(
@@ -50,6 +37,28 @@ def models_command(parsed: argparse.Namespace) -> int:
             )
     alphas = results["motion"]["alphas"]
     say(", ".join(f"{name} {one['value']:.4g}" for name, one in alphas.items()))
-    say(f"fitted parameters are in {parsed.out / FITTED}, for --config")
-    say(f"the report is {parsed.out / 'report.html'}")
+    say(f"fitted parameters are in {folder / FITTED}, for --config")
+    say(f"the report is {folder / 'report.html'}")
     return 0
+
+
+def _simulated(given: Given, folder: Path) -> dict[str, Any]:
+    for name, (low, high) in LIMITS.items():
+        if name in given and not low <= given[name] <= high:
+            option = "--" + name.replace("_", "-")
+            raise SettingError(f"{option} is {given[name]}; valid is {low} to {high}")
+    worlds = worlds_of(given)
+    if len(given.get("world", ())) > 1:
+        raise SettingError("models are measured in one --world")
+    job = ModelsJob(
+        config_of(given),
+        worlds[0],
+        given.get("first_seed", 0),
+        given.get("repeats", 20),
+        given.get("seeds", 6),
+    )
+    crew = crew_of(given)
+    try:
+        return evaluate_models(job, crew, folder)
+    finally:
+        crew.close()

@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from app.config import Config, with_settings
+from app.model_fits.fit_error import FitError
 from app.model_fits.motion_statistics import MotionStatistics
 from app.model_fits.sensor.settings import fitted_sensor
 from app.model_fits.sensor_statistics import SensorStatistics
+from robot.driving.drive_controller import DriveSettings
 from robot.localization.parameters import MotionParameters
 from robot.settings import describe
 
@@ -20,13 +22,18 @@ FITTED_SENSOR = ("sigma_hit", "z_hit", "z_short", "z_max", "z_rand", "lambda_sho
 def fitted_settings(
     motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
 ) -> dict[str, Any]:
-    """Settings by their path, each within its range."""
+    """Settings by their path; alphas are brought into their range.
+
+    Raises:
+        FitError: wheels are so far from the description that it is of another robot.
+    """
     found: dict[str, Any] = {}
     if motion is not None:
         left, right, separation = motion.multipliers
         found["drive.left_wheel_radius_multiplier"] = left
         found["drive.right_wheel_radius_multiplier"] = right
         found["drive.wheel_separation_multiplier"] = separation
+        _check_wheels(found)
         known = describe(MotionParameters)
         for name, value in zip(
             ("alpha1", "alpha2", "alpha3", "alpha4"), motion.fit.motion.alphas, strict=True
@@ -48,7 +55,7 @@ def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
         SettingError: they would not be accepted.
     """
     with_settings(Config(), settings)
-    lines = [f"# {comment}" for comment in comments]
+    lines = [f"# {' '.join(comment.split())}" for comment in comments]
     table = ""
     for path, value in settings.items():
         group, _, name = path.rpartition(".")
@@ -57,6 +64,17 @@ def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
             table = group
         lines.append(f"{name} = {_shown(value)}")
     return "\n".join(lines) + "\n"
+
+
+def _check_wheels(multipliers: dict[str, Any]) -> None:
+    known = describe(DriveSettings)
+    for path, value in multipliers.items():
+        limits = known[path.rpartition(".")[2]]
+        if not limits.low <= value <= limits.high:
+            raise FitError(
+                f"fitted, {path} is {value:.3g}, beyond {limits.low:g} to {limits.high:g}: the "
+                "robot's description must be of another robot"
+            )
 
 
 def _rounded(value: float) -> float:

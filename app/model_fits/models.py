@@ -15,6 +15,7 @@ from app.batch.workers import Workers
 from app.config import Config, with_settings
 from app.evaluation.experiment import Experiment, run
 from app.evaluation.results import condition_table
+from app.model_fits.fit_error import FitError
 from app.model_fits.fitted_file import fitted_settings, toml_of
 from app.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
 from app.model_fits.report.models_report import models_report
@@ -23,7 +24,7 @@ from app.model_fits.sensor_statistics import SensorStatistics, scanned_drives
 from app.model_fits.trials.spread import EndSpread
 from app.trajectories.clock_offset import require_same_run
 from app.trajectories.files.reading import read_trajectory
-from robot.description.spec import RobotSpec
+from app.trajectories.trajectory import TrajectoryError
 
 FITTED = "fitted.toml"
 
@@ -113,15 +114,17 @@ def evaluate_recorded_models(
         config: the robot's and the filter's settings.
 
     Raises:
-        TrajectoryError: a file cannot be read, or they are not of one run.
-        FitError: too little was driven; says what is needed.
+        TrajectoryError: a file cannot be read, they are not of one run, or too little was driven;
+            says what is needed.
         OSError: the folder cannot be written.
     """
     odometry, true = read_trajectory(recording), read_trajectory(truth, body)
     offset = require_same_run(true, odometry).seconds if clock is None else clock
-    track, step = RobotSpec.load().track, 1 / config.camera.frame_rate
     with written_whole(folder) as new:
-        motion = recorded_motion(odometry, true, offset, track, step)
+        try:
+            motion = recorded_motion(odometry, true, offset, config)
+        except FitError as error:
+            raise TrajectoryError(f"{odometry.name}: {error}") from error
         settings = fitted_settings(motion, None, config)
         results = {
             "experiment": {

@@ -116,7 +116,7 @@ def trial_robot(spec: RobotSpec, config: Config) -> TrialRobot:
 
 
 def recorded_motion(
-    odometry: Trajectory, truth: Trajectory, clock_offset: float, track: float, step: float
+    odometry: Trajectory, truth: Trajectory, clock_offset: float, config: Config
 ) -> MotionStatistics:
     """Fit to the first half of a recording, and try it on the second.
 
@@ -124,24 +124,31 @@ def recorded_motion(
         odometry: the robot in the odom frame.
         truth: the robot in any frame of the floor.
         clock_offset: what to add to odometry's stamps [s].
-        track: distance between the wheels as described [m].
-        step: time of a step of the filter [s].
+        config: with which odometry was reckoned; its wheel multipliers are corrected further.
 
     Raises:
         FitError: too little was driven, or turned; says what is needed.
     """
+    believed = config.drive.multipliers
+    track = believed.separation * RobotSpec.load().track
     runs = paired_runs(
-        odometry.stamps, odometry.poses, truth.stamps, truth.poses, step=step, offset=clock_offset
+        odometry.stamps,
+        odometry.poses,
+        truth.stamps,
+        truth.poses,
+        step=1 / config.camera.frame_rate,
+        offset=clock_offset,
     )
     middle = (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2
     first, second = cut_at(runs, middle)
     fit = fit_drive(first, track=track)
-    horizons = usable_horizons(first)
+    horizons = [h for h in usable_horizons(first) if h in usable_horizons(second)]
     regions = fit_regions(first, fit.correction, fit.motion, horizons=horizons)
     held = tuple(
         Held(region, share_held(second, fit.correction, fit.motion, region)) for region in regions
     )
-    wheels = fit.correction.wheel_multipliers(track)
+    more = fit.correction.wheel_multipliers(track)
+    wheels = WheelMultipliers(*(a * b for a, b in zip(believed, more, strict=True)))
     return MotionStatistics(fit, None, wheels, None, (), held, clock_offset)
 
 

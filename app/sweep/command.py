@@ -13,10 +13,10 @@ from app.sweep.table import require_format
 
 def sweep_command(parsed: argparse.Namespace) -> int:
     """Do what is not done yet."""
-    file, base = load_sweep(parsed.file), config_of(parsed)
+    file, base = load_sweep(parsed.file), config_of(vars(parsed))
     require_format(parsed.format)
     folder = parsed.out or Path("sweeps") / file.name
-    crew = crew_of(parsed)
+    crew = crew_of(vars(parsed))
     try:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
+from app.batch.output import file_written_whole
 from app.sweep.work import MEASURES, Measured
 
 
@@ -30,7 +30,5 @@ class Kept:
         Raises:
             OSError: it cannot be written.
         """
-        self._folder.mkdir(parents=True, exist_ok=True)
-        new = self._folder / f".{key}.{os.getpid()}"
-        new.write_text(json.dumps(measured), encoding="utf-8")
-        new.replace(self._folder / f"{key}.json")
+        with file_written_whole(self._folder / f"{key}.json") as new:
+            new.write_text(json.dumps(measured), encoding="utf-8")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from app.evaluation.options import Commands, add_workers
+from app.evaluation.options import Commands, add_config, add_workers
 
 EXAMPLE = """\
 A sweep file names settings by their path (docs/configuration.md) and their values:
@@ -37,13 +37,7 @@ def add_sweep(commands: Commands) -> None:
         allow_abbrev=False,
     )
     command.add_argument("file", type=Path, metavar="FILE.toml", help="what to sweep")
-    command.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE.toml",
-        default=argparse.SUPPRESS,
-        help="settings that are not swept, as for run",
-    )
+    add_config(command)
     command.add_argument(
         "--out", type=Path, metavar="DIR", default=None,
         help="where the results go (default: sweeps/ and the file's name)",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from app.batch.output import file_written_whole
 from app.evaluation.report.figures import drawn
 
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
@@ -23,7 +24,6 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
     Raises:
         OSError: it cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
     shown = [row for row in rows if row[MEASURE] is not None]
     values = sorted({row[setting] for row in rows}, key=_order)
     words = not all(_is_number(value) for value in values)
@@ -54,9 +54,8 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
             axes.set_xscale("log")
         axes.grid(alpha=0.3)
         axes.legend(frameon=False)
-    new = path.with_name(f".unfinished-{path.name}")
-    new.write_text(done[0], encoding="utf-8")
-    new.replace(path)
+    with file_written_whole(path) as new:
+        new.write_text(done[0], encoding="utf-8")
 
 
 def _is_number(value: Any) -> bool:

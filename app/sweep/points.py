@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.batch.provenance import code_version, settings_of
-from app.config import Config, with_settings
+from app.batch.provenance import settings_of, versions
+from app.config import MAPS, Config, with_settings
 from app.engine.figure_eight import FigureEight
 from app.evaluation.worlds import WORLDS
 from app.sweep.sweep_file import Settings, SweepFile
+from robot.fields.field import FieldError
+from robot.fields.field_loading import load_field
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
@@ -71,14 +75,18 @@ def _point(settings: Settings, world: str, seed: int, base: Config) -> Point:
 
 
 def key_of(config: Config, duration: float, offset: tuple[float, ...]) -> str:
-    """What a result depends on, as a short text: settings, seed, files, and the code itself."""
-    files = [config.map, *(text.rpartition(":")[0] for text in _models(config))]
+    """What a result depends on, as a short text.
+
+    Settings and seed, map, models of the user's own with the files beside them, the program's code
+    and the versions of what it computes with.
+    """
     parts = {
         "settings": settings_of(config),
         "duration": duration,
         "offset": offset,
-        "code": code_version(),
-        "files": {name: _digest(Path(name)) for name in files if Path(name).is_file()},
+        "versions": versions(),
+        "map": _map_digest(config.map),
+        "models": [_folder_digest(model) for model in _models(config)],
     }
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -89,16 +97,19 @@ def duration_of(file: SweepFile) -> float:
 
 
 def jobs_of(
-    configs: dict[str, Config], duration: float, offset: tuple[float, ...]
+    configs: dict[str, Config],
+    duration: float,
+    offset: tuple[float, ...],
+    most: int = AT_ONCE,
 ) -> list[SweepJob]:
-    """Work for configurations by key: those that drive alike share a drive."""
+    """Work for configurations by key: those that drive alike share a drive, so many at most."""
     by_drive: dict[Config, dict[str, Config]] = {}
     for key, config in configs.items():
         by_drive.setdefault(_drive_of(config), {})[key] = config
     return [
         SweepJob(drive, duration, offset, dict(some))
         for drive, alike in by_drive.items()
-        for some in _batches(alike.items())
+        for some in _batches(alike.items(), most)
     ]
 
 
@@ -113,17 +124,40 @@ def _drive_of(config: Config) -> Config:
     )
 
 
-def _batches(items: Iterable[tuple[str, Config]]) -> list[list[tuple[str, Config]]]:
+def at_once(points: int, workers: int) -> int:
+    """How many points share a drive: the fewer, the more workers have something to do."""
+    return min(AT_ONCE, max(1, math.ceil(points / (2 * workers))))
+
+
+def _batches(items: Iterable[tuple[str, Config]], most: int) -> list[list[tuple[str, Config]]]:
     left = list(items)
-    return [left[first : first + AT_ONCE] for first in range(0, len(left), AT_ONCE)]
+    return [left[first : first + most] for first in range(0, len(left), most)]
 
 
-def _models(config: Config) -> list[str]:
-    return [text for text in (config.sensor_model, config.motion_model) if text]
+def _models(config: Config) -> list[Path]:
+    named = (config.sensor_model, config.motion_model)
+    return [Path(text.rpartition(":")[0]) for text in named if text]
 
 
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+@functools.cache
+def _map_digest(name: str) -> str:
+    """Of what a map shows and where its edges are, from whatever files it was read."""
+    try:
+        field = load_field(name, MAPS)
+    except FieldError as error:
+        return str(error)
+    digest = hashlib.sha256(repr((field.start, field.extent)).encode())
+    digest.update(field.floor.image.tobytes())
+    digest.update(field.edges.tobytes())
+    return digest.hexdigest()
+
+
+def _folder_digest(model: Path) -> str:
+    """Of a model's file and of those beside it, which it may import."""
+    digest = hashlib.sha256()
+    for path in sorted(model.parent.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 Row = dict[str, Any]

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
 from tqdm import tqdm
 
+from app.batch.output import make_folder
 from app.batch.workers import Workers
 from app.config import Config
 from app.sweep.kept import Kept
 from app.sweep.plots import plot_setting
-from app.sweep.points import Point, Row, duration_of, jobs_of, key_of, points_of
+from app.sweep.points import Point, Row, SweepJob, at_once, duration_of, jobs_of, key_of, points_of
 from app.sweep.sweep_file import SweepFile
 from app.sweep.table import FORMATS, write_table
 from app.sweep.work import MEASURES, Measured, follow_all
@@ -40,8 +42,11 @@ def sweep(
         kind: one of ``FORMATS``.
 
     Raises:
-        OSError: the folder cannot be written.
+        SettingError: there can be no such folder.
+        OSError: it cannot be written.
     """
+    make_folder(folder)
+    _remove_former(folder)
     points = points_of(file, base)
     duration, offset = duration_of(file), file.sweep.offset
     keys = [key_of(point.config, duration, offset) if point.config else "" for point in points]
@@ -49,29 +54,50 @@ def sweep(
     kept = Kept(folder / "points")
     found = {key: one for key in configs if (one := kept.get(key)) is not None}
     done_before = len(found)
-    jobs = jobs_of({k: c for k, c in configs.items() if k not in found}, duration, offset)
+    left = {key: config for key, config in configs.items() if key not in found}
     with tqdm(total=len(configs), initial=done_before, unit="point", disable=None) as progress:
-        for place, outcome in workers.each(follow_all, jobs):
-            for key in jobs[place].configs:
-                found[key] = _of(outcome, key)
-                # A worker's end may be the machine's fault: the next time it is tried again.
-                if not isinstance(outcome, Exception):
-                    kept.put(key, found[key])
-                progress.update()
+        # Of several points that ended their worker together, one alone may be to blame.
+        for most in (at_once(len(left), workers.count), 1):
+            jobs = jobs_of(left, duration, offset, most)
+            found |= _do(jobs, workers, kept, progress)
+            left = {key: config for key, config in left.items() if key not in found}
     rows = [_row(point, found.get(key)) for point, key in zip(points, keys, strict=True)]
-    write_table(folder / f"results.{kind}", rows)
-    for other in FORMATS:
-        if other != kind:
-            (folder / f"results.{other}").unlink(missing_ok=True)
     for setting in file.values:
         plot_setting(folder / "plots" / f"{setting}.svg", setting, rows)
+    write_table(folder / f"results.{kind}", rows)
     return Swept(rows, done_before)
 
 
-def _of(outcome: dict[str, Measured] | Exception, key: str) -> Measured:
+def _do(
+    jobs: list[SweepJob], workers: Workers, kept: Kept, progress: tqdm[None]
+) -> dict[str, Measured]:
+    """What was measured, by key; without points that ended their worker together with others."""
+    found: dict[str, Measured] = {}
+    for place, outcome in workers.each(follow_all, jobs):
+        keys = list(jobs[place].configs)
+        if isinstance(outcome, Exception) and len(keys) > 1:
+            continue
+        for key in keys:
+            measured = _measured(outcome, key)
+            found[key] = measured
+            # What failed is tried again the next time: it may have been the machine's fault.
+            if not measured["error"]:
+                kept.put(key, measured)
+            progress.update()
+    return found
+
+
+def _measured(outcome: dict[str, Measured] | Exception, key: str) -> Measured:
     if isinstance(outcome, Exception):
         return dict.fromkeys(MEASURES) | {"error": str(outcome) or type(outcome).__name__}
     return outcome[key]
+
+
+def _remove_former(folder: Path) -> None:
+    """A table and plots are of what the file says now, or not there."""
+    for kind in FORMATS:
+        (folder / f"results.{kind}").unlink(missing_ok=True)
+    shutil.rmtree(folder / "plots", ignore_errors=True)
 
 
 def _row(point: Point, measured: Measured | None) -> Row:

@@ -162,6 +162,9 @@ def _one(given: Any, sampled: bool) -> list[Any] | Interval:
         return from_table(Interval, given)
     if not isinstance(given, list) or not given:
         raise SettingError("needs a list of values, or { low = ..., high = ... }")
+    for value in given:
+        if not isinstance(value, (str, int, float)):
+            raise SettingError(f"has the value {value!r}; valid are numbers, texts, true and false")
     return given
 
 

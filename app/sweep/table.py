@@ -6,6 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
+from app.batch.output import file_written_whole
 from robot.settings import SettingError
 
 FORMATS = ("csv", "parquet")
@@ -36,16 +37,14 @@ def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
     Raises:
         OSError: it cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_name(f".unfinished-{path.name}")
-    if path.suffix == ".parquet":
-        _write_parquet(new, rows)
-    else:
-        with new.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
-            writer.writeheader()
-            writer.writerows(rows)
-    new.replace(path)
+    with file_written_whole(path) as new:
+        if path.suffix == ".parquet":
+            _write_parquet(new, rows)
+        else:
+            with new.open("w", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, list(rows[0]))
+                writer.writeheader()
+                writer.writerows(rows)
 
 
 def _write_parquet(path: Path, rows: list[dict[str, Any]]) -> None:

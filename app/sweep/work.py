@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 
 from app.config import Config
-from app.evaluation.convergence import errors, settled, time_to_converge
+from app.evaluation.convergence import errors, steady_error, time_to_converge
 from app.evaluation.drives import Drive, record
-from app.evaluation.experiment import KNOWN
+from app.evaluation.experiment import KNOWN, follow_from_offset
 from app.evaluation.results import trajectory
 from app.evaluation.runs import follow
 from app.evaluation.scores import SHOWN, score
 from app.sweep.points import SweepJob
-from app.trajectories.metrics import rms
-from robot.geometry import Pose2
 
 MEASURES = (
     "ate_rmse_m",
@@ -29,7 +27,8 @@ MEASURES = (
     "steady_ate_rmse_m",
     "filter_ms",
 )
-"""Columns of the table, beside the settings, world, seed and error; none is no value."""
+"""Columns of the table, beside the settings, world, seed and error; none is no value. All but the
+last, which is a time that was measured, are the same each time."""
 
 Measured = dict[str, Any]
 
@@ -44,20 +43,16 @@ def follow_all(job: SweepJob) -> dict[str, Measured]:
 
 
 def _measured(drive: Drive, config: Config, offset: tuple[float, ...]) -> Measured:
-    start = drive.ticks[0].truth
     try:
         if offset:
-            dx, dy, turn = offset
-            told = Pose2(start.x + dx, start.y + dy, start.theta + turn)
-            run = follow(drive, config, told)
+            run = follow_from_offset(drive, config, offset)
         else:
-            run = follow(drive, config, start, KNOWN)
+            run = follow(drive, config, drive.ticks[0].truth, KNOWN)
     except Exception as error:
         return _failed(error)
     truth = trajectory(run, "truth")
     found, reckoned = (score(truth, trajectory(run, method)) for method in ("amcl", "odometry"))
     off, turns = errors(run, run.estimate)
-    late = settled(run)
     translation, rotation = found.relative[SHOWN]
     values = (
         found.ate,
@@ -67,7 +62,7 @@ def _measured(drive: Drive, config: Config, offset: tuple[float, ...]) -> Measur
         rotation,
         reckoned.ate,
         time_to_converge(run.stamps, off, turns),
-        rms(off[late]) if late.any() else math.nan,
+        steady_error(run),
         1e3 * float(np.mean(run.cpu)),
     )
     numbers = (value if math.isfinite(value) else None for value in values)

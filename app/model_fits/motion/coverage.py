@@ -122,7 +122,9 @@ def _region(
             f"them; it takes {LEAST_WINDOWS}: {LEAST_WINDOWS * horizon:g} s of driving"
         )
     distances, phases = squared_distances(of, fit), _phases(runs, horizon)
-    thresholds = [_conformal(distances[phases == phase], share) for phase in range(STRIDES)]
+    # Drives that are only just as long as the horizon fill the first places alone.
+    filled = np.unique(phases)
+    thresholds = [_conformal(distances[phases == phase], share) for phase in filled]
     along, across, heading = np.sqrt(np.einsum("nii->i", fit.covariances(of)) / len(of)).tolist()
     threshold = float(np.mean(thresholds))
     return Region(horizon, share, threshold, of.independent, along, across, heading)

@@ -30,6 +30,9 @@ UNITS = {
     "Feet": 0.3048,
 }
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
+CLIMBS, CLEARLY = 0.02, 5.0
+"""A robot that spreads so far along y [m], and so many times as far as along z, does not climb: z
+is up."""
 LONGEST_HEADER = 30
 """So many rows may stand above the data."""
 Z_UP_FROM_Y_UP = Rotation.from_euler("x", 90, degrees=True)
@@ -60,8 +63,9 @@ def read_motive(path: Path | str, body: str | None = None) -> Trajectory:
 def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:
     """Read the text of a file, with z up.
 
-    Motive's y axis is up unless it was told otherwise; what is up is seen from the path, which is
-    flattest along it. From y up (x, y, z) becomes (x, -z, y), for the world's axes and the body's.
+    Motive's y axis is up unless it was told otherwise, which is seen from a path that spreads along
+    y and hardly along z: a robot does not climb. From y up (x, y, z) becomes (x, -z, y), for the
+    world's axes and the body's.
     Euler angles are turns [deg] about the body's own axes, one after the other, as in OptiTrack's
     NatNet samples ("relative").
 
@@ -202,7 +206,7 @@ def _turns(degrees: Array, order: str) -> Array:
 def _upright(trajectory: Trajectory, notes: tuple[str, ...]) -> Trajectory:
     """With z up; notes tell what was up."""
     _, y, z = np.std(trajectory.positions, axis=0)
-    if z < y:
+    if y > CLIMBS and y > CLEARLY * z:
         return replace(trajectory, notes=(*notes, "up: z"), lines=None)
     turned = Z_UP_FROM_Y_UP * Rotation.from_quat(trajectory.quaternions) * Z_UP_FROM_Y_UP.inv()
     return replace(

@@ -56,13 +56,7 @@ class MultiHypothesisFilter:
         new_filter: Callable[[Setup, float], TrackFilter],
         rng: np.random.Generator,
     ) -> None:
-        """At the field's start.
-
-        Args:
-            setup: field, models and parameters.
-            new_filter: makes a filter that keeps a share of the particles, 0 to 1.
-            rng: the only source of chance.
-        """
+        """At the field's start; ``new_filter`` makes one that keeps a share of the particles."""
         self.setup = setup
         self._new_filter = new_filter
         self._rng = rng
@@ -176,8 +170,6 @@ class MultiHypothesisFilter:
             return
         p, matcher, evidence = self.setup.hypotheses, self.setup.matcher, self.setup.evidence
         fits = np.array([track.fit(rays, matcher, evidence) for track in self._tracks])
-        for track in self._tracks:
-            track.come_unstuck()
         lost = p.scan_worth * (fits.max() - fits)
         # No single scan decides alone.
         for track, loss in zip(self._tracks, np.minimum(lost, p.most_a_scan), strict=True):
@@ -185,6 +177,8 @@ class MultiHypothesisFilter:
         best = self._tracks[int(fits.argmax())]
         # As the filter has it: laid on the edges, a wrong place would fit too well to be noticed.
         self._elsewhere.weigh(best.pose, rays, evidence, p)
+        for track in self._tracks:
+            track.come_unstuck()
 
     def _select(self) -> None:
         """Give up what is hopeless, and the lighter of two that are in one place.

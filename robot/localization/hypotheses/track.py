@@ -20,7 +20,8 @@ FARTHEST = 11.3
 """Squared Mahalanobis distance beyond which it would be another place: chi-square, 3, 99 %."""
 FAR, STUCK = 3.0, 3
 """So many scans in a row that fit so far off, as squared Mahalanobis distance: the filter is surer
-of itself than it should be, would hold on until it is lost, and is set to where they fit."""
+of itself than it should be, would hold on until it is lost, and is set to where they fit. Also
+beyond FARTHEST: of 12 robots with cameras askew two are lost if such scans do not count."""
 
 STRAY = 0.05
 """Clusters below this share of a track's heaviest are no places of their own."""
