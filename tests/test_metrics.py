@@ -1,16 +1,15 @@
-"""Metrics: rules they must keep, and agreement with evo, a peer that is only imported here."""
+"""Rules that metrics must keep."""
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
+from wandering_paths import KINDS, moved, noisy, pair, rigid, walk
 
 from app.trajectories.association import associate
-from app.trajectories.files.tum import read_tum
 from app.trajectories.metrics import (
     absolute_errors,
     align,
@@ -18,61 +17,10 @@ from app.trajectories.metrics import (
     heading_errors,
     relative_errors,
     relative_pairs,
-    rms,
 )
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
-RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
-recorded = [
-    pytest.mark.data,
-    pytest.mark.skipif(not RECORDED.is_dir(), reason="needs the recorded trajectories"),
-]
-KINDS = ("planar", "space")
-
 seeds = st.integers(0, 2**32 - 1)
-
-
-def walk(kind, rng, n=60):
-    """A wandering path with uneven stamps."""
-    stamps = np.cumsum(rng.uniform(0.02, 0.05, n)) + 1e3
-    positions = np.cumsum(rng.normal(0, 0.02, (n, 3)), axis=0)
-    turns = np.cumsum(rng.normal(0, 0.1, (n, 3)), axis=0)
-    if kind == "planar":
-        return Trajectory.of_poses(stamps, np.column_stack([positions[:, :2], turns[:, 2]]))
-    return Trajectory(stamps, positions, Rotation.from_rotvec(turns).as_quat())
-
-
-def noisy(trajectory, rng, spread=0.005):
-    kind = "planar" if trajectory.planar else "space"
-    noise = walk(kind, rng, len(trajectory))
-    turned = Rotation.from_quat(trajectory.quaternions) * Rotation.from_quat(noise.quaternions)
-    return Trajectory(
-        trajectory.stamps,
-        trajectory.positions + spread * noise.positions / 0.02,
-        turned.as_quat(),
-    )
-
-
-def rigid(kind, rng):
-    """A motion of the world."""
-    turn = rng.normal(0, 1, 3) * (0, 0, 1) if kind == "planar" else rng.normal(0, 1, 3)
-    shift = rng.uniform(-5, 5, 3) * ((1, 1, 0) if kind == "planar" else 1)
-    return Rotation.from_rotvec(turn), shift
-
-
-def moved(trajectory, motion):
-    rotation, shift = motion
-    return Trajectory(
-        trajectory.stamps,
-        trajectory.positions @ rotation.as_matrix().T + shift,
-        (rotation * Rotation.from_quat(trajectory.quaternions)).as_quat(),
-    )
-
-
-def pair(kind, seed):
-    rng = np.random.default_rng(seed)
-    truth = walk(kind, rng)
-    return truth, noisy(truth, rng), rng
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -240,114 +188,3 @@ def test_unequal_lengths_and_a_delta_out_of_reach_are_refused():
         relative_errors(truth, truth, 1000, "s")
     with pytest.raises(ValueError, match="valid are positive"):
         relative_pairs(truth, 0, "s")
-
-
-@pytest.fixture(scope="module")
-def evo(tmp_path_factory):
-    """The peer's modules; it writes its settings into the home at its first import."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
-        from evo.core import metrics, sync, trajectory, units
-
-    class Peer:
-        pass
-
-    Peer.metrics, Peer.sync, Peer.trajectory, Peer.unit = metrics, sync, trajectory, units.Unit
-    return Peer
-
-
-def as_evo(evo, trajectory):
-    return evo.trajectory.PoseTrajectory3D(
-        positions_xyz=np.array(trajectory.positions),
-        orientations_quat_wxyz=trajectory.quaternions[:, [3, 0, 1, 2]],
-        timestamps=np.array(trajectory.stamps),
-    )
-
-
-def evo_error(evo, metric, truth, estimate):
-    metric.process_data((truth, estimate))
-    return metric.error
-
-
-def assert_agrees(evo, truth, estimate, atol=1e-9):
-    """All metrics of pairs; angles of nothing differ by more, as their cosine is 1 - angle^2."""
-    theirs, others = as_evo(evo, truth), as_evo(evo, estimate)
-    relation = evo.metrics.PoseRelation
-    ape = evo.metrics.APE(relation.translation_part)
-    np.testing.assert_allclose(
-        absolute_errors(truth, estimate), evo_error(evo, ape, theirs, others), atol=atol
-    )
-    angles = evo_error(evo, evo.metrics.APE(relation.rotation_angle_rad), theirs, others)
-    np.testing.assert_allclose(np.abs(heading_errors(truth, estimate)), angles, atol=1e-7)
-    for delta, unit, name in ((1, "frames", "frames"), (7, "frames", "frames"), (0.2, "m", "m")):
-        found = relative_errors(truth, estimate, delta, unit)
-        for part, which, tolerance in (
-            (found[0], relation.translation_part, atol),
-            (found[1], relation.rotation_angle_rad, 1e-7),
-        ):
-            rpe = evo.metrics.RPE(
-                which,
-                delta,
-                getattr(evo.unit, {"m": "meters"}.get(name, name)),
-                0.1,
-                all_pairs=True,
-                pairs_from_reference=True,
-            )
-            np.testing.assert_allclose(part, evo_error(evo, rpe, theirs, others), atol=tolerance)
-    aligned = as_evo(evo, estimate)
-    aligned.align(theirs)
-    np.testing.assert_allclose(
-        ate_rmse(truth, estimate, aligned=True),
-        rms(evo_error(evo, evo.metrics.APE(relation.translation_part), theirs, aligned)),
-        atol=atol,
-    )
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(3))
-def test_evo_agrees_on_random_paths(evo, kind, seed):
-    truth, estimate, rng = pair(kind, seed)
-    assert_agrees(evo, truth, estimate)
-    assert_agrees(evo, truth, moved(estimate, rigid(kind, rng)))
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_evo_makes_the_same_pairs(evo, seed):
-    """With many ties: stamps are multiples of 5 ms."""
-    rng = np.random.default_rng(seed)
-
-    def path(n, start):
-        stamps = start + np.sort(rng.choice(2000, n, replace=False)) / 200
-        return Trajectory.of_poses(stamps, rng.normal(size=(n, 3)))
-
-    truth, estimate = path(rng.integers(400, 900), 0.0), path(rng.integers(400, 900), 3.0)
-    both = as_evo(evo, truth), as_evo(evo, estimate)
-    for largest in (0.003, 0.01, 0.03):
-        ours = associate(truth, estimate, largest)
-        theirs = evo.sync.associate_trajectories(*both, max_diff=largest)
-        for mine, other in zip(ours, theirs, strict=True):
-            np.testing.assert_array_equal(mine.positions, other.positions_xyz)
-
-
-class TestRecorded:
-    pytestmark = recorded
-
-    def pairs(self, name):
-        truth = read_tum(RECORDED / "freiburg1_xyz-groundtruth.txt")
-        return associate(truth, read_tum(RECORDED / f"freiburg1_xyz-{name}.txt"))
-
-    def test_freiburg_has_the_published_figures(self):
-        truth, estimate = self.pairs("rgbdslam")
-        assert len(truth) == 785
-        errors = absolute_errors(truth, align(truth, estimate).apply(estimate))
-        assert ate_rmse(truth, estimate) == pytest.approx(0.020079, abs=5e-7)
-        assert rms(errors) == pytest.approx(0.013470, abs=5e-7)
-        assert errors.mean() == pytest.approx(0.012024, abs=5e-7)
-        assert errors.max() == pytest.approx(0.034760, abs=5e-7)
-        for frames, figure in ((1, 0.005764), (30, 0.021701)):
-            translation, _ = relative_errors(truth, estimate, frames, "frames")
-            assert rms(translation) == pytest.approx(figure, abs=5e-7)
-
-    @pytest.mark.parametrize("name", ["rgbdslam", "rgbdslam_drift"])
-    def test_evo_agrees(self, evo, name):
-        assert_agrees(evo, *self.pairs(name))

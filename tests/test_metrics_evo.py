@@ -1,0 +1,136 @@
+"""Metrics agree with evo, a peer that is only imported here, and with published figures."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from wandering_paths import KINDS, moved, pair, rigid
+
+from app.trajectories.association import associate
+from app.trajectories.files.tum import read_tum
+from app.trajectories.metrics import (
+    absolute_errors,
+    align,
+    ate_rmse,
+    heading_errors,
+    relative_errors,
+    rms,
+)
+from app.trajectories.trajectory import Trajectory
+
+RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
+recorded = [
+    pytest.mark.data,
+    pytest.mark.skipif(not RECORDED.is_dir(), reason="needs the recorded trajectories"),
+]
+
+
+@pytest.fixture(scope="module")
+def evo(tmp_path_factory):
+    """The peer's modules; it writes its settings into the home at its first import."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
+        from evo.core import metrics, sync, trajectory, units
+
+    class Peer:
+        pass
+
+    Peer.metrics, Peer.sync, Peer.trajectory, Peer.unit = metrics, sync, trajectory, units.Unit
+    return Peer
+
+
+def as_evo(evo, trajectory):
+    return evo.trajectory.PoseTrajectory3D(
+        positions_xyz=np.array(trajectory.positions),
+        orientations_quat_wxyz=trajectory.quaternions[:, [3, 0, 1, 2]],
+        timestamps=np.array(trajectory.stamps),
+    )
+
+
+def evo_error(evo, metric, truth, estimate):
+    metric.process_data((truth, estimate))
+    return metric.error
+
+
+def assert_agrees(evo, truth, estimate, atol=1e-9):
+    """All metrics of pairs; angles of nothing differ by more, as their cosine is 1 - angle^2."""
+    theirs, others = as_evo(evo, truth), as_evo(evo, estimate)
+    relation = evo.metrics.PoseRelation
+    ape = evo.metrics.APE(relation.translation_part)
+    np.testing.assert_allclose(
+        absolute_errors(truth, estimate), evo_error(evo, ape, theirs, others), atol=atol
+    )
+    angles = evo_error(evo, evo.metrics.APE(relation.rotation_angle_rad), theirs, others)
+    np.testing.assert_allclose(np.abs(heading_errors(truth, estimate)), angles, atol=1e-7)
+    for delta, unit, name in ((1, "frames", "frames"), (7, "frames", "frames"), (0.2, "m", "m")):
+        found = relative_errors(truth, estimate, delta, unit)
+        for part, which, tolerance in (
+            (found[0], relation.translation_part, atol),
+            (found[1], relation.rotation_angle_rad, 1e-7),
+        ):
+            rpe = evo.metrics.RPE(
+                which,
+                delta,
+                getattr(evo.unit, {"m": "meters"}.get(name, name)),
+                0.1,
+                all_pairs=True,
+                pairs_from_reference=True,
+            )
+            np.testing.assert_allclose(part, evo_error(evo, rpe, theirs, others), atol=tolerance)
+    aligned = as_evo(evo, estimate)
+    aligned.align(theirs)
+    np.testing.assert_allclose(
+        ate_rmse(truth, estimate, aligned=True),
+        rms(evo_error(evo, evo.metrics.APE(relation.translation_part), theirs, aligned)),
+        atol=atol,
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_evo_agrees_on_random_paths(evo, kind, seed):
+    truth, estimate, rng = pair(kind, seed)
+    assert_agrees(evo, truth, estimate)
+    assert_agrees(evo, truth, moved(estimate, rigid(kind, rng)))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_evo_makes_the_same_pairs(evo, seed):
+    """With many ties: stamps are multiples of 5 ms."""
+    rng = np.random.default_rng(seed)
+
+    def path(n, start):
+        stamps = start + np.sort(rng.choice(2000, n, replace=False)) / 200
+        return Trajectory.of_poses(stamps, rng.normal(size=(n, 3)))
+
+    truth, estimate = path(rng.integers(400, 900), 0.0), path(rng.integers(400, 900), 3.0)
+    both = as_evo(evo, truth), as_evo(evo, estimate)
+    for largest in (0.003, 0.01, 0.03):
+        ours = associate(truth, estimate, largest)
+        theirs = evo.sync.associate_trajectories(*both, max_diff=largest)
+        for mine, other in zip(ours, theirs, strict=True):
+            np.testing.assert_array_equal(mine.positions, other.positions_xyz)
+
+
+class TestRecorded:
+    pytestmark = recorded
+
+    def pairs(self, name):
+        truth = read_tum(RECORDED / "freiburg1_xyz-groundtruth.txt")
+        return associate(truth, read_tum(RECORDED / f"freiburg1_xyz-{name}.txt"))
+
+    def test_freiburg_has_the_published_figures(self):
+        truth, estimate = self.pairs("rgbdslam")
+        assert len(truth) == 785
+        errors = absolute_errors(truth, align(truth, estimate).apply(estimate))
+        assert ate_rmse(truth, estimate) == pytest.approx(0.020079, abs=5e-7)
+        assert rms(errors) == pytest.approx(0.013470, abs=5e-7)
+        assert errors.mean() == pytest.approx(0.012024, abs=5e-7)
+        assert errors.max() == pytest.approx(0.034760, abs=5e-7)
+        for frames, figure in ((1, 0.005764), (30, 0.021701)):
+            translation, _ = relative_errors(truth, estimate, frames, "frames")
+            assert rms(translation) == pytest.approx(figure, abs=5e-7)
+
+    @pytest.mark.parametrize("name", ["rgbdslam", "rgbdslam_drift"])
+    def test_evo_agrees(self, evo, name):
+        assert_agrees(evo, *self.pairs(name))
