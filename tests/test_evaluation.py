@@ -19,6 +19,7 @@ from app.evaluation.results import METHODS, condition_table, spread
 from app.evaluation.runs import EvaluationError, Run, follow
 from app.evaluation.worlds import WORLDS
 from app.messages.commands import FigureEightCommand, SetPoseCommand
+from app.trajectories.files.tum import read_tum
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 
@@ -143,6 +144,13 @@ def test_written_trajectories_give_the_figures_of_the_results_in_evo(done, tmp_p
                     assert ours == pytest.approx(
                         peer.get_statistic(metrics.StatisticsType.rmse), abs=1e-9
                     )
+
+
+def test_trajectories_say_of_which_run_they_are(done):
+    truths = sorted((done[0] / "runs").rglob("truth.tum"))
+    notes = [read_tum(path).notes for path in truths]
+    assert len(truths) == 8
+    assert len({note for one in notes for note in one if note.startswith("run:")}) == 4
 
 
 def test_the_report_opens_without_a_network(done):

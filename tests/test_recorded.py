@@ -141,6 +141,13 @@ def test_truth_of_another_run_is_refused(tmp_path, capsys):
     assert "another run" in capsys.readouterr().err
 
 
+def test_truth_of_another_robot_on_the_same_path_is_refused_where_files_say_so(tmp_path, capsys):
+    for name, seed in (("truth.tum", 1), ("estimate.tum", 0)):
+        write_tum(tmp_path / name, eight(), [f"run: seed {seed} in the world sim"])
+    assert evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))[0] == 2
+    assert "of seed 1 in the world sim, and of seed 0" in capsys.readouterr().err
+
+
 def test_stamps_that_do_not_overlap_are_refused_when_the_clock_is_given(tmp_path, capsys):
     write_tum(tmp_path / "truth.tum", eight())
     write_tum(tmp_path / "estimate.tum", eight(offset=100.0))

@@ -12,6 +12,7 @@ from app.batch.provenance import changed_settings, versions
 from app.batch.workers import Workers
 from app.config import MAPS
 from app.evaluation.experiment import Experiment, Outcome, run
+from app.evaluation.recorded import RUN
 from app.evaluation.report.report import Evaluation, figure3, report
 from app.evaluation.results import condition_table, trajectory
 from app.evaluation.runs import Run
@@ -56,7 +57,8 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
         (new / "report.html").write_text(report(evaluation), encoding="utf-8")
         for (world, told), runs in conditions.items():
             for seed, one in zip(experiment.all_seeds, runs, strict=True):
-                _write_run(new / "runs" / _place(experiment, world, told) / str(seed), one, world)
+                place = new / "runs" / _place(experiment, world, told) / str(seed)
+                _write_run(place, one, f"{RUN} seed {seed} in the world {world}")
         write_json(new / RESULTS, results)
     return results
 
@@ -102,8 +104,8 @@ def _place(experiment: Experiment, world: str, told: str) -> str:
     return world if told == WITHOUT else f"{world}-offset"
 
 
-def _write_run(folder: Path, run: Run, world: str) -> None:
+def _write_run(folder: Path, run: Run, note: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for method in ("truth", "odometry", "amcl"):
-        note = f"{method} of seed {folder.name} in the world {world}, map frame"
-        write_tum(folder / f"{method}.tum", trajectory(run, method), notes=(note,))
+        about = f"{method}, map frame"
+        write_tum(folder / f"{method}.tum", trajectory(run, method), notes=(about, note))

@@ -18,7 +18,7 @@ from app.trajectories.clock_offset import ClockOffset, require_same_run
 from app.trajectories.files.reading import read_trajectory
 from app.trajectories.files.tum import write_tum
 from app.trajectories.metrics import absolute_errors, align, ate_rmse
-from app.trajectories.trajectory import Trajectory
+from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.settings import SettingError
 
 TOLERANCE = 0.01
@@ -27,6 +27,8 @@ SHOWS = 0.1
 """A clock that is off by less than that is left as it is, unless to set it right makes the aligned
 error less by such a part."""
 TEMPLATE = "recorded.html.jinja"
+RUN = "run:"
+"""How a comment of a trajectory's file begins that says of which run it is."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ def read_recording(
         SettingError: the clock offset is neither a number nor "auto".
     """
     true, estimate = _read(truth, body), _read(recording, body)
+    _check_notes(true, estimate)
     if true.planar or estimate.planar:
         # A marker's height and tilt are no errors of a robot that knows of none.
         true, estimate = true.from_above(), estimate.from_above()
@@ -112,6 +115,20 @@ def _read(path: Path, body: str | None) -> Trajectory:
     """A body is named for a file of Motive; the other file may be of another kind."""
     named = path.name.lower().removesuffix(".gz").endswith(".csv")
     return read_trajectory(path, body if named else None)
+
+
+def _check_notes(true: Trajectory, estimate: Trajectory) -> None:
+    """Two runs of the same drive move alike; where the files say of which run they are, it counts.
+
+    Raises:
+        TrajectoryError: they say that they are of different runs.
+    """
+    run_of = [{n for n in one.notes if n.startswith(RUN)} for one in (true, estimate)]
+    if all(run_of) and run_of[0].isdisjoint(run_of[1]):
+        told = [min(notes).removeprefix(RUN).strip() for notes in run_of]
+        raise TrajectoryError(
+            f"{true.name} is of another run than {estimate.name}: of {told[0]}, and of {told[1]}"
+        )
 
 
 def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
