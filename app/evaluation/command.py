@@ -107,5 +107,9 @@ def _line(condition: dict[str, Any]) -> str:
 
 def _clock_line(experiment: dict[str, Any]) -> str:
     found, added = experiment["clock_offset_s"], experiment["clock_offset_added_s"]
-    told = "" if found is None else f"the recording's clock seems {found:.4f} s behind; "
-    return f"{told}{added:.4f} s was added to its stamps"
+    told = ""
+    if found is not None:
+        told = f"the recording's clock is {abs(found):.4f} s {'behind' if found > 0 else 'ahead'}; "
+    if found is not None and added == 0:
+        return f"{told}it is left so, as it does not show"
+    return f"{told}{abs(added):.4f} s was {'added to' if added >= 0 else 'taken off'} its stamps"

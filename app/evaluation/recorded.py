@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from app.batch.output import RESULTS, write_json, written_whole
 from app.batch.provenance import versions
 from app.evaluation.report import figures
@@ -27,6 +29,8 @@ SHOWS = 0.1
 """A clock that is off by less than that is left as it is, unless to set it right makes the aligned
 error less by such a part."""
 TEMPLATE = "recorded.html.jinja"
+STANDING, OTHER_UNITS = 1e-3, 20.0
+"""What spreads by less does not move [m]; what is so many times as large is in other units."""
 RUN = "run:"
 """How a comment of a trajectory's file begins that says of which run it is."""
 
@@ -60,8 +64,11 @@ def read_recording(
         TrajectoryError: a file cannot be read, or they are not of one run; names file and line.
         SettingError: the clock offset is neither a number nor "auto".
     """
+    if body is not None and not (_is_csv(truth) or _is_csv(recording)):
+        raise SettingError("--body is of a file of Motive (.csv), and neither is one")
     true, estimate = _read(truth, body), _read(recording, body)
     _check_notes(true, estimate)
+    _check_sizes(true, estimate)
     if true.planar or estimate.planar:
         # A marker's height and tilt are no errors of a robot that knows of none.
         true, estimate = true.from_above(), estimate.from_above()
@@ -105,16 +112,38 @@ def evaluate_recording(
         )
         run = new / "runs" / "0"
         run.mkdir(parents=True)
-        write_tum(run / "truth.tum", pairs.truth)
-        write_tum(run / "amcl.tum", pairs.estimate)
+        for name, one in (("truth", pairs.truth), ("recording", pairs.estimate)):
+            write_tum(run / f"{name}.tum", one, [n for n in one.notes if n.startswith(RUN)])
         write_json(new / RESULTS, results)
     return results
 
 
 def _read(path: Path, body: str | None) -> Trajectory:
     """A body is named for a file of Motive; the other file may be of another kind."""
-    named = path.name.lower().removesuffix(".gz").endswith(".csv")
-    return read_trajectory(path, body if named else None)
+    return read_trajectory(path, body if _is_csv(path) else None)
+
+
+def _is_csv(path: Path) -> bool:
+    return path.name.lower().removesuffix(".gz").endswith(".csv")
+
+
+def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
+    """Refuse what does not move, and what must be in other units than metres.
+
+    Raises:
+        TrajectoryError: names which.
+    """
+    sizes = []
+    for one in (true, estimate):
+        sizes.append(float(np.linalg.norm(np.std(one.positions, axis=0))))
+        if sizes[-1] < STANDING:
+            raise TrajectoryError(f"{one.name} does not move; is it of the robot?")
+    ratio = max(sizes) / min(sizes)
+    if ratio > OTHER_UNITS:
+        larger, smaller = (true, estimate) if sizes[0] > sizes[1] else (estimate, true)
+        raise TrajectoryError(
+            f"{larger.name} is {ratio:.0f} times as large as {smaller.name}; valid are metres"
+        )
 
 
 def _check_notes(true: Trajectory, estimate: Trajectory) -> None:

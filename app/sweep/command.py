@@ -20,13 +20,17 @@ def sweep_command(parsed: argparse.Namespace) -> int:
     try:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:
-        say(f"Interrupted; what is done is kept in {folder}, and the same command goes on.")
-        raise
+        kept = len(list((folder / "points").glob("*.json")))
+        raise RuntimeError(
+            f"interrupted; {kept} runs are kept in {folder}, and the same command goes on"
+        ) from None
     finally:
         crew.close()
     failed = [row for row in swept.rows if row["error"]]
-    say(f"{len(swept.rows)} points, {swept.done_before} of them done before, {len(failed)} failed")
+    say(f"{len(swept.rows)} runs, {swept.done_before} of them done before, {len(failed)} failed")
     if failed:
         say(f"the first that failed: {failed[0]['error']}")
+    if len(failed) == len(swept.rows):
+        raise RuntimeError(f"all runs of {parsed.file} failed")
     say(f"the table is {folder / f'results.{parsed.format}'}, the plots are in {folder / 'plots'}")
     return 0

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.ticker import NullFormatter
 
 from app.batch.output import file_written_whole
 from app.evaluation.report.figures import drawn
@@ -18,13 +19,20 @@ MARKS = (("o", "#0072b2"), ("^", "#d55e00"), ("s", "#009e73"))
 """Worlds, by mark and colour (Okabe and Ito)."""
 
 
-def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
-    """Write an SVG of the error by one setting; points that failed are counted in its title.
+def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: bool) -> None:
+    """Write an SVG of the error by one setting; runs without one are counted in its title.
+
+    Args:
+        path: of the file.
+        setting: by its path.
+        rows: of the table.
+        steady: show the error once the pose is right, for starts that are told wrong.
 
     Raises:
         OSError: it cannot be written.
     """
-    shown = [row for row in rows if row[MEASURE] is not None]
+    measure, label = (OFFSET_MEASURE, OFFSET_LABEL) if steady else (MEASURE, LABEL)
+    shown = [row for row in rows if row[measure] is not None]
     values = sorted({row[setting] for row in rows}, key=_order)
     words = not all(_is_number(value) for value in values)
     at = {value: place if words else value for place, value in enumerate(values)}
@@ -35,7 +43,7 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
         for (mark, colour), world in zip(MARKS, worlds, strict=False):
             of_world = [row for row in shown if row["world"] == world]
             x = [at[row[setting]] for row in of_world]
-            y = [1e3 * row[MEASURE] for row in of_world]
+            y = [1e3 * row[measure] for row in of_world]
             axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
             if len(values) <= FEW and of_world:
                 places = sorted(set(x))
@@ -44,15 +52,19 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]]) -> None:
                 ]
                 axes.plot(places, medians, "-", color=colour, lw=1.5)
         failed = len(rows) - len(shown)
+        told = f"{failed} runs failed or were never right" if failed else ""
         axes.set(
-            xlabel=setting, ylabel=LABEL, title=f"{failed} runs failed" if failed else "",
+            xlabel=setting, ylabel=label, title=told,
             yscale="log" if shown else "linear",
         )  # fmt: skip
         if words:
             axes.set_xticks(range(len(values)), [str(value) for value in values])
         elif _is_wide(values):
             axes.set_xscale("log")
-        axes.grid(alpha=0.3)
+        for axis in (axes.yaxis, axes.xaxis) if not words else (axes.yaxis,):
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
+        axes.grid(alpha=0.3, which="both")
         axes.legend(frameon=False)
     with file_written_whole(path) as new:
         new.write_text(done[0], encoding="utf-8")

@@ -63,7 +63,7 @@ def sweep(
             left = {key: config for key, config in left.items() if key not in found}
     rows = [_row(point, found.get(key)) for point, key in zip(points, keys, strict=True)]
     for setting in file.values:
-        plot_setting(folder / "plots" / f"{setting}.svg", setting, rows)
+        plot_setting(folder / "plots" / f"{setting}.svg", setting, rows, bool(offset))
     write_table(folder / f"results.{kind}", rows)
     return Swept(rows, done_before)
 

@@ -99,6 +99,8 @@ def load_sweep(path: Path) -> SweepFile:
         SettingError: it is missing or no TOML, a setting is unknown, or a value is none; names
             file and line, and what is valid.
     """
+    if not path.is_file():
+        raise SettingError(f"there is no file {path}")
     try:
         text = path.read_text(encoding="utf-8")
         content = tomllib.loads(text)
@@ -119,7 +121,7 @@ def load_sweep(path: Path) -> SweepFile:
     values = _values(path, text, content.get("settings", {}), bool(sweep.sample))
     if not values:
         raise SettingError(
-            f"{path}: no settings; valid is a table such as\n[settings]\n"
+            f"{path}: no settings; valid is a table [settings] with lines such as "
             "localization.sensor.sigma_hit = [0.001, 0.003, 0.01]"
         )
     return SweepFile(path.stem, sweep, values)
@@ -162,6 +164,8 @@ def _one(given: Any, sampled: bool) -> list[Any] | Interval:
         return from_table(Interval, given)
     if not isinstance(given, list) or not given:
         raise SettingError("needs a list of values, or { low = ..., high = ... }")
+    if len({repr(value) for value in given}) < len(given):
+        raise SettingError(f"has a value twice: {given}")
     for value in given:
         if not isinstance(value, (str, int, float)):
             raise SettingError(f"has the value {value!r}; valid are numbers, texts, true and false")

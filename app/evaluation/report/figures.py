@@ -67,7 +67,7 @@ def paths(field: Field, panels: dict[str, Run]) -> str:
     done: list[str] = []
     columns = min(len(panels), 2)
     rows = -(-len(panels) // columns)
-    with drawn(3.5 * columns, 3.5 * rows + 0.3, done) as figure:
+    with drawn(3.6 * columns, 3.9 * rows + 0.6, done) as figure:
         grid: Any = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
         for axes, (title, run) in zip(grid.flat, panels.items(), strict=False):
             _floor(axes, field)
@@ -90,7 +90,7 @@ def paths(field: Field, panels: dict[str, Run]) -> str:
 def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
     """Distance from the truth by time: median of the robots, and from the least to the largest."""
     done: list[str] = []
-    with drawn(7.2, 1.9 * len(conditions) + 0.4, done) as figure:
+    with drawn(7.2, 2.1 * len(conditions) + 0.5, done) as figure:
         grid: Any = figure.subplots(len(conditions), 1, squeeze=False, sharex=True)
         for axes, (title, runs) in zip(grid.flat, conditions.items(), strict=True):
             for method in METHODS:

@@ -21,6 +21,8 @@ from robot.fields.field import Field
 TEMPLATE = "report.html.jinja"
 FOLDERS = (Path(__file__).parent, Path(__file__).parents[2] / "model_fits" / "report")
 """With templates."""
+NOTHING = 1e-6
+"""What is less, in millimetres or milliradians, is rounding."""
 TOLD = {"known": "start known", "offset": "start told wrong"}
 
 PAPER = {
@@ -112,8 +114,8 @@ def share(value: float) -> str:
 
 
 def _digits(value: float) -> str:
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
+    if abs(value) < NOTHING or not math.isfinite(value):
+        return f"{value:.0f}"
     return f"{value:.{max(2 - math.floor(math.log10(abs(value))), 0)}f}"
 
 
