@@ -70,7 +70,7 @@ class LocalWorkers:
         Raises:
             SettingError: fewer than one was asked for.
         """
-        self._count = count if count is not None else len(os.sched_getaffinity(0))
+        self._count = count if count is not None else _cores()
         if self.count < 1:
             raise SettingError(f"{self.count} workers; valid is 1 or more")
         self._crews: list[_Crew] = []
@@ -209,6 +209,13 @@ def workers(count: int | None, cluster: str | None) -> Workers:
         WorkerError: they cannot be had.
     """
     return LocalWorkers(count) if cluster is None else ClusterWorkers(cluster)
+
+
+def _cores() -> int:
+    """That this program may use."""
+    if hasattr(os, "sched_getaffinity"):  # not on every system
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _knock(address: str) -> None:
