@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from engine_runs import drive, kinematic, run
 
+from app.batch.workers import LocalWorkers
 from app.config import Config
 from app.messages.commands import (
     PauseCommand,
@@ -155,7 +156,10 @@ def test_parameters_change_live_and_reset_brings_them_back():
 @pytest.fixture(scope="module")
 def recoveries():
     """Twelve robots with the default imperfections, told a wrong pose while they drive."""
-    return [recover(seed) for seed in SEEDS]
+    crew = LocalWorkers(2)
+    done = dict(crew.each(recover, SEEDS))
+    crew.close()
+    return [done[seed] for seed in SEEDS]
 
 
 def test_a_wrong_pose_is_recovered_from_within_four_seconds_in_twelve_of_twelve(recoveries):
