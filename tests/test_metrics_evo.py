@@ -7,7 +7,7 @@ import pytest
 from wandering_paths import KINDS, moved, pair, rigid
 
 from app.trajectories.association import associate
-from app.trajectories.files.tum import read_tum
+from app.trajectories.files.reading import read_trajectory
 from app.trajectories.metrics import (
     absolute_errors,
     align,
@@ -116,8 +116,8 @@ class TestRecorded:
     pytestmark = recorded
 
     def pairs(self, name):
-        truth = read_tum(RECORDED / "freiburg1_xyz-groundtruth.txt")
-        return associate(truth, read_tum(RECORDED / f"freiburg1_xyz-{name}.txt"))
+        truth = read_trajectory(RECORDED / "freiburg1_xyz-groundtruth.txt")
+        return associate(truth, read_trajectory(RECORDED / f"freiburg1_xyz-{name}.txt"))
 
     def test_freiburg_has_the_published_figures(self):
         truth, estimate = self.pairs("rgbdslam")

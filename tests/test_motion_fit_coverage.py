@@ -20,7 +20,7 @@ from app.model_fits.motion.drive_fit import fit_drive
 from app.model_fits.motion.fit import MotionFit
 from app.model_fits.motion.run import cut_at, paired_runs
 from app.model_fits.motion.windows import windows
-from app.trajectories.files.mrclam import read_mrclam
+from app.trajectories.files.reading import read_trajectory
 from robot.localization.models.differential_motion import DifferentialMotion
 
 MRCLAM = Path(__file__).parent.parent.parent / "shared" / "data" / "mrclam"
@@ -79,7 +79,7 @@ def test_a_threshold_takes_so_many_windows(drives):
 @pytest.mark.parametrize("robot", [1, 2])
 def test_regions_of_a_real_robot_hold_on_the_second_half_of_its_drive(robot):
     odometry, truth = (
-        read_mrclam(MRCLAM / f"ds6_Robot{robot}_{what}.dat.gz")
+        read_trajectory(MRCLAM / f"ds6_Robot{robot}_{what}.dat.gz")
         for what in ("Odometry", "Groundtruth")
     )
     runs = paired_runs(odometry.stamps, odometry.poses, truth.stamps, truth.poses, offset=LATE)

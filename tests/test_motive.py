@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.files.motive import parse_motive, read_motive
+from app.trajectories.files.motive import parse_motive
+from app.trajectories.files.reading import read_trajectory
 from app.trajectories.trajectory import TrajectoryError
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
@@ -169,7 +170,7 @@ def test_a_file_with_and_without_byte_order_mark_is_read(tmp_path, bom):
     stamps, poses = eight(30)
     path = tmp_path / "take.csv"
     path.write_text(bom + export({"Robot": in_motive(poses)}, stamps, take="Übung"), "utf-8")
-    assert_same(read_motive(path), stamps, poses)
+    assert_same(read_trajectory(path), stamps, poses)
 
 
 def test_rows_where_the_body_was_lost_are_left_out():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.files.mrclam import integrated, parse_mrclam, read_mrclam
+from app.trajectories.files.mrclam import integrated, parse_mrclam
 from app.trajectories.files.reading import parse_trajectory, read_trajectory
 from app.trajectories.trajectory import TrajectoryError
 from robot.geometry import Pose2, Twist2
@@ -178,8 +178,8 @@ def test_long_runs_of_one_character_take_no_time():
 @pytest.mark.parametrize("robot", [1, 2])
 def test_real_odometry_goes_where_its_robot_went(robot):
     """After a minute of some five metres and many turns; other signs or units are metres off."""
-    truth = read_mrclam(RECORDED / f"ds6_Robot{robot}_Groundtruth.dat.gz")
-    odometry = read_mrclam(RECORDED / f"ds6_Robot{robot}_Odometry.dat.gz")
+    truth = read_trajectory(RECORDED / f"ds6_Robot{robot}_Groundtruth.dat.gz")
+    odometry = read_trajectory(RECORDED / f"ds6_Robot{robot}_Odometry.dat.gz")
     assert truth.planar
     assert odometry.planar
     start = odometry.stamps[0]

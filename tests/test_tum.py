@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.trajectories.files.tum import parse_tum, read_tum, write_tum
+from app.trajectories.files.reading import read_trajectory
+from app.trajectories.files.tum import parse_tum, write_tum
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 ROW = "1.5 1 2 3 0 0 0 1\n"
@@ -25,7 +26,7 @@ def test_what_was_written_is_read_again(tmp_path_factory, positions, quaternions
     written = Trajectory(start + np.arange(5) * 0.033, positions, quaternions)
     path = tmp_path_factory.getbasetemp() / "again.tum"
     write_tum(path, written)
-    read = read_tum(path)
+    read = read_trajectory(path)
     np.testing.assert_allclose(read.stamps, written.stamps, rtol=1e-16, atol=1e-9)
     np.testing.assert_allclose(read.positions, written.positions, rtol=0, atol=1e-12)
     np.testing.assert_allclose(read.quaternions, written.quaternions, rtol=0, atol=1.01e-12)
@@ -35,7 +36,7 @@ def test_comments_are_written_and_read(tmp_path):
     written = Trajectory.of_poses([0, 1], np.zeros((2, 3)))
     path = tmp_path / "truth.tum"
     write_tum(path, written, ["seed 3\nof the square", "world sim"])
-    read = read_tum(path)
+    read = read_trajectory(path)
     assert read.notes == ("seed 3", "of the square", "world sim", "stamp x y z qx qy qz qw")
     assert read.source == str(path)
     assert [one.name for one in tmp_path.iterdir()] == ["truth.tum"]
@@ -79,8 +80,8 @@ def test_other_line_ends_a_mark_of_utf8_and_gzip_are_read(tmp_path):
     plain.write_bytes(text)
     packed.write_bytes(gzip.compress(text))
     for path in (plain, packed):
-        assert len(read_tum(path)) == 2
-        assert read_tum(path).notes == ("a",)
+        assert len(read_trajectory(path)) == 2
+        assert read_trajectory(path).notes == ("a",)
 
 
 @pytest.mark.parametrize(

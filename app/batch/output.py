@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import tempfile
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -48,16 +49,18 @@ def written_whole(folder: Path) -> Iterator[Path]:
 def file_written_whole(path: Path) -> Iterator[Path]:
     """A file to write, which takes a path when all is done; on an error it is as it was.
 
+    At any moment, also after a power cut, the path holds a whole file or none. Several programs
+    may write to the same path: one of them wins.
+
     Raises:
         OSError: it cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=".unfinished-", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    new = Path(name)
+    new = path.with_name(f".unfinished-{uuid.uuid4().hex}{path.suffix}")
     try:
         yield new
-        new.chmod(0o666 & ~_umask())
+        with new.open("rb") as written:
+            os.fsync(written.fileno())
         new.replace(path)
     finally:
         new.unlink(missing_ok=True)
@@ -80,10 +83,3 @@ def make_folder(folder: Path) -> None:
 def write_json(path: Path, content: dict[str, Any]) -> None:
     """Write a table so that people can read it too; no number is without a value."""
     path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def _umask() -> int:
-    """What files of this program are not allowed: temporary ones allow nobody else anything."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field as PydanticField
 from pydantic import ValidationError
 
+from app.batch.output import file_written_whole
 from app.covariance import CovarianceError, covariance_from
 from app.messages.message import Message
 from app.messages.telemetry import HypothesisMessage, PoseMessage
@@ -68,16 +69,8 @@ def write(path: Path, saved: SavedPose) -> None:
     Raises:
         OSError: it cannot be written.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with beside.open("w", encoding="utf-8") as file:
-            file.write(saved.model_dump_json(indent=1))
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    with file_written_whole(path) as new:
+        new.write_text(saved.model_dump_json(indent=1), encoding="utf-8")
 
 
 def read(path: Path, field: Field) -> SavedPose:

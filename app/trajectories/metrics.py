@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from app.trajectories.trajectory import Trajectory, TrajectoryError
@@ -132,7 +132,7 @@ def ate_rmse(truth: Trajectory, estimate: Trajectory, aligned: bool = False) -> 
     return rms(absolute_errors(truth, estimate))
 
 
-def rms(errors: Array) -> float:
+def rms(errors: ArrayLike) -> float:
     """Root of the mean of squares."""
     return float(np.sqrt(np.mean(np.square(errors))))
 

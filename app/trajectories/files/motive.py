@@ -13,12 +13,11 @@ import csv
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.files.text_file import as_numbers, read_text
+from app.trajectories.files.text_file import as_numbers
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 
@@ -53,11 +52,6 @@ class _Body:
 def is_motive(text: str) -> bool:
     """Whether a text is Motive's, by its first words."""
     return text.lstrip().lstrip('"').startswith("Format Version")
-
-
-def read_motive(path: Path | str, body: str | None = None) -> Trajectory:
-    """Read a file; see `parse_motive`."""
-    return parse_motive(read_text(Path(path)), str(path), body)
 
 
 def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:

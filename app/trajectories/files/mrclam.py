@@ -7,11 +7,10 @@ IJRR 2011. The comments at the top tell which of the two a file is.
 from __future__ import annotations
 
 from enum import Enum
-from pathlib import Path
 
 import numpy as np
 
-from app.trajectories.files.text_file import comments, numbered, read_text, rows_of_numbers
+from app.trajectories.files.text_file import comments, numbered, rows_of_numbers
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array, heading_vectors
 
@@ -37,11 +36,6 @@ def content_of(text: str) -> Content | None:
         if "orientation" in words and "time" in words:
             return Content.TRUTH
     return None
-
-
-def read_mrclam(path: Path | str) -> Trajectory:
-    """Read a file, which may be compressed by gzip; see `parse_mrclam`."""
-    return parse_mrclam(read_text(Path(path)), str(path))
 
 
 def parse_mrclam(text: str, source: str) -> Trajectory:

@@ -6,30 +6,21 @@ A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012).
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 
-from app.trajectories.files.text_file import comments, read_text, rows_of_numbers
+from app.batch.output import file_written_whole
+from app.trajectories.files.text_file import comments, rows_of_numbers
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 COLUMNS = "stamp x y z qx qy qz qw"
 FORMATS = ["%.9f"] + ["%.12f"] * 7
 
 
-def read_tum(path: Path | str) -> Trajectory:
-    """Read a file, which may be compressed by gzip.
-
-    Raises:
-        TrajectoryError: it cannot be read or is no trajectory; names file and line.
-    """
-    return parse_tum(read_text(Path(path)), str(path))
-
-
 def parse_tum(text: str, source: str) -> Trajectory:
-    """Read the text of a file; as in `read_tum`."""
+    """Read the text of a file."""
     lines, rows = rows_of_numbers(text, source, COLUMNS)
     values = np.array(rows, dtype=np.float64).reshape(-1, 8)
     return Trajectory(
@@ -51,16 +42,8 @@ def write_tum(path: Path | str, trajectory: Trajectory, notes: Iterable[str] = (
     """
     if (np.diff(np.round(trajectory.stamps, 9)) <= 0).any():
         raise TrajectoryError(f"{trajectory.name}: stamps are less than 1e-9 s apart")
-    path = Path(path)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     table = np.column_stack([trajectory.stamps, trajectory.positions, trajectory.quaternions])
     header = [f"# {line}" for note in (*notes, COLUMNS) for line in note.splitlines()]
-    try:
-        with beside.open("w", encoding="utf-8") as file:
-            file.write("\n".join(header) + "\n")
-            np.savetxt(file, table, fmt=FORMATS)
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    with file_written_whole(Path(path)) as new, new.open("w", encoding="utf-8") as file:
+        file.write("\n".join(header) + "\n")
+        np.savetxt(file, table, fmt=FORMATS)
