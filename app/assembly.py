@@ -80,7 +80,6 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
         localization,
         Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
         odometry_start(begin, robot, field),
-        kinematics,
     )
     if begin.complaint is not None:
         engine.note(begin.complaint)

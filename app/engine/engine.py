@@ -39,7 +39,6 @@ from app.messages.commands import (
     UpdateCommand,
 )
 from app.messages.message import Layer
-from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2, Twist2
 from robot.interface import Frame, Placeable, Reading, Robot
@@ -67,7 +66,6 @@ class Engine:
         localization: Localization,
         driving: Driving,
         start: Pose2,
-        kinematics: DifferentialDrive | None = None,
     ) -> None:
         self.robot = robot
         self.latest: Latest[Snapshot] = Latest()
@@ -75,7 +73,7 @@ class Engine:
         self._odometry = odometry
         self._localization = localization
         self._driving = driving
-        self._kinematics = kinematics or DifferentialDrive(robot.spec)
+        self._kinematics = odometry.drive
         self._map_from_odom = start
         self._frame: Frame | None = None
         self._odom_from_scan: Pose2 | None = None

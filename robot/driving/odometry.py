@@ -47,7 +47,8 @@ class Odometry:
     """Adds up wheel readings and answers where the robot was at a stamp."""
 
     def __init__(self, drive: DifferentialDrive, settings: OdometrySettings) -> None:
-        self._drive = drive
+        self.drive = drive
+        """The kinematics that it reckons by."""
         self._settings = settings
         self._positions: Array | None = None
         self._history: deque[OdometryState] = deque()
@@ -107,18 +108,18 @@ class Odometry:
                 f"a reading at {reading.stamp:.6f} s follows one at {last.stamp:.6f} s; "
                 "stamps must rise"
             )
-        moved = self._drive.moved(turned)
+        moved = self.drive.moved(turned)
         covariance = self._spread(last, turned, moved)
-        twist = self._drive.twist(reading.velocities)
+        twist = self.drive.twist(reading.velocities)
         return OdometryState(reading.stamp, last.odom_from_robot @ moved, twist, covariance)
 
     def _spread(self, last: OdometryState, turned: Array, moved: Pose2) -> Array:
         """Carry the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""
-        track = self._drive.track
-        travel = np.abs(turned) * self._drive.radii
+        track = self.drive.track
+        travel = np.abs(turned) * self.drive.radii
         by_wheel = self._settings.wheel_error * travel
         cx, cy = heading_vectors(np.array([last.odom_from_robot.theta + moved.theta / 2]))[0]
-        left, right = self._drive.left, self._drive.right
+        left, right = self.drive.left, self.drive.right
         by_pose = np.array([[1, 0, -moved.x * cy], [0, 1, moved.x * cx], [0, 0, 1]])
         by_turn = np.empty((3, 2))
         by_turn[:, 0] = cx / 2, cy / 2, -1 / track
