@@ -12,7 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.config import ROBOTS, Config, load_config
-from app.evaluation.options import add_evaluate
+from app.console import say
+from app.evaluation.options import add_config, add_evaluate, add_map
 from app.sweep.options import add_sweep
 from app.trajectories.trajectory import TrajectoryError
 from robot.fields.field import FieldError
@@ -73,12 +74,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         "(default: sim where pybullet is installed)",
         default=argparse.SUPPRESS,
     )
-    run.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        default=argparse.SUPPRESS,
-        help=f"a field of maps/, or an .svg or .yaml file (default: {default.map})",
-    )
+    add_map(run)
     run.add_argument(
         "--host",
         default=argparse.SUPPRESS,
@@ -96,13 +92,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         default=argparse.SUPPRESS,
         help=f"seed of everything random (default: {default.seed})",
     )
-    run.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE.toml",
-        default=argparse.SUPPRESS,
-        help="settings; the options above win",
-    )
+    add_config(run)
     _add_models(run)
     _add_start_pose(run)
     run.set_defaults(command=_run)
@@ -157,13 +147,13 @@ def _run(parsed: argparse.Namespace) -> int:
     config, missing = settle_robot(config_from(parsed))
     listening = listen(config.host, config.port)
     if missing:
-        _say(f"The kinematic robot drives, with perfect wheels: {missing}")
+        say(f"The kinematic robot drives, with perfect wheels: {missing}")
     program = assemble(config, RealTime())
     host, port = listening.getsockname()[:2]
     if host in ("0.0.0.0", "::"):
         host = socket.gethostname()  # nobody can open "all addresses"
     shown = f"[{host}]" if ":" in host else host
-    _say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
+    say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
     serve(program, listening)
     return 0
 
@@ -182,11 +172,6 @@ def config_from(parsed: argparse.Namespace) -> Config:
     over_start = {name: given[name] for name in START_OPTIONS if name in given}
     config = replace(config, start_pose=replace(config.start_pose, **over_start))
     return replace(config, **over)
-
-
-def _say(text: str) -> None:
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
 
 
 def _complain(error: Exception, code: int) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,6 +19,7 @@ import numpy as np
 
 from app.config import Config
 from app.evaluation.drives import Drive, on_eight, record
+from app.trajectories.metrics import rms
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,
@@ -191,11 +192,6 @@ def judged(shown: list[Shown], since: float) -> Found:
         min(weights) > 0 and max(weights) <= 2 * min(weights),
         shown,
     )
-
-
-def rms(values: Sequence[float]) -> float:
-    """Root mean square."""
-    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def measure() -> Result:

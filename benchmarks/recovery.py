@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ import numpy as np
 from app.assembly import Program, assemble
 from app.config import Config
 from app.engine.snapshot import Snapshot
+from app.evaluation.convergence import time_to_converge
 from app.messages.commands import FigureEightCommand, SetPoseCommand
 from benchmarks.result import Result
 from robot.geometry import Pose2
@@ -55,7 +55,7 @@ def recover(seed: int) -> Recovery:
     program.engine.commands.put(told)
     shown = _drive(program, WATCHED)
     program.robot.close()
-    seconds = time_to_converge(shown) - at.stamp
+    seconds = _seconds(shown) + shown[0].stamp - at.stamp
     settled = [s for s in shown if s.stamp > at.stamp + seconds + 1]
     return Recovery(
         seconds,
@@ -81,21 +81,13 @@ def measure() -> Result:
     )
 
 
-def time_to_converge(shown: Sequence[Snapshot]) -> float:
-    """Stamp [s] from which on the estimate is right for a second; inf if it never is."""
-    right = [_is_right(snapshot) for snapshot in shown]
-    second = round(1.0 / (shown[1].stamp - shown[0].stamp))
-    for i in range(len(shown) - second):
-        if all(right[i : i + second]):
-            return shown[i].stamp
-    return math.inf
-
-
-def _is_right(snapshot: Snapshot) -> bool:
-    pose, truth = snapshot.pose, snapshot.truth
-    if pose is None or truth is None:
-        return False
-    return pose.distance_to(truth) < 0.02 and abs(pose.turn_to(truth)) < 0.1
+def _seconds(shown: Sequence[Snapshot]) -> float:
+    """Time [s] after the first until the estimate is right; inf if it never is."""
+    offsets = np.array(
+        [s.truth.offset_to(s.pose) if s.pose and s.truth else np.full(3, np.inf) for s in shown]
+    )
+    distances = np.hypot(offsets[:, 0], offsets[:, 1])
+    return time_to_converge(np.array([s.stamp for s in shown]), distances, offsets[:, 2])
 
 
 def _mean(poses: Sequence[Pose2 | None], shown: Sequence[Snapshot]) -> float:

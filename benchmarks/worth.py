@@ -10,7 +10,8 @@ import numpy as np
 
 from app.config import Config
 from app.evaluation.drives import Drive, Tick, record
-from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, rms, with_filter
+from app.trajectories.metrics import rms
+from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, with_filter
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
 from robot.localization.models.entry_field import EntryField

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from in_process import Here
 
 from app.assembly import assemble
 from app.batch.output import written_whole
@@ -19,25 +20,13 @@ from app.evaluation.results import METHODS, condition_table, spread
 from app.evaluation.runs import EvaluationError, Run, follow
 from app.evaluation.worlds import WORLDS
 from app.messages.commands import FigureEightCommand, SetPoseCommand
-from app.trajectories.files.tum import read_tum
+from app.trajectories.files.reading import read_trajectory
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 
 QUICK = Config(camera=CameraSettings(frame_rate=8), map="stub")
 """Few pictures: what is tested here is not how exact they are."""
 SMALL = Experiment(QUICK, ("sim",), seeds=2, laps=1)
-
-
-class Here:
-    """Does jobs in this process, in order."""
-
-    count = 1
-
-    def each(self, work, jobs):
-        return ((place, work(job)) for place, job in enumerate(jobs))
-
-    def close(self):
-        pass
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +135,7 @@ def test_written_trajectories_give_the_figures_of_the_results_in_evo(done, tmp_p
 
 def test_trajectories_say_of_which_run_they_are(done):
     truths = sorted((done[0] / "runs").rglob("truth.tum"))
-    notes = [read_tum(path).notes for path in truths]
+    notes = [read_trajectory(path).notes for path in truths]
     assert len(truths) == 4
     assert len({note for one in notes for note in one if note.startswith("run:")}) == 2
 

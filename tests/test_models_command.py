@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from in_process import Here
 from shared_data import SHARED
 
 from app.command_line import main
@@ -17,16 +18,6 @@ from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 
 MRCLAM = SHARED / "mrclam"
-
-
-class Here:
-    count = 1
-
-    def each(self, work, jobs):
-        return ((place, work(job)) for place, job in enumerate(jobs))
-
-    def close(self):
-        pass
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import csv
 import textwrap
 
 import pytest
+from in_process import Here
 from sweep_files import write
 
 from app.batch.workers import LocalWorkers, WorkerError
@@ -24,23 +25,6 @@ KINEMATIC = """
     localization.sensor.sigma_hit = [0.003, 5.0]
     localization.filter.min_particles = [100, 200]
 """
-
-
-class Here:
-    """Does jobs in this process, in order, and keeps them."""
-
-    count = 1
-
-    def __init__(self):
-        self.jobs = []
-
-    def each(self, work, jobs):
-        for place, job in enumerate(jobs):
-            self.jobs.append(job)
-            yield place, work(job)
-
-    def close(self):
-        pass
 
 
 class Told(Here):

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from app.batch.workers import Workers, workers
 from app.config import Config, load_config
+from app.console import say
 from app.evaluation.evaluate import evaluate
 from app.evaluation.experiment import Experiment
 from app.evaluation.recorded import evaluate_recording
@@ -71,12 +71,6 @@ def crew_of(given: Given) -> Workers:
     if "workers" in given and "cluster" in given:
         raise SettingError("--workers is for this machine; a cluster has as many as it has")
     return workers(given.get("workers"), given.get("cluster"))
-
-
-def say(text: str) -> None:
-    """A line for people."""
-    sys.stdout.write(text + "\n")
-    sys.stdout.flush()
 
 
 def _experiment(given: Given, folder: Path) -> dict[str, Any]:

@@ -5,13 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from app.batch.output import RESULTS, write_json, written_whole
 from app.batch.provenance import changed_settings, versions
 from app.batch.workers import Workers
 from app.config import MAPS
-from app.evaluation.experiment import Experiment, Outcome, run
+from app.evaluation.experiment import Experiment, run
 from app.evaluation.recorded import RUN
 from app.evaluation.report.report import Evaluation, figure3, report
 from app.evaluation.results import condition_table, trajectory
@@ -39,16 +37,10 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
         OSError: the folder cannot be written.
     """
     field = load_field(experiment.config.map, MAPS)
-    outcomes: dict[tuple[str, int], Outcome] = {}
     with written_whole(folder) as new:
-        steps = tqdm(
-            run(experiment, workers), total=len(experiment.jobs()), unit="drive", disable=None
-        )
-        for job, outcome in steps:
-            outcomes[job.world, job.config.seed] = outcome
         conditions = {
-            (world, told): [getattr(outcomes[world, seed], told) for seed in experiment.all_seeds]
-            for world in experiment.worlds
+            (world, told): [getattr(outcome, told) for outcome in outcomes]
+            for world, outcomes in run(experiment, workers).items()
             for told in (WITHOUT, WITH)
         }
         results = results_of(experiment, conditions)

@@ -6,10 +6,11 @@ one recorded drive is followed twice.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from tqdm import tqdm
 
 from app.batch.workers import Workers
 from app.config import Config
@@ -104,16 +105,21 @@ def follow_from_offset(drive: Drive, config: Config, offset: Sequence[float]) ->
     return follow(drive, config, Pose2(start.x + dx, start.y + dy, start.theta + turn))
 
 
-def run(experiment: Experiment, workers: Workers) -> Iterator[tuple[Job, Outcome]]:
-    """Do all of it; each outcome as soon as it is there.
+def run(experiment: Experiment, workers: Workers) -> dict[str, list[Outcome]]:
+    """Do all of it, and show how far it is; by world, in the order of the seeds.
 
     Raises:
         EvaluationError: a drive cannot be made or followed; names seed and world.
     """
     jobs = experiment.jobs()
-    for place, outcome in workers.each(drive_and_follow, jobs):
+    found: dict[tuple[str, int], Outcome] = {}
+    done = workers.each(drive_and_follow, jobs)
+    for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
         job = jobs[place]
         if isinstance(outcome, Exception):
             where = f"seed {job.config.seed} in the world {job.world}"
             raise EvaluationError(f"{where}: {outcome}") from outcome
-        yield job, outcome
+        found[job.world, job.config.seed] = outcome
+    return {
+        world: [found[world, seed] for seed in experiment.all_seeds] for world in experiment.worlds
+    }

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from app.config import Config
 from robot.settings import SettingError
 
 Commands = Any
@@ -56,6 +57,16 @@ def add_evaluate(commands: Commands) -> None:
     command.set_defaults(command=_evaluate)
 
 
+def add_map(command: argparse.ArgumentParser) -> None:
+    """Which field."""
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        default=argparse.SUPPRESS,
+        help=f"a field of maps/, or an .svg or .yaml file (default: {Config().map})",
+    )
+
+
 def add_config(command: argparse.ArgumentParser) -> None:
     """Settings from a file."""
     command.add_argument(
@@ -63,7 +74,7 @@ def add_config(command: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE.toml",
         default=argparse.SUPPRESS,
-        help="settings, as for run",
+        help="settings (docs/configuration.md); options win over them",
     )
 
 
@@ -108,11 +119,7 @@ def _option(name: str) -> str:
 
 
 def _add_simulation(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        help="a field of maps/, or an .svg or .yaml file (default: square)",
-    )
+    add_map(command)
     command.add_argument(
         "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
     )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from app.evaluation.command import Given, config_of, crew_of, say, worlds_of
+from app.console import say
+from app.evaluation.command import Given, config_of, crew_of, worlds_of
 from app.evaluation.recorded import clock_of
 from app.evaluation.report.report import millimetres
 from app.model_fits.models import FITTED, ModelsJob, evaluate_models, evaluate_recorded_models

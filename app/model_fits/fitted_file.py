@@ -7,7 +7,7 @@ from typing import Any
 from app.config import Config, with_settings
 from app.model_fits.fit_error import FitError
 from app.model_fits.motion_statistics import MotionStatistics
-from app.model_fits.sensor.settings import fitted_sensor
+from app.model_fits.sensor.settings import clipped_settings, fitted_sensor
 from app.model_fits.sensor_statistics import SensorStatistics
 from robot.driving.drive_controller import DriveSettings
 from robot.localization.parameters import MotionParameters
@@ -16,13 +16,14 @@ from robot.settings import describe
 DIGITS, NOTHING = 6, 1e-9
 """Fitted values are written with so many digits; smaller ones are none."""
 
+ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 FITTED_SENSOR = ("sigma_hit", "z_hit", "z_short", "z_max", "z_rand", "lambda_short")
 
 
 def fitted_settings(
     motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
 ) -> dict[str, Any]:
-    """Settings by their path; alphas are brought into their range.
+    """Settings by their path, brought into their range; ``clipped`` tells which had to be.
 
     Raises:
         FitError: wheels are so far from the description that it is of another robot.
@@ -35,9 +36,7 @@ def fitted_settings(
         found["drive.wheel_separation_multiplier"] = separation
         _check_wheels(found)
         known = describe(MotionParameters)
-        for name, value in zip(
-            ("alpha1", "alpha2", "alpha3", "alpha4"), motion.fit.motion.alphas, strict=True
-        ):
+        for name, value in zip(ALPHAS, motion.fit.motion.alphas, strict=True):
             limits = known[name]
             found[f"localization.motion.{name}"] = min(max(value, limits.low), limits.high)
     if sensor is not None:
@@ -46,6 +45,24 @@ def fitted_settings(
             found[f"localization.sensor.{name}"] = getattr(fitted, name)
         found["localization.sensor.likelihood_weight"] = sensor.correlation.weight
     return {path: _rounded(value) for path, value in found.items()}
+
+
+def clipped(
+    motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
+) -> dict[str, float]:
+    """What was fitted for settings that may not be that, by their path."""
+    found: dict[str, float] = {}
+    if motion is not None:
+        known = describe(MotionParameters)
+        found |= {
+            f"localization.motion.{name}": value
+            for name, value in zip(ALPHAS, motion.fit.motion.alphas, strict=True)
+            if not known[name].low <= value <= known[name].high
+        }
+    if sensor is not None:
+        beyond = clipped_settings(sensor.usable, config.localization.sensor)
+        found |= {f"localization.sensor.{name}": value for name, value in beyond.items()}
+    return found
 
 
 def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:

@@ -7,8 +7,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from app.batch.output import RESULTS, write_json, written_whole
 from app.batch.provenance import changed_settings, versions
 from app.batch.workers import Workers
@@ -16,7 +14,7 @@ from app.config import Config, with_settings
 from app.evaluation.experiment import Experiment, run
 from app.evaluation.results import condition_table
 from app.model_fits.fit_error import FitError
-from app.model_fits.fitted_file import fitted_settings, toml_of
+from app.model_fits.fitted_file import clipped, fitted_settings, toml_of
 from app.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
 from app.model_fits.report.models_report import models_report
 from app.model_fits.sensor.range_statistics import RangeStatistics
@@ -81,14 +79,17 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
             "fitted": settings,
             "compared": compared,
         }
-        comments = (
+        comments: tuple[str, ...] = (
             f"Fitted to robot {job.robot} in the world {job.world} by brickpose evaluate models.",
             "Ranges spread by sigma_hit = "
             f"{sensor.fit.values.sigma_hit:.6f} m; a filter is set no narrower than here.",
         )
         # So that a simulated run has the robot that was measured.
         written = settings | {"imperfections.robot": job.robot}
-        (new / FITTED).write_text(toml_of(written, comments), encoding="utf-8")
+        (new / FITTED).write_text(
+            toml_of(written, (*comments, *_told_of(clipped(motion, sensor, config)))),
+            encoding="utf-8",
+        )
         page = models_report(results, motion, sensor, config)
         (new / "report.html").write_text(page, encoding="utf-8")
         write_json(new / RESULTS, results)
@@ -139,12 +140,29 @@ def evaluate_recorded_models(
             "fitted": settings,
             "compared": None,
         }
-        comments = (f"Fitted to the first half of {recording.name} by brickpose evaluate models.",)
-        (new / FITTED).write_text(toml_of(settings, comments), encoding="utf-8")
+        comments: tuple[str, ...] = (
+            f"Fitted to the first half of {recording.name} by brickpose evaluate models.",
+        )
+        (new / FITTED).write_text(
+            toml_of(settings, (*comments, *_told_of(clipped(motion, None, config)))),
+            encoding="utf-8",
+        )
         page = models_report(results, motion, None, config)
         (new / "report.html").write_text(page, encoding="utf-8")
         write_json(new / RESULTS, results)
     return results
+
+
+def _write(folder: Path, fitted: str, page: str) -> None:
+    (folder / FITTED).write_text(fitted, encoding="utf-8")
+    (folder / "report.html").write_text(page, encoding="utf-8")
+
+
+def _told_of(beyond: dict[str, float]) -> tuple[str, ...]:
+    """A comment for each value that was brought into its range."""
+    return tuple(
+        f"{path} was fitted as {value:.6g}, which it may not be." for path, value in beyond.items()
+    )
 
 
 def motion_table(motion: MotionStatistics) -> Table:
@@ -216,6 +234,8 @@ def sensor_table(sensor: SensorStatistics) -> Table:
             name: {"value": value, "interval": [_finite(end) for end in sensor.fit.interval(name)]}
             for name, value in asdict(sensor.fit.values).items()
         },
+        "iterations": sensor.fit.iterations,
+        "converged": sensor.fit.converged,
         "usable": asdict(sensor.usable.values),
         "correlation": {
             "by_ray": [_finite(one) for one in correlation.by_ray.tolist()],
@@ -224,8 +244,13 @@ def sensor_table(sensor: SensorStatistics) -> Table:
             "rays_worth": correlation.independent,
             "rays_worth_interval": list(correlation.independent_interval),
             "likelihood_weight": correlation.weight,
+            "likelihood_weight_interval": list(correlation.weight_interval),
             "scans_a_new_one": correlation.scans_a_new_one,
+            "scans_a_new_one_interval": list(correlation.scans_interval),
             "likelihood_weight_of_successive_scans": correlation.weight_of_successive,
+            "likelihood_weight_of_successive_scans_interval": list(
+                correlation.weight_of_successive_interval
+            ),
         },
     }
 
@@ -246,14 +271,9 @@ def _compared(config: Config, settings: Table, job: ModelsJob, workers: Workers)
     found = {}
     for name, chosen in (("default", config), ("fitted", with_settings(config, settings))):
         experiment = Experiment(chosen, (job.world,), job.robot + 1000, job.seeds, job.laps)
-        runs = {}
-        for done, outcome in tqdm(
-            run(experiment, workers), total=job.seeds, unit="drive", disable=None
-        ):
-            runs[done.config.seed] = outcome
-        inorder = [runs[seed] for seed in experiment.all_seeds]
+        outcomes = run(experiment, workers)[job.world]
         found[name] = {
-            "known": condition_table([one.known for one in inorder]),
-            "offset": condition_table([one.offset for one in inorder]),
+            "known": condition_table([one.known for one in outcomes]),
+            "offset": condition_table([one.offset for one in outcomes]),
         }
     return found

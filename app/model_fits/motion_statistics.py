@@ -15,6 +15,7 @@ from app.model_fits.motion.coverage import Region, fit_regions, share_held, usab
 from app.model_fits.motion.drive_correction import DriveCorrection
 from app.model_fits.motion.drive_fit import DriveFit, fit_drive
 from app.model_fits.motion.run import MotionRun, cut_at, paired_runs
+from app.model_fits.trials.motions import SIDE
 from app.model_fits.trials.spread import EndSpread, end_spreads
 from app.model_fits.trials.trials import TrialRobot, run_motion, trials
 from app.model_fits.trials.umbmark import Umbmark, distance_factor, return_errors, umbmark
@@ -23,9 +24,6 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import WheelMultipliers
 from robot.localization.models.differential_motion import DifferentialMotion
 from sim.imperfections import draw
-
-SIDE = 1.0
-"""Of the squares [m]."""
 
 
 @dataclass(frozen=True)

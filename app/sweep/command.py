@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from app.evaluation.command import config_of, crew_of, say
+from app.console import say
+from app.evaluation.command import config_of, crew_of
 from app.sweep.sweep import sweep
 from app.sweep.sweep_file import load_sweep
 from app.sweep.table import require_format
