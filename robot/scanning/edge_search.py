@@ -16,16 +16,12 @@ from robot.geometry import Array
 
 PAIRS = 4
 """Pairs kept on one ray; farther ones are left out."""
-
 CERTAIN = 3.5
 """Standard deviations of noise by which an edge stands out of it."""
-
 PARTS = 2
 """A sample is cut into so many parts to find an edge's place."""
-
 REACH = 4
 """Parts, to either side, in which the place is searched."""
-
 _NEAR = 2
 """Parts from the top of the kernel's answer to the neighbours that its parabola goes through."""
 
