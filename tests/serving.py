@@ -28,7 +28,8 @@ class Server:
         return f"http://{self.address}"
 
     def live(self) -> ClientConnection:
-        return connect(f"ws://{self.address}/api/live", max_size=None)
+        """A client that keeps reading, and so answering pings, while a test looks elsewhere."""
+        return connect(f"ws://{self.address}/api/live", max_size=None, max_queue=None)
 
 
 @contextlib.contextmanager

@@ -39,6 +39,9 @@ def server(folder):
 @pytest.fixture
 def live(server):
     with server.live() as socket:
+        until(socket, lambda now: now["mode"] == "idle")  # the page before this one is gone
+        ask(socket, type="place", x=0, y=0, theta=0)  # the start pose that a reset tells
+        ask(socket, type="reset")
         yield socket
         ask(socket, type="reset")
 
