@@ -1,0 +1,1 @@
+"""What can be plugged into a Build HAT, and what a motor on it turns."""

@@ -1,0 +1,129 @@
+"""A LEGO angular motor as its port hears it: what it is, what it counts, when it tells it."""
+
+from __future__ import annotations
+
+import math
+
+from sim.hat.devices.description import active_description
+from sim.hat.devices.device import (
+    CONNECT_SECONDS,
+    SAMPLE_PERIOD,
+    DeviceError,
+    Mode,
+    Plant,
+    ValueType,
+)
+from sim.hat.devices.motor_kinds import MOTOR_KINDS, KindError
+
+POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
+
+MODES = (
+    Mode("POWER", "PCT", ValueType.INT8, 1, 4, 0, raw=100, pct=100, si=100),
+    Mode("SPEED", "PCT", ValueType.INT8, 1, 4, 0, raw=100, pct=100, si=100),
+    Mode("POS", "DEG", ValueType.INT32, 1, 11, 0, raw=360, pct=100, si=360),
+    Mode("APOS", "DEG", ValueType.INT16, 1, 3, 0, raw=179, pct=200, si=179),
+    Mode("CALIB", "CAL", ValueType.INT16, 2, 5, 0, raw=3600, pct=100, si=3600),
+    Mode("STATS", "MIN", ValueType.INT16, 14, 5, 0, raw=65535, pct=100, si=65535),
+)
+
+SPEED_UNIT = 10.0
+"""What one unit of SPEED is worth [deg/s]."""
+
+SPEED_LAG = 0.02
+"""Time constant of the motor's own smoothing of its speed [s]; not known, two samples here."""
+
+
+class LegoMotor:
+    """Counts whole degrees of a plant's shaft and samples every 10 ms by its own clock.
+
+    POS counts from where the shaft was at power-up. APOS is -180..179 against a mark on the motor,
+    and so is the same again after the next power-up. SPEED is the angle gained since the last
+    sample, smoothed, in tens of degrees a second.
+    """
+
+    passive = False
+    modes = MODES
+    combinations = ((SPEED, POS, APOS),)
+    pid_defaults = ((3000, 100, 9000, 1080), (12000, 1000, 80000, 0))
+
+    def __init__(
+        self,
+        type_id: int,
+        plant: Plant,
+        *,
+        mark: float = 0.0,
+        phase: float = 0.0,
+        connect_seconds: float = CONNECT_SECONDS,
+    ) -> None:
+        """A motor of a kind of ``MOTOR_KINDS`` on a plant's shaft.
+
+        Args:
+            mark: the absolute angle at which the plant's angle is 0 [deg].
+            phase: how much later than the board's clock its own samples are [s].
+
+        Raises:
+            KindError: no angular motor has this type number.
+        """
+        if type_id not in MOTOR_KINDS:
+            valid = ", ".join(f"{number:02X} ({kind.name})" for number, kind in MOTOR_KINDS.items())
+            raise KindError(f"no angular motor has type {type_id:02X}; valid are {valid}")
+        self.type_id = type_id
+        self.connect_seconds = connect_seconds
+        self.responding = True
+        self._plant = plant
+        self._mark = mark
+        self._phase = phase
+        self._keep = math.exp(-SAMPLE_PERIOD / SPEED_LAG)
+        self.power_up()
+
+    def description(self, port: int) -> str:
+        """What ``list`` prints for it."""
+        return active_description(self, port)
+
+    def power_up(self) -> None:
+        """POS counts from here."""
+        self._angle = self._plant.angle
+        self._smooth = 0.0
+        self._samples = -1
+        self._start = self._count()
+        self._latch()
+
+    def sample(self, now: float) -> bool:
+        """Measure if 10 ms have gone by; see ``Device``."""
+        # A clock that adds up milliseconds is a hair early or late.
+        samples = math.floor((now - self._phase) / SAMPLE_PERIOD + 1e-6)
+        if samples <= self._samples or not self.responding:
+            return False
+        self._measure_speed(samples - self._samples)
+        self._samples = samples
+        self._latch()
+        return True
+
+    def read(self, mode: int) -> tuple[int, ...]:
+        """The newest values of a mode; POWER, CALIB and STATS are zeros, for nothing sets them."""
+        if mode == SPEED:
+            return (self._speed,)
+        if mode == POS:
+            return (self._pos,)
+        if mode == APOS:
+            return (self._apos,)
+        if not 0 <= mode < len(MODES):
+            raise DeviceError(f"mode is {mode}; valid are 0 to {len(MODES) - 1}")
+        return (0,) * MODES[mode].count
+
+    def _measure_speed(self, periods: int) -> None:
+        angle = self._plant.angle
+        raw = (angle - self._angle) / (periods * SAMPLE_PERIOD)
+        keep = self._keep**periods
+        self._smooth = keep * self._smooth + (1 - keep) * raw
+        self._angle = angle
+
+    def _count(self) -> int:
+        """Whole degrees from the mark; the edges between them are fixed on the shaft."""
+        return math.floor(self._plant.angle + self._mark + 0.5)
+
+    def _latch(self) -> None:
+        count = self._count()
+        self._speed = max(-100, min(100, round(self._smooth / SPEED_UNIT)))
+        self._pos = (count - self._start + 2**31) % 2**32 - 2**31
+        self._apos = (count + 180) % 360 - 180

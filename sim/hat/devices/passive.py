@@ -1,0 +1,47 @@
+"""A device without a chip: the board knows it by the resistors in its plug."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sim.hat.devices.device import CONNECT_SECONDS, DeviceError, Mode
+
+MOTOR, TRAIN_MOTOR, BUTTON, LIGHT = 1, 2, 5, 8
+
+
+class PassiveDevice:
+    """A simple motor, a light or a button; it has no modes and never sends anything."""
+
+    passive = True
+    modes: Sequence[Mode] = ()
+    combinations: Sequence[tuple[int, ...]] = ()
+    pid_defaults: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
+
+    def __init__(self, type_id: int, *, connect_seconds: float = CONNECT_SECONDS) -> None:
+        """A device of one of LEGO's passive type numbers, 1 to 11.
+
+        Raises:
+            DeviceError: no passive device has this number.
+        """
+        if not 1 <= type_id <= 11:
+            raise DeviceError(f"no passive device has type {type_id}; valid are 1 to 11")
+        self.type_id = type_id
+        self.connect_seconds = connect_seconds
+        self.responding = True
+        self.pressed = False
+        """For a button, type 5."""
+
+    def description(self, port: int) -> str:
+        """What ``list`` prints for it: one line, with the number in decimal."""
+        return f"P{port}: connected to passive ID {self.type_id}\r\n"
+
+    def power_up(self) -> None:
+        """Nothing to start."""
+
+    def sample(self, now: float) -> bool:
+        """It never has a message."""
+        return False
+
+    def read(self, mode: int) -> tuple[int | float, ...]:
+        """Always a ``DeviceError``: there are no modes."""
+        raise DeviceError(f"passive device {self.type_id} has no modes, so none numbered {mode}")

@@ -1,0 +1,172 @@
+"""Motors that turn freely, without a robot around them: first order, friction, brake and coast."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_named
+
+PORTS = 4
+
+
+class PlantError(ValueError):
+    """A motor was asked for, or told, something that cannot be."""
+
+
+class FreeMotor:
+    """A DC motor on a rigid shaft.
+
+    While its driver is on, ``tau dw/dt = gain V - w - s (load + friction sign(w))``, with s the
+    slope of the torque-speed line; at V = 0 that is the brake of a shorted motor. While it coasts,
+    the terms of the current, ``gain V - w``, are missing. A shaft that stands stays where it is
+    until more than the breakaway torque pushes it. A step is solved exactly, turning points too.
+    """
+
+    def __init__(self, kind: MotorKind, supply_v: float = SUPPLY_V) -> None:
+        self.kind = kind
+        self.angle = 0.0
+        self.speed = 0.0
+        self.stalled = False
+        """Something blocks the shaft."""
+        self._tau = kind.time_constant
+        self._gain = kind.gain * RAIL_V / SUPPLY_V
+        self._friction = kind.friction * kind.speed_per_torque
+        self._breakaway = kind.breakaway * kind.speed_per_torque
+        self._load = 0.0
+        self._duty: float | None = None
+        self._pull = 0.0
+        self._supply_v = supply_v
+
+    @property
+    def duty(self) -> float | None:
+        """What the driver puts out, -1..1; None: nothing."""
+        return self._duty
+
+    def drive(self, duty: float | None) -> None:
+        """The driver puts out this part of its voltage from now on; see ``Plant``.
+
+        Raises:
+            PlantError: outside -1..1, or not a number.
+        """
+        if duty is not None and not -1 <= duty <= 1:
+            raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
+        self._duty = duty
+        self._pull = self._gain * self._supply_v * (duty or 0.0)
+
+    @property
+    def load(self) -> float:
+        """Torque [N m] that turns the shaft anticlockwise, like a weight that hangs on it."""
+        return self._load / self.kind.speed_per_torque
+
+    @load.setter
+    def load(self, torque: float) -> None:
+        if not math.isfinite(torque):
+            raise PlantError(f"load is {torque}; valid is a torque [N m]")
+        self._load = torque * self.kind.speed_per_torque
+
+    @property
+    def supply_v(self) -> float:
+        """What the board is supplied with [V]."""
+        return self._supply_v
+
+    @supply_v.setter
+    def supply_v(self, volts: float) -> None:
+        self._supply_v = volts
+        self.drive(self._duty)
+
+    def step(self, seconds: float) -> None:
+        """Let time pass [s]."""
+        if self.stalled:
+            self.speed = 0.0
+            return
+        left = seconds
+        # Each turn ends the time or brings the shaft to a stand, from where it goes the other way.
+        while left > 0:
+            direction = self._direction()
+            if direction == 0:
+                return
+            push = self._pull - self._load - direction * self._friction
+            left = self._coast(push, left) if self._duty is None else self._turn(push, left)
+
+    def _direction(self) -> int:
+        """Which way it turns or, if it stands, will turn; 0: it stays."""
+        if self.speed != 0:
+            return 1 if self.speed > 0 else -1
+        push = self._pull - self._load
+        if abs(push) <= self._breakaway:
+            return 0
+        return 1 if push > 0 else -1
+
+    def _turn(self, target: float, seconds: float) -> float:
+        """Approach a speed [deg/s] until the time is over or it stands; returns the time left."""
+        start = self.speed
+        fade = math.exp(-seconds / self._tau)
+        end = target + (start - target) * fade
+        left = 0.0
+        if start * end < 0:
+            used = self._tau * math.log((target - start) / target)
+            left, end = max(seconds - used, 0.0), 0.0
+        # From the equation of motion: what was not gained in speed was gained in angle.
+        self.angle += target * (seconds - left) - self._tau * (end - start)
+        self.speed = end
+        return left
+
+    def _coast(self, push: float, seconds: float) -> float:
+        """Gain speed evenly until the time is over or it stands; returns the time left."""
+        start = self.speed
+        end = start + push / self._tau * seconds
+        left = 0.0
+        if start * end < 0:
+            left, end = max(seconds + start * self._tau / push, 0.0), 0.0
+        self.angle += (start + end) / 2 * (seconds - left)
+        self.speed = end
+        return left
+
+
+class FreeMotors:
+    """A free motor at each of the four ports."""
+
+    def __init__(
+        self, kinds: Mapping[int, MotorKind] | None = None, supply_v: float = SUPPLY_V
+    ) -> None:
+        """Kinds by port; where none is given, a medium one turns.
+
+        Raises:
+            PlantError: a port outside 0..3.
+        """
+        kinds = {} if kinds is None else kinds
+        for port in kinds:
+            _check(port)
+        self._motors = tuple(
+            FreeMotor(kinds.get(port, kind_named("medium")), supply_v) for port in range(PORTS)
+        )
+
+    @property
+    def supply_v(self) -> float:
+        """What the board is supplied with [V]."""
+        return self._motors[0].supply_v
+
+    @supply_v.setter
+    def supply_v(self, volts: float) -> None:
+        for motor in self._motors:
+            motor.supply_v = volts
+
+    def plant(self, port: int) -> FreeMotor:
+        """The motor at a port.
+
+        Raises:
+            PlantError: a port outside 0..3.
+        """
+        _check(port)
+        return self._motors[port]
+
+    def step(self, seconds: float) -> None:
+        """Let time pass [s] for all of them."""
+        for motor in self._motors:
+            motor.step(seconds)
+
+
+def _check(port: int) -> None:
+    if not 0 <= port < PORTS:
+        raise PlantError(f"port is {port}; valid are 0 to {PORTS - 1}")
