@@ -6,38 +6,28 @@ parameters of the joint; the joint says where the wheel is, and its link's shape
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from robot.description.urdf import SpecError, child, numbers, origin_of, positive, shape_of, text_of
+from robot.description.urdf import SpecError, child, numbers, origin_of, positive, shape_of
+from robot.description.wiring import TOLERANCE, Wiring, driven, find_joint, read_wiring
 from robot.geometry import Array
 
 ROBOT_FRAME = "base_footprint"
 """The link on the floor under the middle of the axle: what the program calls the robot frame."""
 
-PORTS = ("A", "B", "C", "D")
-TOLERANCE = 1e-6
-"""How well typed lengths must agree [m]."""
-
 
 @dataclass(frozen=True, slots=True)
-class JointSpec:
+class JointSpec(Wiring):
     """One driven wheel; positive velocity drives the robot forward."""
 
-    name: str
-    port: str
-    """Build HAT port, A to D."""
-    direction: int
-    """+1, or -1 where the motor is mounted the other way round."""
     radius: float
     """Wheel radius [m]."""
     offset: float
     """Wheel centre to the left of the robot frame's x axis [m]; negative is right."""
-    max_velocity: float
-    """[rad/s]"""
     max_effort: float
     """[N m]"""
 
@@ -48,57 +38,28 @@ def read_wheels(root: ElementTree.Element, model: Any) -> tuple[JointSpec, ...]:
     Raises:
         SpecError: not exactly two, or one that cannot be; names it and what would be valid.
     """
-    driven = [
-        joint
-        for control in root.findall("ros2_control")
-        for joint in control.findall("joint")
-        if _velocity_command(joint) is not None
-    ]
-    if len(driven) != 2:
+    controls = driven(root)
+    if len(controls) != 2:
         raise SpecError(
-            f"<ros2_control> has {len(driven)} joints with a velocity command interface; "
+            f"<ros2_control> has {len(controls)} joints with a velocity command interface; "
             "a differential drive has two, a left and a right wheel"
         )
-    wheels = tuple(_read_wheel(root, model, joint) for joint in driven)
+    wheels = tuple(_read_wheel(root, model, joint) for joint in controls)
     _check_pair(*wheels)
     return wheels
 
 
-def _velocity_command(joint: ElementTree.Element) -> ElementTree.Element | None:
-    return joint.find("command_interface[@name='velocity']")
-
-
 def _read_wheel(root: ElementTree.Element, model: Any, control: ElementTree.Element) -> JointSpec:
-    name = str(control.get("name"))
-    where = f"joint {name!r}"
-    joint = find_joint(root, name)
+    wiring = read_wiring(root, control)
+    joint = find_joint(root, wiring.name)
     radius = _radius(_wheel_link(root, joint))
-    limit = child(joint, "limit", where)
-    max_velocity = positive(limit, "velocity", where)
-    _check_command_range(control, max_velocity, where)
+    limit = child(joint, "limit", f"joint {wiring.name!r}")
     return JointSpec(
-        name=name,
-        port=_port(control, where),
-        direction=_direction(control, where),
+        **asdict(wiring),
         radius=radius,
         offset=_offset(model, joint, radius),
-        max_velocity=max_velocity,
-        max_effort=positive(limit, "effort", where),
+        max_effort=positive(limit, "effort", f"joint {wiring.name!r}"),
     )
-
-
-def find_joint(root: ElementTree.Element, name: str) -> ElementTree.Element:
-    """The continuous <joint> of that name.
-
-    Raises:
-        SpecError: there is none; names those there are.
-    """
-    continuous = [joint for joint in root.findall("joint") if joint.get("type") == "continuous"]
-    for joint in continuous:
-        if joint.get("name") == name:
-            return joint
-    valid = ", ".join(str(joint.get("name")) for joint in continuous) or "none"
-    raise SpecError(f"no continuous joint is called {name!r}; there are: {valid}")
 
 
 def _wheel_link(root: ElementTree.Element, joint: ElementTree.Element) -> ElementTree.Element:
@@ -140,36 +101,6 @@ def _offset(model: Any, joint: ElementTree.Element, radius: float) -> float:
     if abs(z - radius) > TOLERANCE:
         raise SpecError(f"{where} is {z:g} m above the floor, but the wheel's radius is {radius:g}")
     return float(y)
-
-
-def _port(control: ElementTree.Element, where: str) -> str:
-    port = text_of(control, "port", where)
-    if port not in PORTS:
-        raise SpecError(f"{where}: port is {port!r}; valid are {', '.join(PORTS)}")
-    return port
-
-
-def _direction(control: ElementTree.Element, where: str) -> int:
-    text = text_of(control, "direction", where)
-    if text not in ("1", "+1", "-1"):
-        raise SpecError(f"{where}: direction is {text!r}; valid are 1 and -1")
-    return int(text)
-
-
-def _check_command_range(control: ElementTree.Element, limit: float, where: str) -> None:
-    """The command interface's min and max, where given, must be the joint's limit."""
-    command = _velocity_command(control)
-    assert command is not None
-    for name, valid in (("min", -limit), ("max", limit)):
-        if command.find(f"param[@name='{name}']") is None:
-            continue
-        text = text_of(command, name, where)
-        try:
-            agrees = abs(float(text) - valid) < TOLERANCE
-        except ValueError:
-            agrees = False
-        if not agrees:
-            raise SpecError(f"{where}: {name} is {text!r}; by the joint's limit it is {valid:g}")
 
 
 def _check_pair(first: JointSpec, second: JointSpec) -> None:

@@ -1,0 +1,116 @@
+"""Makes one wheel turn as fast as it is told: the duty from the speed asked for and the encoder.
+
+The loop runs on the computer, a hundred times a second. What the motor is expected to do is
+reckoned beside it, with the motor's lag and the wire's delay; the duty is what that takes (feed
+forward), and a correction by how far the shaft is from where it should be by now. A wheel that was
+held back catches up, so both wheels of a robot cover their ground together; and what is only delay
+is no error, so nothing is wound up that would overshoot.
+
+The firmware has a PID controller of its own. It was measured beside this one (`brickpose bench
+wheels`) and is slower: its integral is never cleared, and the speed that the motors report comes in
+steps of 10 degrees/s.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+from robot.hat.joint_track import JointTrack
+from robot.hat.motor_kinds import MotorKind
+
+WIRE_DELAY = 0.016
+"""From reckoning a duty until the motor has it: a line of 60 bytes, half a firmware tick [s]."""
+
+NOMINAL_SUPPLY = 7.2
+"""The voltage of the data sheets [V]."""
+
+DRIVER_LOSS = 0.8
+"""What the board takes of the supply [V]."""
+
+LARGEST_LAG = 25.0
+"""A wheel that is held behind this far is blocked; more is not made up for [degree]."""
+
+STANDING = 1.0
+"""Below this speed a model wheel stands [degree/s]."""
+
+
+class SpeedLoop:
+    """Controls one motor; all angles at the shaft, positive as the motor counts."""
+
+    def __init__(self, kind: MotorKind, position_gain: float) -> None:
+        self._kind = kind
+        self._gain = position_gain
+        self._speed = 0.0
+        """What the model wheel does [degree/s]."""
+        self._past: deque[tuple[float, float]] = deque()
+        """Stamp and angle of the model wheel; empty while it rests."""
+        self.duty = 0.0
+        """The last duty, -1 to 1."""
+
+    def rest(self) -> None:
+        """Let go: no duty, and nothing that is to be made up for."""
+        self._speed = self.duty = 0.0
+        self._past.clear()
+
+    def update(self, wanted: float, now: float, track: JointTrack, supply_v: float | None) -> float:
+        """The duty from now on, -1 to 1.
+
+        Args:
+            wanted: speed asked for [degree/s].
+            now: the program's clock [s].
+            track: where the shaft was.
+            supply_v: the board's supply [V], None while it is not known.
+        """
+        if wanted == 0 and abs(self._speed) < STANDING:
+            self.rest()
+            return self.duty
+        lag = self._model(wanted, now, track)
+        friction = self._kind.friction
+        # What it takes to have the model's speed, with the lag of the motor already in it.
+        ahead = wanted + self._gain * lag
+        free = self._kind.free_speed * self._volts(supply_v)
+        push = math.copysign(friction, ahead) if abs(ahead) > STANDING else 0.0
+        # With the shaft at rest friction takes all of its share; the line through the data
+        # sheet's free speed holds beyond it.
+        self.duty = min(max(ahead / free + push, -1.0), 1.0)
+        return self.duty
+
+    def _model(self, wanted: float, now: float, track: JointTrack) -> float:
+        """Advance the model wheel; returns how far the shaft is behind it [degree]."""
+        if not self._past:
+            self._past.append((now, track.angle))
+            self._speed = 0.0
+            return 0.0
+        then, angle = self._past[-1]
+        passed = max(now - then, 0.0)
+        kept = math.exp(-passed / self._kind.time_constant)
+        angle += wanted * passed + (self._speed - wanted) * self._kind.time_constant * (1 - kept)
+        self._speed = wanted + (self._speed - wanted) * kept
+        self._past.append((now, angle))
+        sample = track.newest
+        if sample is None:
+            return 0.0
+        lag = self._at(sample.stamp - WIRE_DELAY) - sample.angle
+        return self._bounded(lag)
+
+    def _at(self, stamp: float) -> float:
+        """Where the model wheel was [degree]; older moments than asked for are forgotten."""
+        while len(self._past) > 2 and self._past[1][0] <= stamp:
+            self._past.popleft()
+        (a, low), (b, high) = self._past[0], self._past[1]
+        part = min(max((stamp - a) / (b - a), 0.0), 1.0) if b > a else 0.0
+        return low + part * (high - low)
+
+    def _bounded(self, lag: float) -> float:
+        """Give up what is more than can be made up for."""
+        excess = lag - min(max(lag, -LARGEST_LAG), LARGEST_LAG)
+        if excess:
+            self._past = deque((stamp, angle - excess) for stamp, angle in self._past)
+        return lag - excess
+
+    def _volts(self, supply_v: float | None) -> float:
+        """The motors' voltage by that of the data sheets."""
+        if supply_v is None:
+            return 1.0
+        return max(supply_v - DRIVER_LOSS, 3.0) / NOMINAL_SUPPLY
