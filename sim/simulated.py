@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable
 
 import numpy as np
@@ -10,18 +9,16 @@ import numpy as np
 from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2, Twist2, interpolate
+from robot.geometry import Array, Pose2
 from robot.interface import Frame, Reading
 from sim.encoders import Encoders
 from sim.floor_camera import CameraSettings, FloorCamera
+from sim.pictures.exposures import Exposures
+from sim.pictures.past_poses import PastPoses
 from sim.world import World
 
 PERIOD = 0.02
 """Time between two readings [s]: control at 50 Hz."""
-
-HISTORY = 1.2
-"""How long true poses are kept for frames that are still under way [s]: the longest delay, half of
-the longest exposure and half of a readout."""
 
 
 def no_wait(stamp: float) -> None:
@@ -56,8 +53,8 @@ class SimulatedRobot:
             raise ValueError(f"{PERIOD} s is no whole number of steps of {world.step_time} s")
         self._command = np.zeros(len(spec.joints))
         self._tick = 0
-        self._frames = 0
-        self._past: deque[tuple[float, Pose2, Twist2]] = deque()
+        self._exposures = Exposures(camera, spec.lens.readout)
+        self._past = PastPoses()
         self._closed = False
         self._remember()
 
@@ -88,9 +85,9 @@ class SimulatedRobot:
     def place(self, pose: Pose2) -> None:
         """Put the robot at a pose in the map, standing; frames under way are lost."""
         self._world.place(pose)
-        self._past.clear()
+        self._past.forget()
         self._remember()
-        self._frames = int(self.stamp * self._settings.frame_rate) + 1
+        self._exposures.skip(self.stamp)
 
     def close(self) -> None:
         """Stop the joints; may be called twice."""
@@ -101,31 +98,12 @@ class SimulatedRobot:
 
     def _remember(self, since_tick: float = 0.0) -> None:
         now = self.stamp + since_tick
-        self._past.append((now, self._world.pose, self._world.twist))
-        while self._past[0][0] < now - HISTORY:
-            self._past.popleft()
+        self._past.remember(now, self._world.pose, self._world.twist)
 
     def _frame(self) -> Frame | None:
         """The newest picture, if one has been exposed, read out and handed over by now."""
-        until_here = self._settings.exposure / 2 + self.spec.lens.readout / 2
-        newest = self.stamp + 1e-9 - until_here - self._settings.delay
-        exposed = None
-        # A camera that is quicker than the readings: only the newest picture is handed out.
-        while self._frames / self._settings.frame_rate <= newest:
-            exposed = self._frames / self._settings.frame_rate
-            self._frames += 1
+        exposed = self._exposures.newest(self.stamp - self._exposures.until_here)
         if exposed is None:
             return None
-        pose, twist = self._at(exposed)
+        pose, twist = self._past.at(exposed)
         return Frame(exposed + self._settings.stamp_error, self._camera.picture(pose, twist))
-
-    def _at(self, stamp: float) -> tuple[Pose2, Twist2]:
-        """True pose and twist at a moment that is still remembered."""
-        start = self._past[0]
-        for end in self._past:
-            if end[0] >= stamp:
-                span = end[0] - start[0]
-                part = (stamp - start[0]) / span if span > 0 else 0.0
-                return interpolate(start[1], end[1], min(max(part, 0.0), 1.0)), end[2]
-            start = end
-        return start[1], start[2]

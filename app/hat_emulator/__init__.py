@@ -1,0 +1,1 @@
+"""``brickpose emulate-hat``: a Build HAT without the board."""

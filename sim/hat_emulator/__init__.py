@@ -1,0 +1,1 @@
+"""The emulated Build HAT as a program: a serial port, real time, wheels with forces, pictures."""

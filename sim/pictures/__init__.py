@@ -1,0 +1,1 @@
+"""When pictures are taken and where the robot was then."""
