@@ -94,7 +94,7 @@ class Device(Protocol):
         ...
 
     def sample(self, now: float) -> bool:
-        """Measure if its own time has come by the board's clock, ``now`` [s], which never goes back.
+        """Measure if its own time has come; ``now`` [s] is the board's clock and never goes back.
 
         Returns:
             Whether there is a new message. To be called every millisecond, or as often as wanted.
