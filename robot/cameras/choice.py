@@ -1,0 +1,81 @@
+"""Which camera a name stands for."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from robot.camera import Lens
+from robot.cameras.camera import Camera
+from robot.cameras.files import FolderPictures, PacedPictures, VideoPictures
+from robot.cameras.first_found import FirstFound
+from robot.cameras.grabber import Device, Grabber
+from robot.cameras.pi_camera import PiCamera
+from robot.cameras.picture_socket import PictureSocket
+from robot.cameras.settings import CameraSourceSettings
+from robot.cameras.v4l2 import V4l2Device, video_nodes
+
+VALID = (
+    'valid are "auto", "pi", a camera such as /dev/video0 or its number, a folder of pictures, '
+    "a video file, or the emulator's socket (PATH.sock)"
+)
+
+
+def open_camera(
+    source: str,
+    lens: Lens,
+    settings: CameraSourceSettings,
+    clock: Callable[[], float] = time.monotonic,
+) -> Camera:
+    """The camera that a name stands for, already at work.
+
+    Args:
+        source: "auto" (a Pi camera if there is one, else the first of ``/dev/video*`` that
+            delivers pictures), "pi", a device node or its number, a folder, a video, a socket.
+        lens: tells the size of its pictures and the readout of its rows.
+        settings: how it is asked for pictures.
+        clock: the clock of the frames' stamps [s].
+
+    Raises:
+        ValueError: there can never be a camera of this name; tells what is valid. One that is
+            only absent at the moment is a ``problem`` of the camera, and looked for again.
+    """
+    path = Path(f"/dev/video{source}" if source.isdecimal() else source)
+    if path.is_dir():
+        folder = FolderPictures(path)
+        return PacedPictures(folder, lens, settings.frame_rate, settings.rotation, clock)
+    if path.is_file():
+        video = VideoPictures(path)
+        rate = video.frame_rate or settings.frame_rate
+        return PacedPictures(video, lens, rate, settings.rotation, clock)
+    grabber = Grabber(
+        _device(source, path, lens, settings, clock), lens, settings.frame_rate, clock
+    )
+    grabber.start()
+    return grabber
+
+
+def _device(
+    source: str,
+    path: Path,
+    lens: Lens,
+    settings: CameraSourceSettings,
+    clock: Callable[[], float],
+) -> Device:
+    if source == "auto":
+        return FirstFound(lambda: _candidates(lens, settings, clock))
+    if source == "pi":
+        return PiCamera(lens, settings, clock)
+    if path.is_socket() or (not path.exists() and path.suffix in (".sock", ".socket")):
+        return PictureSocket(path, lens, settings.rotation)
+    if path.is_char_device() or path.is_relative_to("/dev"):
+        return V4l2Device(path, lens, settings, clock)
+    raise ValueError(f"there is no camera {source!r}; {VALID}")
+
+
+def _candidates(
+    lens: Lens, settings: CameraSourceSettings, clock: Callable[[], float]
+) -> list[Device]:
+    nodes = [V4l2Device(path, lens, settings, clock) for path in video_nodes()]
+    return [PiCamera(lens, settings, clock), *nodes]

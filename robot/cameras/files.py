@@ -1,0 +1,175 @@
+"""A folder of pictures, or a video, as a camera: to test and to teach without a robot.
+
+Pictures are due at the pace of a camera, by the clock, and begin anew after the last one; those
+that nobody fetched in time are skipped.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+import cv2
+
+from robot.camera import Lens
+from robot.cameras.camera import PictureError
+from robot.cameras.pictures import Picture, check_size, upright
+from robot.interface import Frame
+
+SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
+"""Files of a folder that are taken for pictures."""
+
+LONGEST_LAG_S = 1.0
+"""When pictures were not fetched for longer, the pace starts anew instead of catching up [s]."""
+
+
+class Pictures(Protocol):
+    """Pictures in an order, endlessly."""
+
+    name: str
+
+    def next(self, skip: int) -> Picture:
+        """Leave out some, then hand out one.
+
+        Raises:
+            PictureError: the picture cannot be read.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of the file."""
+        ...
+
+
+class PacedPictures:
+    """A camera whose pictures are read from files when they are due."""
+
+    def __init__(
+        self,
+        pictures: Pictures,
+        lens: Lens,
+        frame_rate: float,
+        rotation: int,
+        clock: Callable[[], float],
+    ) -> None:
+        """``frame_rate`` [1/s], ``rotation`` 0 or 180 [deg]; the first picture is due at once."""
+        self.name = pictures.name
+        self.problem: str | None = None
+        self._pictures = pictures
+        self._lens = lens
+        self._period = 1 / frame_rate
+        self._rotation = rotation
+        self._clock = clock
+        self._start = clock()
+        self._handed_out = 0
+        self._closed = False
+
+    def newest(self) -> Frame | None:
+        """The picture that is due, if it was not handed out before; its stamp is when it was."""
+        since = self._clock() - self._start
+        # The margin: a picture due now is due, however the numbers are rounded.
+        due = math.floor(since / self._period + 1e-6) + 1
+        if self._closed or due <= self._handed_out:
+            return None
+        skip = due - 1 - self._handed_out
+        if skip * self._period > LONGEST_LAG_S:
+            self._start, self._handed_out, due, skip = self._clock(), 0, 1, 0
+        self._handed_out = due
+        return self._frame(self._start + (due - 1) * self._period, skip)
+
+    def _frame(self, stamp: float, skip: int) -> Frame | None:
+        try:
+            picture = upright(self._pictures.next(skip), self._rotation)
+            check_size(picture.shape, self._lens, self.name)
+        except PictureError as error:
+            self.problem = str(error)
+            return None
+        self.problem = None
+        return Frame(stamp, picture)
+
+    def close(self) -> None:
+        """Hand out no more pictures; may be called twice."""
+        self._closed = True
+        self.problem = f"{self.name} is closed"
+        self._pictures.close()
+
+
+class FolderPictures:
+    """The pictures of a folder in the order of their names."""
+
+    def __init__(self, folder: Path) -> None:
+        """List the folder.
+
+        Raises:
+            ValueError: there are no pictures in it; names the endings of pictures.
+        """
+        self.name = f"the pictures in {folder}"
+        self._paths = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES)
+        self._next = 0
+        if not self._paths:
+            raise ValueError(
+                f"{folder} has no pictures; valid are files that end in {', '.join(SUFFIXES)}"
+            )
+
+    def next(self, skip: int) -> Picture:
+        """Leave out some pictures, then read one."""
+        path = self._paths[(self._next + skip) % len(self._paths)]
+        self._next = (self._next + skip + 1) % len(self._paths)
+        picture = cv2.imread(str(path), cv2.IMREAD_ANYCOLOR)
+        if picture is None:
+            raise PictureError(f"{path} is no picture that can be read; replace or remove it")
+        return upright(picture, 0)
+
+    def close(self) -> None:
+        """Nothing is open between two pictures."""
+
+
+class VideoPictures:
+    """The pictures of a video file."""
+
+    def __init__(self, path: Path) -> None:
+        """Open it.
+
+        Raises:
+            ValueError: it is no video that can be read.
+        """
+        self.name = f"the video {path}"
+        self._path = path
+        self._capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
+        if not self._grab():
+            self._capture.release()
+            raise ValueError(
+                f"{path} is no video that can be read; valid are a folder of pictures or "
+                "a file such as .mp4, .avi or .mkv"
+            )
+        self._grabbed = True
+
+    @property
+    def frame_rate(self) -> float | None:
+        """Pictures a second [1/s], if the file tells."""
+        rate = self._capture.get(cv2.CAP_PROP_FPS)
+        return rate if math.isfinite(rate) and 1 <= rate <= 240 else None
+
+    def next(self, skip: int) -> Picture:
+        """Leave out some pictures, then decode one."""
+        for _ in range(skip + 1 - self._grabbed):
+            if not self._grab():
+                raise PictureError(f"{self._path} cannot be read any more; was it changed?")
+        self._grabbed = False
+        done, picture = self._capture.retrieve()
+        if not done:
+            raise PictureError(f"{self._path} has a picture that cannot be decoded")
+        return upright(picture, 0)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._capture.release()
+
+    def _grab(self) -> bool:
+        """Go on by one picture, behind the last to the first."""
+        if self._capture.grab():
+            return True
+        self._capture.release()
+        return self._capture.open(str(self._path), cv2.CAP_FFMPEG) and self._capture.grab()

@@ -1,0 +1,180 @@
+"""The thread that takes pictures from a device, of which the newest waits to be fetched.
+
+A device that fails or falls silent is closed and opened again, for ever; meanwhile there is a
+problem to be told and no picture.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from robot.camera import Lens
+from robot.cameras.camera import PictureError
+from robot.cameras.pictures import check_size
+from robot.interface import Frame
+
+LOG = logging.getLogger("brickpose")
+
+GRAB_S = 0.1
+"""How long the thread waits for a picture before it looks whether it is to end [s]."""
+
+JOIN_S = 3.0
+"""How long ``close`` waits for the thread [s]; opening a camera can take a second or two."""
+
+FIRST_PICTURE_S = 3.0
+"""How long a device may take from its start to its first picture [s]."""
+
+FIRST_RETRY_S, LAST_RETRY_S = 0.5, 8.0
+"""Time between attempts to open the device [s]: doubled from the first to the last."""
+
+
+class Device(Protocol):
+    """A camera as its driver offers it; one thread alone uses it."""
+
+    @property
+    def name(self) -> str:
+        """What to call it in a message."""
+        ...
+
+    def open(self) -> None:
+        """Start it.
+
+        Raises:
+            PictureError: it is absent, busy or not as asked for; says the cure.
+        """
+        ...
+
+    def grab(self, timeout: float) -> Frame | None:
+        """Wait for the next picture, about ``timeout`` [s] at most; None if none came.
+
+        Raises:
+            PictureError: it cannot go on and must be opened again.
+        """
+        ...
+
+    def close(self) -> None:
+        """Stop it, open or not."""
+        ...
+
+
+class Grabber:
+    """A camera whose pictures are taken by a thread of its own."""
+
+    def __init__(
+        self,
+        device: Device,
+        lens: Lens,
+        frame_rate: float,
+        clock: Callable[[], float] = time.monotonic,
+        first_retry: float = FIRST_RETRY_S,
+    ) -> None:
+        """``clock`` [s] is that of the frames' stamps, ``first_retry`` in seconds."""
+        self._device = device
+        self._lens = lens
+        self._clock = clock
+        self._first_retry = first_retry
+        self._stall = max(0.5, 3 / frame_rate)
+        self._lock = threading.Lock()
+        self._slot: Frame | None = None
+        self._last_stamp = -float("inf")
+        self._last_arrival = clock()
+        self._trouble: str | None = f"{device.name} is being started"
+        self._stopping = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+
+    @property
+    def name(self) -> str:
+        """What to call it in a message."""
+        return self._device.name
+
+    def start(self) -> None:
+        """Begin to take pictures."""
+        self._thread.start()
+
+    def newest(self) -> Frame | None:
+        """The newest picture, if it was not handed out before; never waits."""
+        with self._lock:
+            frame, self._slot = self._slot, None
+        return None if self._stopping.is_set() else frame
+
+    @property
+    def problem(self) -> str | None:
+        """Why no pictures come, with the cure; None while they come."""
+        with self._lock:
+            trouble, silent = self._trouble, self._clock() - self._last_arrival
+        # Also told when the device's driver hangs, and the thread in it.
+        return trouble or (self._silence() if silent > self._stall else None)
+
+    def close(self) -> None:
+        """End the thread and let go of the device; may be called twice."""
+        self._stopping.set()
+        if self._thread.is_alive():
+            self._thread.join(JOIN_S)
+        if self._thread.is_alive():
+            LOG.error("the thread of %s did not end within %g s", self.name, JOIN_S)
+        with self._lock:
+            self._slot = None
+            self._trouble = f"{self.name} is closed"
+
+    def _run(self) -> None:
+        retry = self._first_retry
+        while not self._stopping.is_set():
+            before = self._last_stamp
+            self._attempt()
+            if self._last_stamp > before:
+                retry = self._first_retry
+            self._stopping.wait(retry)
+            retry = min(2 * retry, LAST_RETRY_S)
+
+    def _attempt(self) -> None:
+        """Open the device and take pictures until it fails or the end is asked for."""
+        try:
+            self._device.open()
+            self._take_pictures()
+        except PictureError as error:
+            self._tell(str(error))
+        except Exception as error:  # whatever a driver throws, the next attempt may do better
+            LOG.exception("%s failed", self.name)
+            self._tell(f"{self.name} failed: {error}")
+        finally:
+            self._let_go()
+
+    def _take_pictures(self) -> None:
+        patient_until = self._clock() + FIRST_PICTURE_S
+        while not self._stopping.is_set():
+            frame = self._device.grab(GRAB_S)
+            # A driver that hands out the same buffer again has no new picture.
+            if frame is not None and frame.stamp > self._last_stamp:
+                self._put(frame)
+                patient_until = self._last_arrival + self._stall
+            elif self._clock() > patient_until:
+                raise PictureError(self._silence())
+
+    def _put(self, frame: Frame) -> None:
+        check_size(frame.image.shape, self._lens, self.name)
+        with self._lock:
+            self._slot = frame
+            self._last_stamp = frame.stamp
+            self._last_arrival = self._clock()
+            self._trouble = None
+
+    def _let_go(self) -> None:
+        try:
+            self._device.close()
+        except Exception as error:
+            LOG.exception("%s could not be closed", self.name)
+            self._tell(f"{self.name} could not be closed: {error}")
+
+    def _tell(self, trouble: str) -> None:
+        with self._lock:
+            self._trouble = trouble
+
+    def _silence(self) -> str:
+        return (
+            f"{self.name} sends no pictures any more and is started again; check its cable "
+            "and the power supply"
+        )

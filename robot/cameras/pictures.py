@@ -1,0 +1,38 @@
+"""What is checked and done to the picture of any camera."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.camera import Lens
+from robot.cameras.camera import PictureError
+
+Picture = NDArray[np.uint8]
+"""(h, w) grey or (h, w, 3) BGR."""
+
+
+def check_size(shape: tuple[int, ...], lens: Lens, name: str) -> None:
+    """Refuse a picture (h, w) or (h, w, 3) of another size than the lens describes.
+
+    It is not scaled: a camera that gives another size often sees another part of the floor.
+
+    Raises:
+        PictureError: names both sizes.
+    """
+    if tuple(shape[:2]) != (lens.height, lens.width):
+        raise PictureError(
+            f"{name} gives pictures of {shape[1]} x {shape[0]} px, but the lens is described for "
+            f"{lens.width} x {lens.height} px: set the camera to that size, or calibrate it at "
+            "its own and describe that lens in the robot's camera_info file"
+        )
+
+
+def upright(picture: Any, rotation: int) -> Picture:
+    """A picture turned by 0 or 180 degrees."""
+    if rotation:
+        picture = cv2.rotate(picture, cv2.ROTATE_180)
+    return np.asarray(picture, dtype=np.uint8)

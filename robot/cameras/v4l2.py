@@ -1,0 +1,128 @@
+"""A USB camera, or any other that Video4Linux shows, through OpenCV."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+
+from robot.camera import Lens
+from robot.cameras.camera import PictureError
+from robot.cameras.pictures import check_size, upright
+from robot.cameras.settings import CameraSourceSettings
+from robot.cameras.stamps import middle_of_exposure, on_monotonic
+from robot.interface import Frame
+
+SELECT_TIMEOUT_S = 2
+"""How long OpenCV waits for a picture [s], instead of 10; whole seconds are all that it takes."""
+
+UNPACKED_LIMIT = 20e6
+"""Bytes a second that USB 2 surely carries; above, pictures are asked for as JPEG."""
+
+BUFFERS = 2
+"""One is filled while the other is read: with a single one, drivers leave out every other picture.
+The thread that reads them lets none queue up."""
+
+
+class V4l2Device:
+    """One camera at a device node such as ``/dev/video0``."""
+
+    def __init__(
+        self,
+        path: Path,
+        lens: Lens,
+        settings: CameraSourceSettings,
+        clock: Callable[[], float] = time.monotonic,
+        capture: Callable[[str, int], cv2.VideoCapture] = cv2.VideoCapture,
+    ) -> None:
+        """``capture`` opens a path with a backend of OpenCV's."""
+        self.name = f"the camera at {path}"
+        self._path = path
+        self._lens = lens
+        self._settings = settings
+        self._clock = clock
+        self._make_capture = capture
+        self._capture: cv2.VideoCapture | None = None
+
+    def open(self) -> None:
+        """Open the device node and ask for the lens's size.
+
+        Raises:
+            PictureError: it is absent, not permitted, busy or of another size.
+        """
+        self._check_node()
+        os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(SELECT_TIMEOUT_S))
+        self._capture = self._make_capture(str(self._path), cv2.CAP_V4L2)
+        if not self._capture.isOpened():
+            raise PictureError(
+                f"{self.name} cannot be opened: no camera, or another program uses it "
+                f"(fuser -v {self._path} tells which)"
+            )
+        self._configure(self._capture)
+
+    def grab(self, timeout: float) -> Frame | None:
+        """Wait for the next picture; OpenCV's own time-out holds.
+
+        Raises:
+            PictureError: none came, as of a camera that was unplugged.
+        """
+        capture = self._capture
+        if capture is None or not capture.grab():
+            raise PictureError(f"{self.name} sends no pictures; check its cable and plug it again")
+        arrival = self._clock()
+        stamp = self._stamp(capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, arrival)
+        done, picture = capture.retrieve()
+        if not done:
+            raise PictureError(f"{self.name} sent a picture that cannot be decoded")
+        return Frame(stamp, upright(picture, self._settings.rotation))
+
+    def close(self) -> None:
+        """Let go of the device node."""
+        if self._capture is not None:
+            self._capture.release()
+            self._capture = None
+
+    def _check_node(self) -> None:
+        if not self._path.exists():
+            found = ", ".join(str(path) for path in video_nodes()) or "none at all"
+            raise PictureError(f"{self.name} is not there: plug it in; there is {found}")
+        if not os.access(self._path, os.R_OK | os.W_OK):
+            raise PictureError(
+                f"{self.name} may not be opened: run sudo usermod -aG video $USER, "
+                "then log out and in again"
+            )
+
+    def _configure(self, capture: cv2.VideoCapture) -> None:
+        lens, rate = self._lens, self._settings.frame_rate
+        packed = 2 * lens.width * lens.height * rate > UNPACKED_LIMIT
+        # The format first: it decides which sizes and rates there are.
+        kinds = ("MJPG", "YUYV") if packed else ("YUYV", "MJPG")
+        for kind in kinds:
+            if capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*kind)):
+                break
+        capture.set(cv2.CAP_PROP_FRAME_WIDTH, lens.width)
+        capture.set(cv2.CAP_PROP_FRAME_HEIGHT, lens.height)
+        capture.set(cv2.CAP_PROP_FPS, rate)
+        capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
+        given = (cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_WIDTH)
+        check_size(tuple(int(capture.get(which)) for which in given), lens, self.name)
+
+    def _stamp(self, told: float, arrival: float) -> float:
+        """The middle of the exposure, by the driver's stamp [s] if it is one, else by arrival.
+
+        The kernel's driver for USB cameras stamps a picture by CLOCK_MONOTONIC when its first
+        packet comes, which is when the readout begins.
+        """
+        stamp = on_monotonic(told, arrival, 0.0)
+        if stamp is None:
+            return arrival - self._settings.exposure_delay
+        return middle_of_exposure(stamp, self._settings.exposure, self._lens.readout)
+
+
+def video_nodes(folder: Path = Path("/dev")) -> list[Path]:
+    """The device nodes ``/dev/video*`` by their numbers."""
+    nodes = [path for path in folder.glob("video*") if path.name[5:].isdecimal()]
+    return sorted(nodes, key=lambda path: int(path.name[5:]))
