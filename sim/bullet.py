@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 
 from robot.description.rigid_bodies import RigidBody, rigid_bodies
 from robot.description.spec import RobotSpec
-from robot.geometry import Array, Pose2, Twist2, heading_angles
+from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.bullet_body import add_floor, add_robot, principal
+from sim.bullet_body import add_floor, add_robot, add_rotor, motion, principal
 from sim.world import WorldError, check_pose, limited
 
 GRAVITY = 9.81
@@ -74,7 +74,7 @@ class BulletWorld:
         self._spec = spec
         self._settings = settings or BulletSettings()
         self._bullet = load_pybullet()
-        bodies = rigid_bodies(spec.urdf)
+        self._bodies = bodies = rigid_bodies(spec.urdf)
         self._client: int | None = self._bullet.connect(self._bullet.DIRECT)
         if self._client < 0:
             raise WorldError("pybullet has no room for another world; close one")
@@ -85,6 +85,7 @@ class BulletWorld:
         self._centre = bodies[0].centre
         self._root_from_principal = principal(bodies[0])[1]
         self._principal_from_root = self._root_from_principal.inv().as_matrix()
+        self._rotors = np.zeros(len(self._joints))
         self._seen: tuple[Pose2, Twist2, float] | None = None
         lag = self._settings.motor_lag
         self._gain = 1 - math.exp(-self.step_time / lag) if lag > 0 else 1.0
@@ -112,6 +113,7 @@ class BulletWorld:
         for joint, position in zip(self._joints, positions, strict=True):
             bullet.resetJointState(robot, joint, position, 0, physicsClientId=client)
         self._targets = [0.0 for _ in self._joints]
+        self._before = np.zeros(len(self._joints))
         self._seen = None
 
     def step(self, velocities: Array) -> None:
@@ -131,6 +133,57 @@ class BulletWorld:
         )
         self._bullet.stepSimulation(physicsClientId=client)
         self._seen = None
+
+    def add_rotors(self, inertias: Array) -> None:
+        """Motors' rotors, as seen at the joints (j,) [kg m^2], turn with the wheels from now on.
+
+        For motors that give a torque instead of following a speed: ``hold`` and ``step_torques``.
+        """
+        client = self._open()
+        self._rotors = inertias
+        for joint, inertia in zip(self._joints, inertias.tolist(), strict=True):
+            body = self._bodies[joint + 1]
+            add_rotor(self._bullet, client, self._robot, joint, body, inertia)
+
+    def hold(self, frictions: Array) -> None:
+        """Coulomb friction at the joints (j,) [N m], against all motion, until told otherwise."""
+        self._bullet.setJointMotorControlArray(
+            self._robot,
+            self._joints,
+            self._bullet.VELOCITY_CONTROL,
+            targetVelocities=[0.0 for _ in self._joints],
+            forces=frictions.tolist(),
+            physicsClientId=self._open(),
+        )
+
+    def step_torques(self, torques: Sequence[float]) -> None:
+        """One step on with motors' torques at the joints (j,) [N m], beside ``hold``'s friction."""
+        client = self._open()
+        self._unburden(client)
+        self._bullet.setJointMotorControlArray(
+            self._robot,
+            self._joints,
+            self._bullet.TORQUE_CONTROL,
+            forces=torques,
+            physicsClientId=client,
+        )
+        self._bullet.stepSimulation(physicsClientId=client)
+        self._seen = None
+
+    def _unburden(self, client: int) -> None:
+        """Take what speeds up the rotors off the robot's body.
+
+        A rotor spins much faster than its wheel and has so much less angular momentum than its
+        inertia at the joint stands for; the body feels nearly nothing of it.
+        """
+        velocities = self.velocities
+        torque = float(self._rotors @ (velocities - self._before)) / self.step_time
+        self._before = velocities
+        heading = self.pose.theta
+        along_axle = [-math.sin(heading) * torque, math.cos(heading) * torque, 0.0]
+        self._bullet.applyExternalTorque(
+            self._robot, -1, along_axle, self._bullet.WORLD_FRAME, physicsClientId=client
+        )
 
     @property
     def pose(self) -> Pose2:
@@ -196,31 +249,8 @@ class BulletWorld:
             velocity, spin = self._bullet.getBaseVelocity(self._robot, physicsClientId=client)
             map_from_principal = self._bullet.getMatrixFromQuaternion(orientation)
             turned = np.reshape(map_from_principal, (3, 3)) @ self._principal_from_root
-            self._seen = _motion(turned, turned @ self._centre, at_centre, velocity, spin)
+            self._seen = motion(turned, turned @ self._centre, at_centre, velocity, spin)
         return self._seen
-
-
-def _motion(
-    turned: Array,
-    to_centre: Array,
-    at_centre: Sequence[float],
-    velocity: Sequence[float],
-    spin: Sequence[float],
-) -> tuple[Pose2, Twist2, float]:
-    """Pose, twist and tilt of the robot frame from how the centre of mass moves, in the map.
-
-    ``turned`` (3, 3) turns the robot's axes to the map's; ``to_centre`` leads from the robot
-    frame's origin to the centre of mass. Written out for speed: it is asked every step.
-    """
-    (rx, ry, rz), (wx, wy, wz) = to_centre.tolist(), spin
-    pose = Pose2(at_centre[0] - rx, at_centre[1] - ry, float(heading_angles(turned[:2, 0])))
-    at_origin = (
-        velocity[0] - (wy * rz - wz * ry),
-        velocity[1] - (wz * rx - wx * rz),
-        velocity[2] - (wx * ry - wy * rx),
-    )
-    tilt = math.atan2(math.hypot(turned[0, 2], turned[1, 2]), turned[2, 2])
-    return pose, Twist2(float(turned[:, 0] @ at_origin), wz), tilt
 
 
 @functools.cache

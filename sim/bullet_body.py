@@ -7,13 +7,15 @@ turned. Bullet wants the root in the axes of its inertia, at its centre of mass:
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from robot.description.rigid_bodies import RigidBody
-from robot.geometry import Array
+from robot.geometry import Array, Pose2, Twist2, heading_angles
 
 
 def add_floor(bullet: Any, client: int) -> None:
@@ -59,6 +61,18 @@ def add_robot(
     return robot
 
 
+def add_rotor(
+    bullet: Any, client: int, robot: int, link: int, body: RigidBody, inertia: float
+) -> None:
+    """Give a wheel what its motor's rotor adds to its inertia about the joint's axis [kg m^2]."""
+    moments, axes = principal(body)
+    along = int(np.abs(axes.inv().apply(body.axis)).argmax())
+    moments[along] += inertia
+    bullet.changeDynamics(
+        robot, link, localInertiaDiagonal=moments.tolist(), physicsClientId=client
+    )
+
+
 def principal(body: RigidBody) -> tuple[Array, Rotation]:
     """Principal moments (3,) [kg m^2], and the rotation from their axes to the body's."""
     moments, axes = np.linalg.eigh(body.inertia)
@@ -92,3 +106,26 @@ def _collision(bullet: Any, client: int, body: RigidBody) -> int:
 def _quaternion(transform: Array) -> list[float]:
     quaternion: list[float] = Rotation.from_matrix(transform[:3, :3]).as_quat().tolist()
     return quaternion
+
+
+def motion(
+    turned: Array,
+    to_centre: Array,
+    at_centre: Sequence[float],
+    velocity: Sequence[float],
+    spin: Sequence[float],
+) -> tuple[Pose2, Twist2, float]:
+    """Pose, twist and tilt of the robot frame from how the centre of mass moves, in the map.
+
+    ``turned`` (3, 3) turns the robot's axes to the map's; ``to_centre`` leads from the robot
+    frame's origin to the centre of mass. Written out for speed: it is asked every step.
+    """
+    (rx, ry, rz), (wx, wy, wz) = to_centre.tolist(), spin
+    pose = Pose2(at_centre[0] - rx, at_centre[1] - ry, float(heading_angles(turned[:2, 0])))
+    at_origin = (
+        velocity[0] - (wy * rz - wz * ry),
+        velocity[1] - (wz * rx - wx * rz),
+        velocity[2] - (wx * ry - wy * rx),
+    )
+    tilt = math.atan2(math.hypot(turned[0, 2], turned[1, 2]), turned[2, 2])
+    return pose, Twist2(float(turned[:, 0] @ at_origin), wz), tilt

@@ -1,0 +1,164 @@
+"""The wheels of the world with forces, as the board's drivers turn them: LEGO motors on axles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from robot.description.spec import RobotSpec
+from robot.description.wiring import PORTS
+from sim.bullet import BulletWorld
+from sim.hat.devices.device import Plant
+from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_named
+from sim.hat.devices.plants import FreeMotors, PlantError
+
+BLOCKED = 100.0
+"""Torque that holds a blocked shaft [N m]: far more than any motor has."""
+
+
+USUAL = "medium angular"
+"""What drives a joint that leaves it open."""
+
+
+class WheelMotor:
+    """A motor on a wheel's axle; a ``Plant``.
+
+    Its shaft feels ``(gain V - w) / s`` while its driver is on, with s the slope of the
+    torque-speed line, nothing while it coasts, and always the friction. The rotor's inertia is
+    ``tau / s``, so that a free motor follows with the time constant tau. That part of the torque
+    which speeds up the wheel and the robot is worked out by the physics.
+    """
+
+    def __init__(self, kind: MotorKind, direction: int) -> None:
+        self.kind = kind
+        self.angle = 0.0
+        """[deg], clockwise is positive."""
+        self.speed = 0.0
+        """[deg/s]"""
+        self.duty: float | None = None
+        self.stalled = False
+        """Something blocks the wheel."""
+        self.load = 0.0
+        """Torque [N m] that turns the shaft anticlockwise."""
+        self._direction = direction
+        self._gain = kind.gain * RAIL_V / SUPPLY_V
+
+    @property
+    def inertia(self) -> float:
+        """Of the rotor, as seen at the shaft [kg m^2]."""
+        return self.kind.time_constant / math.radians(self.kind.speed_per_torque)
+
+    @property
+    def friction(self) -> float:
+        """Coulomb friction [N m]."""
+        return BLOCKED if self.stalled else self.kind.friction
+
+    def drive(self, duty: float | None) -> None:
+        """The driver puts out this part of its voltage from now on, -1..1; see ``Plant``.
+
+        Raises:
+            PlantError: outside -1..1, or not a number.
+        """
+        if duty is not None and not -1 <= duty <= 1:
+            raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
+        self.duty = duty
+
+    def torque(self, supply_v: float) -> float:
+        """Torque on the joint [N m], positive forward, without the friction."""
+        torque = -self.load
+        if self.duty is not None:
+            free_speed = self._gain * supply_v * self.duty
+            torque += (free_speed - self.speed) / self.kind.speed_per_torque
+        return self._direction * torque
+
+    def follow(self, position: float, velocity: float) -> None:
+        """The joint is at a position [rad] and has a velocity [rad/s]."""
+        self.angle = self._direction * math.degrees(position)
+        self.speed = self._direction * math.degrees(velocity)
+
+
+def unwatched(now: float) -> None:
+    """Nobody looks after a step."""
+
+
+class BulletWheels:
+    """Motors on the wheels of a world, free ones at the other ports; ``Plants``.
+
+    The physics goes on by its own steps, whenever one is due.
+    """
+
+    def __init__(
+        self,
+        world: BulletWorld,
+        spec: RobotSpec,
+        kinds: Mapping[int, MotorKind] | None = None,
+        watch: Callable[[float], None] = unwatched,
+    ) -> None:
+        """Put motors on a world that was made from ``spec``.
+
+        Args:
+            kinds: of the motors by port, 0 to 3; where none is given, what ``spec`` names.
+            watch: called with the time that has passed [s] after each step of the physics.
+        """
+        kinds = dict(kinds or {})
+        for joint in spec.joints:
+            kinds.setdefault(PORTS.index(joint.port), kind_named((joint.motor or USUAL).split()[0]))
+        self.now = 0.0
+        """Time that has passed for the physics [s]."""
+        self._world = world
+        self._watch = watch
+        self._due = 0.0
+        self._supply_v = SUPPLY_V
+        self._free = FreeMotors(kinds)
+        self._wheels = [
+            WheelMotor(kinds[PORTS.index(joint.port)], joint.direction) for joint in spec.joints
+        ]
+        self._by_port = {
+            PORTS.index(joint.port): wheel
+            for joint, wheel in zip(spec.joints, self._wheels, strict=True)
+        }
+        self._friction = np.full(len(self._wheels), np.nan)
+        world.add_rotors(np.array([wheel.inertia for wheel in self._wheels]))
+        self._follow()
+
+    @property
+    def supply_v(self) -> float:
+        """What the board is supplied with [V]."""
+        return self._supply_v
+
+    @supply_v.setter
+    def supply_v(self, volts: float) -> None:
+        self._supply_v = self._free.supply_v = volts
+
+    def plant(self, port: int) -> Plant:
+        """The motor at a port.
+
+        Raises:
+            PlantError: a port outside 0..3.
+        """
+        free = self._free.plant(port)
+        return self._by_port.get(port, free)
+
+    def step(self, seconds: float) -> None:
+        """Let time pass [s]."""
+        self._free.step(seconds)
+        self._due += seconds
+        while self.now + self._world.step_time <= self._due + 1e-9:
+            self._step()
+
+    def _step(self) -> None:
+        friction = np.array([wheel.friction for wheel in self._wheels])
+        if not np.array_equal(friction, self._friction):
+            self._friction = friction
+            self._world.hold(friction)
+        self._world.step_torques([wheel.torque(self._supply_v) for wheel in self._wheels])
+        self._follow()
+        self.now += self._world.step_time
+        self._watch(self.now)
+
+    def _follow(self) -> None:
+        states = zip(self._world.positions, self._world.velocities, strict=True)
+        for wheel, (position, velocity) in zip(self._wheels, states, strict=True):
+            wheel.follow(float(position), float(velocity))
