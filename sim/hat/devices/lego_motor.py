@@ -84,17 +84,18 @@ class LegoMotor:
         """POS counts from here."""
         self._angle = self._plant.angle
         self._smooth = 0.0
-        self._samples = -1
+        self._samples: int | None = None
         self._start = self._count()
         self._latch()
 
     def sample(self, now: float) -> bool:
-        """Measure if 10 ms have gone by; see ``Device``."""
+        """Measure if 10 ms have gone by, or for the first time since power-up; see ``Device``."""
         # A clock that adds up milliseconds is a hair early or late.
         samples = math.floor((now - self._phase) / SAMPLE_PERIOD + 1e-6)
-        if samples <= self._samples or not self.responding:
+        last = self._samples
+        if not self.responding or (last is not None and samples <= last):
             return False
-        self._measure_speed(samples - self._samples)
+        self._measure_speed(0 if last is None else samples - last)
         self._samples = samples
         self._latch()
         return True
@@ -112,10 +113,12 @@ class LegoMotor:
         return (0,) * MODES[mode].count
 
     def _measure_speed(self, periods: int) -> None:
+        """From the angle gained since as many sample periods; 0: it is the first sample."""
         angle = self._plant.angle
-        raw = (angle - self._angle) / (periods * SAMPLE_PERIOD)
-        keep = self._keep**periods
-        self._smooth = keep * self._smooth + (1 - keep) * raw
+        if periods > 0:
+            raw = (angle - self._angle) / (periods * SAMPLE_PERIOD)
+            keep = self._keep**periods
+            self._smooth = keep * self._smooth + (1 - keep) * raw
         self._angle = angle
 
     def _count(self) -> int:
