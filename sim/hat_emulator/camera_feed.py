@@ -1,0 +1,51 @@
+"""The camera of the emulated robot: what it exposes when, while the world goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sim.floor_camera import CameraSettings
+from sim.hat_emulator.picture_server import Shot
+from sim.pictures.exposures import Exposures
+from sim.pictures.past_poses import PastPoses
+from sim.world import World
+
+
+class CameraFeed:
+    """Looks at the world after each of its steps and hands over what was exposed."""
+
+    def __init__(
+        self,
+        world: World,
+        settings: CameraSettings,
+        readout: float,
+        wall: Callable[[float], float],
+        take: Callable[[Shot], None],
+    ) -> None:
+        """
+        Args:
+            readout: time from the first row's exposure to the last row's [s].
+            wall: from the world's time [s] to CLOCK_MONOTONIC [s].
+            take: gets each shot, as soon as its last row was exposed.
+        """
+        self._world = world
+        self._settings = settings
+        self._exposures = Exposures(settings, readout)
+        self._past = PastPoses()
+        self._wall = wall
+        self._take = take
+
+    def look(self, now: float) -> None:
+        """The world has made a step, to ``now`` [s] by its own time."""
+        self._past.remember(now, self._world.pose, self._world.twist)
+        exposed = self._exposures.newest(now - self._exposures.until_read)
+        if exposed is None:
+            return
+        pose, twist = self._past.at(exposed)
+        stamp = self._wall(exposed + self._settings.stamp_error)
+        self._take(Shot(stamp, self._wall(exposed + self._exposures.until_here), pose, twist))
+
+    def moved(self, now: float) -> None:
+        """The robot was put elsewhere by hand: pictures under way are lost."""
+        self._past.forget()
+        self._exposures.skip(now)

@@ -1,0 +1,49 @@
+"""Sockets in the file system, as the emulator listens on."""
+
+from __future__ import annotations
+
+import socket
+from contextlib import suppress
+from pathlib import Path
+
+
+class SocketError(OSError):
+    """Nothing can listen under that name."""
+
+
+def listen(path: Path) -> socket.socket:
+    """A listening stream socket that does not wait; one that a killed program left is replaced.
+
+    Raises:
+        SocketError: another program listens there, a file is there, or there is no such folder.
+    """
+    listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_NONBLOCK)
+    try:
+        if path.is_socket():
+            _check_deserted(path)
+            path.unlink()
+        listening.bind(str(path))
+        listening.listen()
+    except OSError as error:
+        listening.close()
+        if isinstance(error, SocketError):
+            raise
+        raise SocketError(f"nothing can listen at {path}: {error.strerror or error}") from error
+    return listening
+
+
+def stop_listening(listening: socket.socket) -> None:
+    """Close a socket of ``listen`` and take its name away."""
+    path = Path(listening.getsockname())
+    listening.close()
+    with suppress(FileNotFoundError):
+        path.unlink()
+
+
+def _check_deserted(path: Path) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as trial:
+        try:
+            trial.connect(str(path))
+        except ConnectionRefusedError:
+            return
+        raise SocketError(f"another program listens at {path}")
