@@ -1,0 +1,258 @@
+"""A Build HAT without the board: bytes in, bytes out, on a clock of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from sim.hat.devices.device import Device, Plants
+from sim.hat.firmware.bridge import STEPS
+from sim.hat.firmware.connection import SetupFault
+from sim.hat.firmware.main_loop import PORTS, Firmware
+from sim.hat.firmware.power import ORANGE, Power
+from sim.hat.noise import Noise
+from sim.hat.processor import VERSION, Processor
+from sim.hat.transmitter import Receiver, Transmitter
+
+TICK = 0.001
+"""Shortest time in which anything happens [s]."""
+
+
+class BoardError(ValueError):
+    """The board was asked for something that it does not have."""
+
+
+class EmulatedBoard:
+    """The board with what is plugged in; it keeps its state when the host comes and goes.
+
+    Time passes only in ``advance``, in whole milliseconds; parts of them wait for the next time.
+    """
+
+    def __init__(
+        self,
+        plants: Plants,
+        devices: Mapping[int, Device],
+        *,
+        warm: bool = True,
+        version: int = VERSION,
+        supply_v: float = 8.0,
+        seed: int = 0,
+    ) -> None:
+        """Switch it on.
+
+        Args:
+            plants: what its motor drivers turn.
+            devices: what is plugged in, by port 0..3.
+            warm: its firmware runs and knows the devices; otherwise its bootloader waits.
+            version: of the firmware that runs.
+            supply_v: [V].
+            seed: for ``garble``.
+
+        Raises:
+            BoardError: a port outside 0..3.
+        """
+        self._plants = plants
+        self._ticks = 0
+        self._rest = 0.0
+        self._transmitter = Transmitter()
+        self._receiver = Receiver()
+        self._noise = Noise(seed)
+        self._power = Power()
+        self.supply_v = supply_v
+        self.silent = False
+        """Nothing leaves it and nothing is heard."""
+        self._devices: dict[int, Device] = {}
+        self._driven: list[int | None] = [None] * PORTS
+        self._processor = Processor(self._transmitter, self._power, self._devices)
+        for port, device in devices.items():
+            self.plug(port, device)
+        if warm:
+            self._processor.run_warm(version)
+
+    @property
+    def now(self) -> float:
+        """Its own clock [s]."""
+        return self._ticks * TICK + self._rest
+
+    @property
+    def supply_v(self) -> float:
+        """What it is supplied with [V]."""
+        return self._power.supply_v
+
+    @supply_v.setter
+    def supply_v(self, volts: float) -> None:
+        self._power.supply_v = volts
+        self._plants.supply_v = volts
+
+    @property
+    def motor_fault(self) -> bool:
+        """The motor drivers' common fault line is low."""
+        return self._power.motor_fault
+
+    @motor_fault.setter
+    def motor_fault(self, present: bool) -> None:
+        self._power.motor_fault = present
+
+    @property
+    def port_fault(self) -> bool:
+        """The devices' 3.3 V is overloaded."""
+        return self._power.port_fault
+
+    @port_fault.setter
+    def port_fault(self, present: bool) -> None:
+        self._power.port_fault = present
+
+    @property
+    def garble(self) -> float:
+        """Probability that a byte on its way out is lost, doubled, zeroed or changed by a bit."""
+        return self._noise.probability
+
+    @garble.setter
+    def garble(self, probability: float) -> None:
+        if not 0 <= probability <= 1:
+            raise BoardError(f"garble is {probability}; valid is a probability, 0 to 1")
+        self._noise.probability = probability
+
+    @property
+    def lights(self) -> int:
+        """Bit 0: the orange light is on; bit 1: the green one. The bootloader shows orange."""
+        firmware = self._processor.firmware
+        return ORANGE if firmware is None else firmware.lights
+
+    @property
+    def devices(self) -> Mapping[int, Device]:
+        """What is plugged in, by port."""
+        return self._devices
+
+    @property
+    def in_bootloader(self) -> bool:
+        """Whether no firmware runs."""
+        return self._processor.firmware is None
+
+    def duty(self, port: int) -> float | None:
+        """What a port's driver puts out now, -1..1; None: it is switched off.
+
+        Raises:
+            BoardError: a port outside 0..3.
+        """
+        _check(port)
+        firmware = self._processor.firmware
+        return None if firmware is None else firmware.ports[port].bridge.duty
+
+    def plug(self, port: int, device: Device) -> None:
+        """Plug a device in, in the place of any other; it gets power and starts.
+
+        Raises:
+            BoardError: a port outside 0..3.
+        """
+        _check(port)
+        device.power_up()
+        self._devices[port] = device
+        if self._processor.firmware is not None:
+            self._processor.firmware.plug(port, device)
+
+    def unplug(self, port: int) -> None:
+        """Take away what is plugged in, if anything is; the motor runs out.
+
+        Raises:
+            BoardError: a port outside 0..3.
+        """
+        _check(port)
+        self._devices.pop(port, None)
+        if self._processor.firmware is not None:
+            self._processor.firmware.unplug(port)
+        self._drive()
+
+    def reset(self) -> None:
+        """A pulse on the RESET pin: the firmware is gone, the motors run out, devices lose power.
+
+        What waited in the board to be sent is lost with it.
+        """
+        self._processor.reset()
+        self._drive()
+
+    def setup_fails(self, port: int, how: SetupFault | str) -> None:
+        """The next introduction of a device on a port fails: "framing", "checksum", "silence".
+
+        Raises:
+            BoardError: another way of failing, a port outside 0..3, or no firmware that runs.
+        """
+        _check(port)
+        names = {fault.name.lower(): fault for fault in SetupFault}
+        fault = how if isinstance(how, SetupFault) else names.get(how)
+        if fault is None:
+            raise BoardError(f"setup cannot fail by {how!r}; valid are {', '.join(names)}")
+        self._firmware_that_runs.fail_setup(port, fault)
+
+    def data_fails(self, port: int, framing: int = 0, checksum: int = 6) -> None:
+        """So many errors come in a device's data; more than five end the connection.
+
+        Raises:
+            BoardError: a port outside 0..3, or no firmware that runs.
+        """
+        _check(port)
+        self._firmware_that_runs.fail_data(port, framing, checksum)
+
+    def late(self, milliseconds: int) -> None:
+        """The firmware's next pass takes so long; above 2 ms it tells so afterwards.
+
+        Raises:
+            BoardError: less than 1 ms.
+        """
+        if milliseconds < 1:
+            raise BoardError(f"a pass takes {milliseconds} ms; valid is 1 or more")
+        self._processor.stall(milliseconds)
+
+    def interject(self, text: str) -> None:
+        """Let the firmware print something out of turn, as it does on an error of its inner bus."""
+        self._transmitter.put(text.encode())
+
+    def receive(self, data: bytes) -> None:
+        """The host has just written this; it arrives byte by byte while time passes."""
+        self._receiver.put(data)
+
+    def advance(self, seconds: float) -> bytes:
+        """Let time pass [s]; returns the bytes that have left the board meanwhile.
+
+        Raises:
+            BoardError: time does not run backwards.
+        """
+        if not seconds >= 0:
+            raise BoardError(f"{seconds} s cannot pass; valid is 0 or more")
+        # A hair, so that ten times 0.1 ms are one.
+        ticks = int((self._rest + seconds) / TICK + 1e-6)
+        self._rest = max(self._rest + seconds - ticks * TICK, 0.0)
+        left = b"".join([self._tick() for _ in range(ticks)])
+        return self._noise.over(left)
+
+    def _tick(self) -> bytes:
+        self._plants.step(TICK)
+        self._ticks += 1
+        heard = self._receiver.advance(TICK)
+        if self.silent:
+            heard = b""
+        self._processor.passed(heard, self._ticks * TICK)
+        self._drive()
+        sent = self._transmitter.advance(TICK)
+        return b"" if self.silent else sent
+
+    @property
+    def _firmware_that_runs(self) -> Firmware:
+        if self._processor.firmware is None:
+            raise BoardError("no firmware runs; the bootloader waits for one")
+        return self._processor.firmware
+
+    def _drive(self) -> None:
+        """Hand the drivers' outputs to what is really there to be turned."""
+        firmware = self._processor.firmware
+        for port in range(PORTS):
+            steps = None
+            if firmware is not None and port in self._devices:
+                steps = firmware.ports[port].bridge.steps
+            if steps != self._driven[port]:
+                self._driven[port] = steps
+                self._plants.plant(port).drive(None if steps is None else steps / STEPS)
+
+
+def _check(port: int) -> None:
+    if not 0 <= port < PORTS:
+        raise BoardError(f"port is {port}; valid are 0 to {PORTS - 1}")

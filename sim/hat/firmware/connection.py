@@ -1,0 +1,254 @@
+"""How a port finds a device, gets to know it, listens to it and loses it again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from enum import Enum
+
+from sim.hat.devices.device import Device
+from sim.hat.firmware.device_link import DeviceLink
+from sim.hat.firmware.port import Port
+from sim.hat.firmware.reports import Writer
+from sim.hat.firmware.variables import Modes
+
+PROBE = 98
+"""Looking for a device's resistors: eight times 11 ms after the first 10 ms [ms]."""
+
+PASSIVE_REPEAT = 100
+"""Pause between two looks at a passive device that is known [ms]."""
+
+MATCHES = 5
+"""So many equal looks after the first one make a passive device."""
+
+BUTTON, MATRIX = 5, 0x40
+LISTENING = 100
+"""An active device holds its line low for so long [ms]."""
+
+SETUP_SILENCE = 2000
+"""Longest pause while a device introduces itself [ms]."""
+
+DATA_SILENCE = 500
+"""Longest pause between two data messages [ms]."""
+
+AFTER_ACKNOWLEDGE = 120
+"""From the device's last word in the slow part to the change of speed [ms]."""
+
+FAULT_AFTER = 50
+"""When a fault of the introduction shows, after it began [ms]."""
+
+MOST_ERRORS = 5
+
+
+class SetupFault(Enum):
+    """How an introduction can fail; the value is what the firmware calls it."""
+
+    FRAMING = "framing error"
+    CHECKSUM = "checksum error"
+    SILENCE = "timeout during setup phase"
+
+
+BROKEN = (SetupFault.FRAMING, SetupFault.CHECKSUM)
+
+
+class Connection:
+    """A port's state machine; each of its steps says how many ms the next one is away."""
+
+    def __init__(
+        self,
+        port: Port,
+        modes: Modes,
+        write: Writer,
+        has_room: Callable[[], bool],
+        trace: Callable[[int, int, bytes], None],
+    ) -> None:
+        """Find nothing yet.
+
+        Args:
+            port: the port it serves.
+            modes: data of all ports.
+            write: where lines go.
+            has_room: whether the transmit ring is at most half full.
+            trace: is told port, mode and payload of each data message.
+        """
+        self._port = port
+        self._modes = modes
+        self._write = write
+        self._has_room = has_room
+        self._trace = trace
+        self._plugged: DeviceLink | None = None
+        self._fault: SetupFault | None = None
+        self._errors = (0, 0)
+        self._now = 0
+        self._due = 0
+        self._seconds = 0.0
+        self._matches = 0
+        self._pressed = False
+        self._life = self._search()
+
+    def plug(self, device: Device) -> None:
+        """A device with power is there now, in the place of any other."""
+        self._plugged = DeviceLink(device)
+
+    def unplug(self) -> None:
+        """Nothing is there any more."""
+        self._plugged = None
+
+    def meet(self) -> None:
+        """The device has introduced itself before: start where its data is listened to."""
+        if self._plugged is None:
+            return
+        self._port.known = self._plugged.device
+        self._port.connected = True
+        if self._plugged.device.passive:
+            self._matches = MATCHES
+            self._life = self._search(known=self._plugged.device.type_id)
+        else:
+            self._port.link = self._plugged
+            self._life = self._known(self._plugged)
+
+    def fail_setup(self, fault: SetupFault) -> None:
+        """The next introduction fails."""
+        self._fault = fault
+
+    def fail_data(self, framing: int, checksum: int) -> None:
+        """So many errors come in the data of the device that is connected."""
+        self._errors = (framing, checksum)
+
+    def passed(self, now: int, seconds: float) -> None:
+        """It is later: ``now`` [ms] by the firmware, ``seconds`` by the board's clock."""
+        if now >= self._due:
+            self._now, self._seconds = now, seconds
+            self._due = now + next(self._life)
+
+    def _search(self, known: int = 0) -> Iterator[int]:
+        """Look for devices for ever, ``known``: the type of a passive one that is connected."""
+        while True:
+            if not known:
+                self._vacate()
+            yield PROBE
+            link = self._plugged
+            found = 0 if link is None or not link.device.passive else link.device.type_id
+            if self._hears_active():
+                known = 0
+                yield from self._active()
+            elif found == 0 or known not in (0, found):
+                known = self._matches = 0
+            elif self._matches < MATCHES:
+                known = found
+                self._matches += 1
+            else:
+                known = found
+                yield from self._passive(link)
+
+    def _known(self, link: DeviceLink) -> Iterator[int]:
+        yield 1
+        yield from self._listen(link)
+        yield from self._search()
+
+    def _vacate(self) -> None:
+        if self._port.connected:
+            self._say("disconnected")
+        self._port.connected = False
+        self._port.known = None
+        self._port.reset_drive()
+
+    def _hears_active(self) -> bool:
+        link = self._plugged
+        return link is not None and not link.device.passive and link.device.responding
+
+    def _passive(self, link: DeviceLink | None) -> Iterator[int]:
+        """A passive device that has been seen often enough."""
+        assert link is not None
+        device = link.device
+        if not self._port.connected:
+            self._say(f"connected to passive ID {device.type_id}")
+        self._port.known, self._port.connected = device, True
+        if device.type_id != BUTTON:
+            yield PASSIVE_REPEAT
+            return
+        pressed = bool(getattr(device, "pressed", False))
+        if pressed != self._pressed:
+            self._say("button pressed" if pressed else "button released")
+        self._pressed = pressed
+
+    def _active(self) -> Iterator[int]:
+        """From the first low line to the end of a connection."""
+        self._matches = 0
+        yield LISTENING
+        link = self._plugged
+        if link is None or not self._hears_active():
+            return
+        self._say("connecting to active device")
+        self._port.forget_device()
+        failure = yield from self._introduce(link)
+        if failure is not None:
+            self._say(f"{failure.value}: disconnecting")
+            return
+        self._write("set baud rate to 115200\r\n")
+        yield 1
+        self._establish(link)
+        yield from self._listen(link)
+
+    def _introduce(self, link: DeviceLink) -> Generator[int, None, SetupFault | None]:
+        """The slow part, at 2400 baud; returns how it failed, if it did."""
+        fault, self._fault = self._fault, None
+        start = heard = self._now
+        end = start + max(round(link.device.connect_seconds * 1000) - AFTER_ACKNOWLEDGE - 1, 10)
+        while self._now < end or heard < self._now:
+            yield 1
+            talks = link is self._plugged and link.device.responding
+            if talks and fault is not SetupFault.SILENCE:
+                heard = self._now
+            if fault in BROKEN and self._now - start >= FAULT_AFTER:
+                return fault
+            if self._now - heard > SETUP_SILENCE:
+                return SetupFault.SILENCE
+        yield AFTER_ACKNOWLEDGE
+        return None
+
+    def _establish(self, link: DeviceLink) -> None:
+        port, device = self._port, link.device
+        port.selection.clear()
+        port.known, port.link, port.connected = device, link, True
+        self._errors = (0, 0)
+        self._write(port.describe())
+        self._say(f"established serial communication with active ID {device.type_id:02X}")
+        if device.type_id == MATRIX:
+            # The matrix gives up if it is not given power at once.
+            port.wave.hold(1.0)
+            port.coasting = False
+
+    def _listen(self, link: DeviceLink) -> Iterator[int]:
+        """The fast part, until it has been silent for too long."""
+        port, selection = self._port, self._port.selection
+        heard = self._now
+        while True:
+            if self._receive(link):
+                heard = self._now
+            elif sum(self._errors) > MOST_ERRORS:
+                framing, checksum = self._errors
+                self._say(f"too many errors ({framing}+{checksum}): disconnecting")
+                break
+            elif self._now - heard > DATA_SILENCE:
+                self._say("timeout during data phase: disconnecting")
+                break
+            if selection.is_due(self._now, self._has_room):
+                port.report(self._modes)
+            yield 1
+        selection.clear()
+        port.link = None
+
+    def _receive(self, link: DeviceLink) -> bool:
+        """Whether there was a message."""
+        if link is not self._plugged or not link.device.sample(self._seconds):
+            return False
+        payload = link.message()
+        if not payload:
+            return False
+        number, mode = self._port.number, link.mode
+        self._trace(number, mode, payload)
+        self._port.receive(payload, mode, self._now)
+        return True
+
+    def _say(self, text: str) -> None:
+        self._write(f"P{self._port.number}: {text}\r\n")

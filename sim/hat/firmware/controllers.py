@@ -1,0 +1,89 @@
+"""The controller of a port: what it drives for a setpoint, directly or by PID."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from enum import Enum
+
+from sim.hat.firmware.single import clamped, float_text, single
+from sim.hat.firmware.variables import Modes, Variable
+
+TICK = 0.01
+"""Time between two runs [s]."""
+
+
+class Control(Enum):
+    """What the setpoint is."""
+
+    DIRECT = 0
+    """The drive itself."""
+    VALUE = 1
+    """Of the watched variable."""
+    RATE = 2
+    """Of the watched variable's change [1/s]."""
+
+
+class Controller:
+    """PID on ``e = value - setpoint`` in single precision; nothing resets its integral.
+
+    ``drive = -(Kp e + Ki I + Kd D)``, with ``I += e dt`` within +-windup and ``D = de / dt``.
+    """
+
+    __slots__ = (
+        "_error",
+        "_integral",
+        "_value",
+        "control",
+        "dead_zone",
+        "derivative_gain",
+        "integral_gain",
+        "proportional_gain",
+        "variable",
+        "windup",
+    )
+
+    def __init__(self) -> None:
+        self.control = Control.DIRECT
+        self.variable = Variable()
+        self.proportional_gain = self.integral_gain = self.derivative_gain = 0.0
+        self.windup = 0.0
+        self.dead_zone = 0.0
+        self._value = self._integral = self._error = 0.0
+
+    def drive(
+        self, modes: Modes, setpoint: float, trace: Callable[[str], None] | None
+    ) -> float | None:
+        """What to put out now, not limited; None: no data of the variable, so leave it as it is.
+
+        Args:
+            modes: data of all ports.
+            setpoint: what is asked for.
+            trace: is told all terms of a PID's run, if it wants to know.
+        """
+        if self.control is Control.DIRECT:
+            return setpoint
+        value = self.variable.read(modes, self.control is Control.RATE, self._value)
+        if value is None:
+            return None
+        self._value = value
+        return self._run(value, setpoint, trace)
+
+    def _run(self, value: float, setpoint: float, trace: Callable[[str], None] | None) -> float:
+        error = single(value - setpoint)
+        if abs(error) < self.dead_zone:
+            error = 0.0
+        derivative = single(single(error - self._error) / TICK)
+        self._error = error
+        integral = single(self._integral + error * TICK)
+        self._integral = integral = clamped(integral, -self.windup, self.windup)
+        proportional = single(error * self.proportional_gain)
+        both = single(proportional + single(integral * self.integral_gain))
+        drive = -single(both + single(derivative * self.derivative_gain))
+        if trace is not None:
+            names = ("pv", "sp", ": e", "ie", "de", "cv")
+            terms = (value, setpoint, error, integral, derivative, drive)
+            told = " ".join(
+                f"{name}={float_text(term)}" for name, term in zip(names, terms, strict=True)
+            )
+            trace(told.replace(" :", ":"))
+        return drive

@@ -1,0 +1,153 @@
+"""The firmware: its start, its main loop of 1 ms and its 10 ms drive ticks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+
+from sim.hat.devices.device import Device
+from sim.hat.firmware.connection import Connection, SetupFault
+from sim.hat.firmware.port import Port
+from sim.hat.firmware.power import FaultWatch, Power, light
+from sim.hat.firmware.reports import Writer
+from sim.hat.language.session import TRACE_CONTROLLERS, TRACE_PAYLOADS, Session
+from sim.hat.language.terminal import Terminal
+
+PORTS = 4
+DRIVE_PERIOD = 10
+"""Between two runs of the controllers; those of all ports run together [ms]."""
+
+LATE = 2
+"""A pass of the main loop after more than this is told [ms]."""
+
+RECEIVE_RING = 8191
+"""What waits to be read, at most [bytes]."""
+
+STARTED = 225
+"""When the main loop begins [ms]."""
+
+DROPPED_UNTIL = 11
+"""What is received before is dropped [ms]."""
+
+START = (
+    (1, "\r\nType help <RETURN> for help\r\n"),
+    (11, "Initialising ports\r\n"),
+    (111, "Resetting drivers: 0123\r\n"),
+    (220, "Reading driver dumps: before port_initdriver(): 0123\r\n"),
+    (220, "Reading driver dumps: after port_initdriver(): 0123\r\n"),
+    (225, "Done initialising ports\r\n"),
+)
+"""What the firmware prints after its start, and when [ms]."""
+
+
+def version_text(version: int) -> str:
+    """A version, which is the time of its making [s since 1970], with its date."""
+    return f"{version} {datetime.fromtimestamp(version, UTC).isoformat()}"
+
+
+class Firmware:
+    """Bytes in by ``receive``, text out by ``write``; time passes in ``passed``."""
+
+    def __init__(
+        self,
+        write: Writer,
+        has_room: Callable[[], bool],
+        power: Power,
+        version: str,
+        signature: bytes,
+    ) -> None:
+        """At its first instruction.
+
+        Args:
+            write: queues text for the host.
+            has_room: whether that queue is less than half full.
+            power: the board's supply and fault lines.
+            version: number and date, as it tells them.
+            signature: of the image (64).
+        """
+        self._write = write
+        self._now = 0
+        self._heard = bytearray()
+        self._drive_due = STARTED + DRIVE_PERIOD
+        self._faults = FaultWatch(power)
+        self._power = power
+        self.ports = tuple(Port(number, write) for number in range(PORTS))
+        self._modes = tuple(port.data for port in self.ports)
+        self._connections = tuple(
+            Connection(port, self._modes, write, has_room, self._trace_message)
+            for port in self.ports
+        )
+        self._session = Session(self.ports, write, power, version, signature)
+        self._terminal = Terminal(self._session)
+        self._traces: Sequence[Writer] = tuple(self._tracer(port.number) for port in self.ports)
+
+    def skip_start(self) -> None:
+        """It has been running for long, and knows all devices that are plugged in."""
+        self._now = STARTED
+        for connection in self._connections:
+            connection.meet()
+
+    @property
+    def lights(self) -> int:
+        """Bit 0: the orange one is on; bit 1: the green one."""
+        return light(self._session.light_mode, self._power.millivolts)
+
+    def plug(self, port: int, device: Device) -> None:
+        """A device is there, powered."""
+        self._connections[port].plug(device)
+
+    def unplug(self, port: int) -> None:
+        """Nothing is there."""
+        self._connections[port].unplug()
+
+    def fail_setup(self, port: int, fault: SetupFault) -> None:
+        """The next device on a port fails to introduce itself."""
+        self._connections[port].fail_setup(fault)
+
+    def fail_data(self, port: int, framing: int, checksum: int) -> None:
+        """Errors come in the data of the device on a port."""
+        self._connections[port].fail_data(framing, checksum)
+
+    def receive(self, data: bytes) -> None:
+        """Bytes that have come over the line; they are looked at when time passes."""
+        self._heard += data[: max(RECEIVE_RING - len(self._heard), 0)]
+
+    def passed(self, milliseconds: int, seconds: float) -> None:
+        """One pass of the main loop, so much after the last one; ``seconds``: the board's clock."""
+        before, self._now = self._now, self._now + milliseconds
+        if before < STARTED:
+            self._start(before)
+            return
+        if milliseconds > LATE:
+            self._write(f"deltat={milliseconds:08X}\r\n")
+        faults = self._faults.passed(milliseconds)
+        if faults:
+            self._write(faults)
+        for connection in self._connections:
+            connection.passed(self._now, seconds)
+        while self._now >= self._drive_due:
+            self._drive_due += DRIVE_PERIOD
+            self._drive()
+        if self._heard:
+            data, self._heard = self._heard, bytearray()
+            self._terminal.hear(bytes(data))
+
+    def _start(self, before: int) -> None:
+        for moment, text in START:
+            if before < moment <= self._now:
+                self._write(text)
+        if self._now <= DROPPED_UNTIL:
+            self._heard.clear()
+
+    def _drive(self) -> None:
+        traced = self._session.traces(TRACE_CONTROLLERS)
+        for port in self.ports:
+            port.run_drive(self._modes, self._traces[port.number] if traced else None)
+
+    def _tracer(self, port: int) -> Writer:
+        return lambda terms: self._write(f"P{port}: {terms}\r\n")
+
+    def _trace_message(self, port: int, mode: int, payload: bytes) -> None:
+        if self._session.traces(TRACE_PAYLOADS):
+            told = payload.hex(" ").upper()
+            self._write(f"P{port}: DATA mode={mode:X} payload={told}\r\n")

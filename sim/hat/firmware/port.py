@@ -1,0 +1,120 @@
+"""One port of the board: everything that its firmware knows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from sim.hat.devices.device import Device
+from sim.hat.firmware.bridge import Bridge
+from sim.hat.firmware.controllers import Controller
+from sim.hat.firmware.device_link import COMBINE, EXTENDED, SELECT, DeviceLink
+from sim.hat.firmware.reports import (
+    WHOLE_MODE,
+    Selection,
+    Writer,
+    combination_line,
+    mode_line,
+    value_line,
+)
+from sim.hat.firmware.variables import MODES, ModeData, Modes, Variable
+from sim.hat.firmware.waveforms import Shape, Waveform
+
+Pairs = tuple[tuple[int, int], ...]
+
+
+class Port:
+    """Drive, selection and received data of a port, 0 to 3."""
+
+    def __init__(self, number: int, write: Writer) -> None:
+        self.number = number
+        self._write = write
+        self.bridge = Bridge()
+        self.selection = Selection()
+        self.known: Device | None = None
+        """The device that has introduced itself; its type and modes stay known afterwards."""
+        self.link: DeviceLink | None = None
+        """The open connection to an active device."""
+        self.connected = False
+        self.data = [ModeData() for _ in range(MODES)]
+        self.combinations: dict[int, Pairs] = {}
+        """Mode and data set of each pair, by slot."""
+        self.reset_drive()
+
+    def reset_drive(self) -> None:
+        """Settings and setpoint as they are without a device."""
+        self.wave = Waveform()
+        self.controller = Controller()
+        self.bridge.reset()
+        self.coasting = False
+
+    def forget_device(self) -> None:
+        """Nothing is known of what is plugged in, nothing has been received."""
+        self.known = None
+        self.connected = False
+        self.combinations.clear()
+        for data in self.data:
+            data.length = 0
+            data.content[:] = bytes(len(data.content))
+
+    def describe(self) -> str:
+        """Its part of ``list``."""
+        if self.known is None or not self.connected:
+            return f"P{self.number}: no device detected\r\n"
+        return self.known.description(self.number)
+
+    def run_drive(self, modes: Modes, trace: Callable[[str], None] | None) -> None:
+        """What happens every 10 ms: setpoint, controller, bridge."""
+        ended = self.wave.advance(modes)
+        if ended is not None:
+            self._write(f"P{self.number}: {'pulse' if ended is Shape.PULSE else 'ramp'} done\r\n")
+        if not self.connected:
+            self.bridge.drive(0.0)
+        elif self.coasting:
+            self.bridge.coast()
+        else:
+            wanted = self.controller.drive(modes, self.wave.setpoint, trace)
+            if wanted is not None:
+                self.bridge.drive(wanted)
+
+    def receive(self, payload: bytes, mode: int, now: int) -> None:
+        """A data message of the device, in a mode, at a time [ms]."""
+        self.data[mode].store(payload)
+        if mode == self.selection.mode:
+            self.selection.arrived(now)
+
+    def report(self, modes: Modes) -> None:
+        """Write what is selected."""
+        number, mode = self.number, self.selection.mode
+        assert mode is not None
+        pairs = self.combinations.get(mode)
+        if self.selection.offset != WHOLE_MODE:
+            place = Variable(number, mode, self.selection.offset, self.selection.format, 1.0)
+            line = value_line(number, place, modes)
+        elif pairs is not None:
+            known = () if self.known is None else self.known.modes
+            line = combination_line(number, mode, pairs, known, self.data[mode])
+        elif self.known is not None and mode < len(self.known.modes):
+            line = mode_line(number, mode, self.known.modes[mode], self.data[mode])
+        else:
+            line = ""
+        self._write(line)
+
+    def select(self, mode: int, offset: int, layout: str, period: int) -> None:
+        """Report a mode or one number in it; the device is told if it is another mode."""
+        chosen = self.selection
+        chosen.offset, chosen.format, chosen.period = offset, layout, period
+        if chosen.mode != mode:
+            self.send(EXTENDED, bytes([mode & 8]))
+            self.send(SELECT, bytes([mode & 7]))
+            chosen.mode = mode
+        chosen.fresh = False
+
+    def combine(self, slot: int, pairs: Sequence[tuple[int, int]]) -> None:
+        """Tell the device which combination belongs to a slot; none removes it."""
+        head = bytes([0x20 + len(pairs), slot])
+        self.send(COMBINE, head + bytes((mode << 4) + part for mode, part in pairs))
+
+    def send(self, kind: int, payload: bytes) -> None:
+        """A message to the device; without a connection it is lost."""
+        if self.link is not None:
+            self.link.hear(kind, payload)

@@ -1,0 +1,89 @@
+"""Supply voltage, lights and fault lines of the board, as its firmware sees them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+CONVERTER = 4095
+"""Largest number of the analogue converter; 0 to 3.3 V behind a divider by 5.7."""
+
+NO_LIGHT, ORANGE, GREEN, BOTH = range(4)
+BY_SUPPLY = -1
+"""The light mode that shows the supply."""
+
+DEBOUNCE = 10
+"""A fault line must be low for longer than this [ms]."""
+
+REPEAT = 1000
+"""Time after which a lasting fault is told again [ms]; a motor fault needs ``DEBOUNCE`` more."""
+
+PORTS = 4
+
+
+@dataclass(slots=True)
+class Power:
+    """The electrical side; it outlives a restart of the firmware."""
+
+    supply_v: float = 8.0
+    motor_fault: bool = False
+    """The common fault line of the motor drivers is low."""
+    port_fault: bool = False
+    """The 3.3 V for the devices is overloaded."""
+
+    @property
+    def millivolts(self) -> int:
+        """The supply as converted: steps of 4.6 mV."""
+        raw = round(self.supply_v / 5.7 / 3.3 * (CONVERTER + 1))
+        raw = max(0, min(CONVERTER, raw))
+        return raw * 57 // 10 * 3300 // 4096
+
+
+def supply_text(millivolts: int) -> str:
+    """What ``vin`` prints [V], two decimals rounded half up in the firmware's fixed point."""
+    fixed = (millivolts << 16) // 1000 + 655 // 2
+    return f"{fixed >> 16}.{((fixed & 0xFFFF) * 100) >> 16:02d} V\r\n"
+
+
+def light(mode: int, millivolts: int) -> int:
+    """Which lights are on: ``NO_LIGHT``, ``ORANGE``, ``GREEN`` or ``BOTH``."""
+    if mode != BY_SUPPLY:
+        return mode
+    if millivolts < 4800:
+        return NO_LIGHT
+    if millivolts < 6000:
+        return BOTH
+    return GREEN if millivolts < 8500 else ORANGE
+
+
+class FaultWatch:
+    """Tells faults that last, and tells them again while they last."""
+
+    __slots__ = ("_motor", "_port", "_power")
+
+    def __init__(self, power: Power) -> None:
+        self._power = power
+        self._motor = 0
+        self._port = 0
+
+    def passed(self, milliseconds: int) -> str:
+        """What there is to print after some more time."""
+        return self._port_text(milliseconds) + self._motor_text(milliseconds)
+
+    def _port_text(self, milliseconds: int) -> str:
+        self._port = self._port + milliseconds if self._power.port_fault else 0
+        if DEBOUNCE < self._port < REPEAT:
+            self._port = 2 * REPEAT
+        if self._port < 2 * REPEAT:
+            return ""
+        self._port -= REPEAT
+        return "Port power fault\r\n"
+
+    def _motor_text(self, milliseconds: int) -> str:
+        self._motor += milliseconds
+        if self._motor >= 0 and not self._power.motor_fault:
+            self._motor = 0
+        if self._motor <= DEBOUNCE:
+            return ""
+        self._motor = -REPEAT
+        flags = "".join(f"   {port}  BA 2C 8A\r\n" for port in range(PORTS))
+        return f"Motor power fault\r\n Port 4D 4E 4F\r\n{flags}"

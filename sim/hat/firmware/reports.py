@@ -1,0 +1,120 @@
+"""Reports of what a device has sent: when they are due and how they are written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from struct import Struct
+
+from sim.hat.devices.device import Mode, ValueType
+from sim.hat.firmware.single import float_text
+from sim.hat.firmware.variables import ModeData, Variable
+
+OFF, ONCE, EACH_MESSAGE = -2, -1, 0
+"""Periods that are none."""
+
+DEFAULT_PERIOD = 100
+"""After every ``select`` [ms]."""
+
+WHOLE_MODE = -1
+"""The offset that asks for all numbers of a mode."""
+
+INTEGERS = {
+    ValueType.INT8: Struct("<b"),
+    ValueType.INT16: Struct("<h"),
+    ValueType.INT32: Struct("<i"),
+}
+
+
+Writer = Callable[[str], None]
+"""Where text goes on its way to the host; what does not fit there is lost."""
+
+
+@dataclass(slots=True)
+class Selection:
+    """What a port reports."""
+
+    mode: int | None = None
+    """Mode or combination that is selected."""
+    offset: int = WHOLE_MODE
+    """Byte in the data of the one number that is reported."""
+    format: str = ""
+    period: int = OFF
+    """Time between reports [ms], or ``OFF``, ``ONCE`` or ``EACH_MESSAGE``."""
+    fresh: bool = False
+    """A message came since the selection (or, for ``EACH_MESSAGE``, since the last report)."""
+    since: int = 0
+    """When the time to the next report began [ms]."""
+
+    def clear(self) -> None:
+        """Nothing is reported, and nothing selected."""
+        self.mode = None
+        self.period = OFF
+        self.fresh = False
+
+    def forget_mode(self) -> None:
+        """The next ``select`` tells the device again; until then nothing is reported."""
+        self.mode = None
+
+    def arrived(self, now: int) -> None:
+        """A message in the selected mode came [ms]; the first one starts the time to a report."""
+        if not self.fresh:
+            self.fresh = True
+            self.since = now
+
+    def is_due(self, now: int, has_room: Callable[[], bool]) -> bool:
+        """Whether to report at a time [ms]; if so, this counts as the report.
+
+        ``has_room``: the transmit ring is less than half full; otherwise reports wait.
+        """
+        if not self.fresh or self.mode is None or self.period == OFF:
+            return False
+        if now - self.since < self.period or not has_room():
+            return False
+        if self.period == ONCE:
+            self.period = OFF
+        elif self.period == EACH_MESSAGE:
+            self.fresh = False
+        self.since = now
+        return True
+
+
+Pairs = Sequence[tuple[int, int]]
+"""Modes and data sets of a combination."""
+
+
+def mode_line(port: int, number: int, mode: Mode, data: ModeData) -> str:
+    """All numbers of a mode, as far as they have been received; nothing if none were."""
+    if data.length == 0:
+        return ""
+    size = mode.type.size
+    places = range(0, min(mode.count * size, data.length - size + 1), size)
+    values = "".join(" " + _text(mode.type, data, place) for place in places)
+    return f"P{port}M{number}:{values}\r\n"
+
+
+def combination_line(
+    port: int, slot: int, pairs: Pairs, modes: Sequence[Mode], data: ModeData
+) -> str:
+    """One number for each pair of a combination, in their order."""
+    line, place = f"P{port}C{slot}:", 0
+    for number, _ in pairs:
+        kind = modes[number].type if number < len(modes) else ValueType.INT8
+        line += " " + _text(kind, data, place)
+        place += kind.size
+    return line + "\r\n"
+
+
+def value_line(port: int, variable: Variable, modes: Sequence[Sequence[ModeData]]) -> str:
+    """One number, as a float; nothing if none was received."""
+    value = variable.read(modes, False, 0.0)
+    return "" if value is None else f"P{port}V: {float_text(value)}\r\n"
+
+
+def _text(kind: ValueType, data: ModeData, place: int) -> str:
+    layout = INTEGERS.get(kind)
+    if layout is None:
+        (single,) = Struct("<f").unpack_from(data.content, place)
+        return float_text(single)
+    (value,) = layout.unpack_from(data.content, place)
+    return f"{value:+d}" if value else " 0"

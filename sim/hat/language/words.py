@@ -1,0 +1,155 @@
+"""Words of a command line: what is split where, and what counts as a number.
+
+Only blanks and semicolons separate. Numbers end where their digits end, so what is left over is
+the next word: ``1e-5`` is the number 1 and then the word ``e-5``.
+"""
+
+from __future__ import annotations
+
+import re
+
+from sim.hat.firmware.single import single
+
+DIGITS = re.compile(r"[0-9]+")
+HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
+DECIMAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)")
+FORMATS = ("u1", "s1", "u2", "s2", "u4", "s4", "f4")
+MANTISSA_LIMIT = 100_000_000
+"""Digits after this value has been reached are no longer collected."""
+
+
+class CommandError(ValueError):
+    """A line cannot be understood from here on: the firmware answers ``Error``."""
+
+
+class Words:
+    """A reading position in one command line."""
+
+    __slots__ = ("_at", "_text")
+
+    def __init__(self, line: bytes) -> None:
+        """Bytes of the line without its CR; a NUL ends it, as in a C string."""
+        self._text = line.partition(b"\0")[0].decode("latin-1")
+        self._at = 0
+
+    def next_command(self) -> bool:
+        """Go past blanks and semicolons; whether something is left."""
+        self._skip(" ;")
+        return self._at < len(self._text)
+
+    def word(self) -> str:
+        """The word up to a blank, a semicolon or the end, together with that one separator."""
+        self._skip(" ")
+        start = end = self._at
+        while end < len(self._text) and self._text[end] not in " ;":
+            end += 1
+        self._at = min(end + 1, len(self._text))
+        self._skip(" ")
+        return self._text[start:end]
+
+    def choice(self, names: tuple[str, ...]) -> str | None:
+        """The first name that the next word begins, if there is one; only then it is consumed."""
+        start = self._at
+        word = self.word()
+        for name in names:
+            if word and name.startswith(word):
+                return name
+        self._at = start
+        return None
+
+    def unsigned(self) -> int:
+        """Decimal digits, modulo 2^32.
+
+        Raises:
+            CommandError: there are none.
+        """
+        return self._whole(DIGITS, 10)
+
+    def hexadecimal(self) -> int:
+        """Hexadecimal digits, modulo 2^32.
+
+        Raises:
+            CommandError: there are none.
+        """
+        return self._whole(HEX_DIGITS, 16)
+
+    def integer(self) -> int:
+        """Decimal digits with an optional sign, as a 32-bit two's complement.
+
+        Raises:
+            CommandError: there are none; nothing is consumed then.
+        """
+        start = self._at
+        sign = self._text[start : start + 1]
+        if sign in ("+", "-"):
+            self._at += 1
+        try:
+            value = self.unsigned()
+        except CommandError:
+            self._at = start
+            raise
+        value = -value if sign == "-" else value
+        return (value + 2**31) % 2**32 - 2**31
+
+    def integer_or_none(self) -> int | None:
+        """As ``integer``, or None where there is none."""
+        try:
+            return self.integer()
+        except CommandError:
+            return None
+
+    def decimal(self) -> float:
+        """Optional sign, digits, optional point, digits: a single; there is no exponent.
+
+        Raises:
+            CommandError: there is no digit; nothing is consumed then.
+        """
+        found = DECIMAL.match(self._text, self._at)
+        assert found is not None
+        sign, whole, _, fraction = found.groups()
+        if not whole and not fraction:
+            raise CommandError(f"a number is expected, not {self._text[self._at :]!r}")
+        self._at = found.end()
+        self._skip(" ")
+        value = _decimal(whole, fraction)
+        return -value if sign == "-" else value
+
+    def format(self) -> str:
+        """One of ``FORMATS``: type and size in bytes.
+
+        Raises:
+            CommandError: it is another one.
+        """
+        name = self._text[self._at : self._at + 2]
+        if name not in FORMATS:
+            raise CommandError(f"a format is expected, one of {', '.join(FORMATS)}, not {name!r}")
+        self._at += 2
+        self._skip(" ")
+        return name
+
+    def _whole(self, digits: re.Pattern[str], radix: int) -> int:
+        found = digits.match(self._text, self._at)
+        if found is None:
+            raise CommandError(f"digits are expected, not {self._text[self._at :]!r}")
+        self._at = found.end()
+        self._skip(" ")
+        return int(found.group(), radix) % 2**32
+
+    def _skip(self, characters: str) -> None:
+        while self._at < len(self._text) and self._text[self._at] in characters:
+            self._at += 1
+
+
+def _decimal(whole: str, fraction: str) -> float:
+    """Digits as the firmware gathers them: nine at most, the others only move the point."""
+    mantissa, grown, divisor = 0, 1.0, 1.0
+    for digit in whole:
+        if mantissa < MANTISSA_LIMIT:
+            mantissa = mantissa * 10 + int(digit)
+        else:
+            grown = single(grown * 10)
+    for digit in fraction:
+        if mantissa < MANTISSA_LIMIT:
+            mantissa = mantissa * 10 + int(digit)
+            divisor = single(divisor * 10)
+    return single(single(single(mantissa) * grown) / divisor)

@@ -1,0 +1,30 @@
+"""A bad line: bytes on their way out are lost, doubled, zeroed or changed by a bit."""
+
+from __future__ import annotations
+
+import random
+
+
+class Noise:
+    """Seeded, so that the same run has the same faults."""
+
+    def __init__(self, seed: int) -> None:
+        self.probability = 0.0
+        """Of a fault in each byte."""
+        self._random = random.Random(seed)
+
+    def over(self, data: bytes) -> bytes:
+        """What arrives of bytes."""
+        if self.probability <= 0:
+            return data
+        return b"".join(self._byte(byte) for byte in data)
+
+    def _byte(self, byte: int) -> bytes:
+        if self._random.random() >= self.probability:
+            return bytes([byte])
+        kind = self._random.randrange(4)
+        if kind == 0:
+            return b""
+        if kind == 1:
+            return bytes([byte, byte])
+        return b"\0" if kind == 2 else bytes([byte ^ 1 << self._random.randrange(8)])

@@ -1,0 +1,92 @@
+"""The board's processor: it runs the bootloader, or the firmware that this was given."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+
+from sim.hat.bootloader import Bootloader
+from sim.hat.devices.device import Device
+from sim.hat.firmware.main_loop import Firmware, version_text
+from sim.hat.firmware.power import Power
+from sim.hat.transmitter import Transmitter
+
+VERSION = 1737564117
+"""The firmware that this one is after."""
+
+PASS = 0.001
+"""Shortest time in which anything happens [s]."""
+
+VERSION_IN_IMAGE = re.compile(rb"\d{10} \d{4}-\d\d-\d\dT[0-9:]{8}\+00:00")
+
+
+class Processor:
+    """Bytes in, text to the transmitter; it starts in the bootloader."""
+
+    def __init__(
+        self, transmitter: Transmitter, power: Power, devices: Mapping[int, Device]
+    ) -> None:
+        """Start.
+
+        Args:
+            transmitter: where everything that it prints goes.
+            power: the board's supply and fault lines.
+            devices: what is plugged in, by port, at any time.
+        """
+        self._transmitter = transmitter
+        self._power = power
+        self._devices = devices
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the bootloader; what waited to be sent is lost, like the firmware."""
+        self.firmware: Firmware | None = None
+        self._stall = self._stalled = 0
+        self._transmitter.clear()
+        self._bootloader = Bootloader(self._transmitter.put)
+
+    def run_warm(self, version: int) -> None:
+        """A firmware that was loaded long ago, and knows the devices."""
+        self._transmitter.clear()
+        signature = hashlib.sha512(str(version).encode()).digest()
+        self._run(version_text(version), signature).skip_start()
+
+    def stall(self, milliseconds: int) -> None:
+        """The next pass of the firmware's main loop takes so long."""
+        self._stall = milliseconds
+
+    def passed(self, heard: bytes, seconds: float) -> None:
+        """A millisecond later, with the bytes that came in it; ``seconds``: the board's clock."""
+        if self.firmware is None:
+            self._load(heard)
+            return
+        if heard:
+            self.firmware.receive(heard)
+        self._stalled += 1
+        if self._stalled >= self._stall:
+            self.firmware.passed(self._stalled, seconds)
+            self._stall = self._stalled = 0
+
+    def _load(self, heard: bytes) -> None:
+        loader = self._bootloader
+        for byte in heard:
+            loader.receive(byte)
+        loader.tick(PASS)
+        if loader.rebooted:
+            found = VERSION_IN_IMAGE.search(loader.image)
+            self._run(found.group().decode() if found else version_text(VERSION), loader.signature)
+
+    def _run(self, version: str, signature: bytes) -> Firmware:
+        """Start a firmware; it switches the devices' supply off and on."""
+        self.firmware = Firmware(self._write, self._has_room, self._power, version, signature)
+        for port, device in self._devices.items():
+            device.power_up()
+            self.firmware.plug(port, device)
+        return self.firmware
+
+    def _write(self, text: str) -> None:
+        self._transmitter.put(text.encode())
+
+    def _has_room(self) -> bool:
+        return not self._transmitter.more_than_half_full
