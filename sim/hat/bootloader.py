@@ -1,0 +1,231 @@
+"""The Build HAT's bootloader: it takes a firmware over the serial line and starts it.
+
+It always echoes, and its prompt ends no line, so that a reader of lines finds it glued to the echo
+of the next command. What it prints is printed with its spelling mistakes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Generator
+
+from sim.hat.language.words import CommandError, Words
+from sim.hat.upload import Stage, Upload
+
+VERSION = "1631704133 2021-09-15T12:08:53+01:00"
+"""What boards in the field say."""
+
+PROMPT = "BHBL> "
+MAX_IMAGE = 245_760
+SIGNATURE_LENGTH = 64
+MAX_LINE = 256
+
+START_UP = 0.01
+"""After the start, a byte that came meanwhile is dropped every so often, until none is left [s]."""
+
+BEFORE_JUMP = 0.1
+"""Time between ``Rebooting...`` and the first instruction of the firmware [s]."""
+
+CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
+
+COMMANDS = ("help", "?", "load", "signature", "clear", "verify", "reboot", "version")
+"""The first one that a word begins is meant: ``v`` is verify."""
+
+HELP = (
+    "help, ?                   this list",
+    "version                   the bootloader's version",
+    "load <length> <checksum>  take an image: STX, the bytes, ETX",
+    "signature <length>        take its signature: STX, 64 bytes, ETX",
+    "clear                     forget the image",
+    "verify                    check the image against its signature",
+    "reboot                    verify, then start the image",
+)
+
+PUBLIC_KEY = hashlib.sha512(b"no key: the emulated board accepts any signature").digest()
+"""Opaque bytes in the place of the board's key."""
+
+Work = Generator[None, None, None]
+"""A line being executed; it pauses while an upload or a reboot is under way."""
+
+
+def checksum(data: bytes) -> int:
+    """The 32-bit checksum that ``load`` compares; of nothing it is 1."""
+    register = 1
+    for byte in data:
+        register <<= 1
+        if register >> 32:
+            register ^= 0x1_1D87_2B41
+        register ^= byte
+    return register
+
+
+class Bootloader:
+    """Bytes in one by one, text out through ``put``; the caller lets time pass by ``tick``.
+
+    A signature is not verified, which takes the key's owner: any one that was taken is good.
+    """
+
+    def __init__(self, put: Callable[[bytes], None]) -> None:
+        """Start it: its greeting is put at once."""
+        self.rebooted = False
+        """The firmware has been started; the bootloader has ended."""
+        self.image = b""
+        self.signature = b""
+        self._put = put
+        self._line = bytearray()
+        self._work: Work | None = None
+        self._upload: Upload | None = None
+        self._pause = START_UP
+        self._spurious = 0
+        self._starting = True
+        self._print("")
+        self._print("Type help <RETURN> for help")
+        self._put(PROMPT.encode())
+
+    def receive(self, byte: int) -> None:
+        """One byte has come over the line."""
+        if self._starting:
+            self._spurious += 1
+        elif self._upload is not None:
+            self._upload.receive(byte)
+            self._look_at_upload(self._upload)
+        elif self._work is None:
+            self._edit(byte)
+
+    def tick(self, seconds: float) -> None:
+        """Let time pass [s]: an upload may run into its time-out, a reboot may be done."""
+        if self._upload is not None:
+            self._upload.tick(seconds)
+            self._look_at_upload(self._upload)
+            return
+        if self._starting or self._work is not None:
+            self._pause -= seconds
+            if self._pause < 1e-9:
+                self._end_pause()
+
+    def _end_pause(self) -> None:
+        if self._starting:
+            self._starting = self._spurious > 0
+            self._spurious = max(self._spurious - 1, 0)
+            self._pause = START_UP
+        else:
+            self._go_on()
+
+    def _look_at_upload(self, upload: Upload) -> None:
+        if upload.stage in (Stage.COMPLETE, Stage.TIMED_OUT):
+            self._go_on()
+
+    def _edit(self, byte: int) -> None:
+        if byte == CR:
+            self._print("")
+            line, self._line = bytes(self._line), bytearray()
+            self._work = self._execute(Words(line))
+            self._go_on()
+        elif byte in (BACKSPACE, DELETE):
+            if self._line:
+                self._line.pop()
+                self._put(b"\b \b")
+        elif len(self._line) < MAX_LINE:
+            self._line.append(byte)
+            self._put(bytes([byte]))
+
+    def _go_on(self) -> None:
+        """Carry the work on until it has to wait again or is done."""
+        assert self._work is not None
+        try:
+            next(self._work)
+        except StopIteration:
+            self._work = None
+
+    def _execute(self, words: Words) -> Work:
+        try:
+            while words.next_command():
+                yield from self._command(words)
+                if self.rebooted:
+                    return
+        except CommandError:
+            self._print("Error")
+        self._put(PROMPT.encode())
+
+    def _command(self, words: Words) -> Work:
+        name = words.choice(COMMANDS)
+        if name == "load":
+            yield from self._load(words)
+        elif name == "signature":
+            yield from self._sign(words)
+        elif name == "reboot":
+            yield from self._reboot()
+        elif name is None:
+            raise CommandError(f"valid are {', '.join(COMMANDS)}")
+        else:
+            self._answer(name)
+
+    def _answer(self, name: str) -> None:
+        """The commands that are done at once."""
+        if name == "clear":
+            self.image = b""
+        elif name == "verify":
+            self._verify()
+        else:
+            self._print(f"BuildHAT bootloader version {VERSION}")
+            if name != "version":
+                self._print("Commands available:", *(f"  {line}" for line in HELP))
+
+    def _load(self, words: Words) -> Work:
+        self.image = b""
+        length, expected = words.unsigned(), words.unsigned()
+        if length > MAX_IMAGE:
+            self._print("", f"Image too large (maximum {MAX_IMAGE} bytes)")
+            raise CommandError("the image is too large")
+        data = yield from self._take(length)
+        self._print("", "Image received")
+        if checksum(data) != expected:
+            self._print("Checksum failure")
+            raise CommandError("the checksum is wrong")
+        self._print("Checksum OK")
+        self.image = data
+
+    def _sign(self, words: Words) -> Work:
+        if words.unsigned() != SIGNATURE_LENGTH:
+            self._print("", f"Incorrect signature length (should be{SIGNATURE_LENGTH} bytes)")
+            raise CommandError("a signature has another length")
+        self.signature = yield from self._take(SIGNATURE_LENGTH)
+        self._print("", "Signature received")
+
+    def _take(self, length: int) -> Generator[None, None, bytes]:
+        upload = self._upload = Upload(length)
+        yield
+        self._upload = None
+        if upload.stage is Stage.TIMED_OUT:
+            self._print("", "Timed out waiting for data")
+            raise CommandError("the data did not come")
+        return bytes(upload.data)
+
+    def _verify(self) -> None:
+        if not self.image:
+            self._print("No image loaded")
+            raise CommandError("there is no image")
+        ends = bytes([self.image[0], self.image[0], *self.image[-2:]])
+        self._print("Verifying image...")
+        self._print(f"Verifying image length={len(self.image)} {_hex(ends)}")
+        self._print("SHA256:", f" {_hex(hashlib.sha256(self.image).digest())}")
+        self._print("Public key:", f" {_hex(PUBLIC_KEY)}")
+        if not self.signature:
+            self._print("Image verification failed")
+            raise CommandError("there is no signature")
+        self._print("Image verifed OK")
+
+    def _reboot(self) -> Work:
+        self._verify()
+        self._print("Rebooting...")
+        self._pause = BEFORE_JUMP
+        yield
+        self.rebooted = True
+
+    def _print(self, *lines: str) -> None:
+        for line in lines:
+            self._put(f"{line}\r\n".encode())
+
+
+def _hex(data: bytes) -> str:
+    return data.hex(" ").upper()
