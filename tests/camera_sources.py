@@ -160,8 +160,9 @@ class FakeCapture:
         return True
 
     def retrieve(self):
+        """A JPEG that cannot be decoded gives True and nothing."""
         image = self._image
-        return image is not None, None if image is None else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        return True, None if image is None else cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
 
     def release(self):
         self.released = True

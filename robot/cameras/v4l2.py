@@ -64,7 +64,7 @@ class V4l2Device:
         self._configure(self._capture)
 
     def grab(self, timeout: float) -> Frame | None:
-        """Wait for the next picture; OpenCV's own time-out holds.
+        """Wait for the next picture; None if it came damaged. OpenCV's own time-out holds.
 
         Raises:
             PictureError: none came, as of a camera that was unplugged.
@@ -75,8 +75,8 @@ class V4l2Device:
         arrival = self._clock()
         stamp = self._stamp(capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, arrival)
         done, picture = capture.retrieve()
-        if not done:
-            raise PictureError(f"{self.name} sent a picture that cannot be decoded")
+        if not done or picture is None or picture.size == 0:
+            return None  # a JPEG that was cut, as some cameras send at first
         return Frame(stamp, upright(picture, self._settings.rotation))
 
     def close(self) -> None:
