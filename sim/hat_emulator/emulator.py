@@ -1,0 +1,77 @@
+"""The emulated board with its devices, its surroundings and the loop that keeps it to the clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from robot.description.wiring import PORTS
+from sim.hat.devices.device import Device
+from sim.hat.devices.lego_motor import LegoMotor
+from sim.hat.devices.motor_kinds import MotorKind
+from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.processor import VERSION
+from sim.hat_emulator.pseudo_terminal import PseudoTerminal
+from sim.hat_emulator.real_time import RealTimeBoard
+from sim.hat_emulator.surroundings import Surroundings
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What the emulator starts with."""
+
+    warm: bool = True
+    """The firmware runs and knows the devices; else the bootloader waits for an image."""
+    version: int = VERSION
+    """Of the firmware that runs."""
+    seed: int = 0
+    """Of marks on motors, their sampling and garbled bytes."""
+
+
+class Emulator:
+    """A Build HAT that lives by the clock on the wall."""
+
+    def __init__(
+        self,
+        surroundings: Surroundings,
+        motors: Mapping[int, MotorKind],
+        terminal: PseudoTerminal,
+        beginning: Beginning | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Switch it on, with motors plugged in by port, 0 to 3."""
+        self.surroundings = surroundings
+        self._beginning = beginning or Beginning()
+        self._terminal = terminal
+        rng = np.random.default_rng(self._beginning.seed)
+        self._marks = rng.uniform(-180, 180, len(PORTS)).tolist()
+        self._phases = rng.uniform(0, 0.01, len(PORTS)).tolist()
+        self._started = 0.0
+        devices = {port: self.motor(port, kind) for port, kind in motors.items()}
+        self.board = self._new_board(devices, self._beginning.version, self._beginning.warm)
+        self.loop = RealTimeBoard(self.board, terminal, clock)
+        self.unplugged: dict[int, Device] = {}
+        """What was taken away last, by port."""
+
+    def motor(self, port: int, kind: MotorKind) -> LegoMotor:
+        """A motor that turns what is at a port; each port's has a mark at another angle."""
+        plant = self.surroundings.plants.plant(port)
+        return LegoMotor(kind.type_id, plant, mark=self._marks[port], phase=self._phases[port])
+
+    def wall(self, stamp: float) -> float:
+        """From the time of the surroundings [s] to that of the clock on the wall [s]."""
+        return self.loop.wall(stamp - self._started)
+
+    def restart(self, version: int) -> None:
+        """Another board with the same devices, on which another version of the firmware runs."""
+        self.board.reset()
+        self._started += self.board.now
+        self.board = self._new_board(dict(self.board.devices), version, warm=True)
+        self.loop.take(self.board)
+
+    def _new_board(self, devices: Mapping[int, Device], version: int, warm: bool) -> EmulatedBoard:
+        plants, seed = self.surroundings.plants, self._beginning.seed
+        return EmulatedBoard(plants, devices, warm=warm, version=version, seed=seed)

@@ -1,0 +1,125 @@
+"""Lines of text in, one line of answer each: from a socket in the file system, from a terminal."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Protocol
+
+from sim.hat_emulator.unix_sockets import listen, stop_listening
+
+LONGEST_LINE = 4096
+"""Bytes; who sends more without a line end is let go."""
+
+
+class Loop(Protocol):
+    """Something that waits for inputs."""
+
+    def listen(self, source: Any, answer: Callable[[], None]) -> None:
+        """Call ``answer`` whenever there is something to read."""
+        ...
+
+    def forget(self, source: Any) -> None:
+        """Listen no more."""
+        ...
+
+
+class Lines:
+    """Puts lines together and answers them."""
+
+    def __init__(self, answer: Callable[[str], str]) -> None:
+        self._answer = answer
+        self._begun = b""
+
+    def feed(self, data: bytes) -> bytes:
+        """Answers to what lines have become whole.
+
+        Raises:
+            ValueError: a line is too long.
+        """
+        *lines, self._begun = (self._begun + data).split(b"\n")
+        if len(self._begun) > LONGEST_LINE:
+            raise ValueError(f"a line is longer than {LONGEST_LINE} bytes")
+        texts = (line.decode("utf-8", "replace").strip() for line in lines)
+        return b"".join(self._answer(text).encode() + b"\n" for text in texts if text)
+
+
+class LineServer:
+    """Any number of programs may connect, one after the other or at once."""
+
+    def __init__(self, path: Path, answer: Callable[[str], str], loop: Loop) -> None:
+        """Listen at ``path``.
+
+        Raises:
+            SocketError: nothing can listen there.
+        """
+        self._answer = answer
+        self._loop = loop
+        self._listening: socket.socket | None = listen(path)
+        self._talking: list[socket.socket] = []
+        loop.listen(self._listening, self._welcome)
+
+    def close(self) -> None:
+        """Let everybody go and take the socket away; may be called twice."""
+        if self._listening is None:
+            return
+        for connection in list(self._talking):
+            self._dismiss(connection)
+        self._loop.forget(self._listening)
+        stop_listening(self._listening)
+        self._listening = None
+
+    def _welcome(self) -> None:
+        assert self._listening is not None
+        with suppress(BlockingIOError):  # it went away again
+            connection, _ = self._listening.accept()
+            connection.setblocking(False)
+            lines = Lines(self._answer)
+            self._talking.append(connection)
+            self._loop.listen(connection, lambda: self._hear(connection, lines))
+
+    def _hear(self, connection: socket.socket, lines: Lines) -> None:
+        try:
+            data = connection.recv(LONGEST_LINE)
+            if data:
+                # A program that does not read its answers has lost them: nothing waits here.
+                connection.sendall(lines.feed(data))
+                return
+        except (OSError, ValueError):
+            pass
+        self._dismiss(connection)
+
+    def _dismiss(self, connection: socket.socket) -> None:
+        self._loop.forget(connection)
+        self._talking.remove(connection)
+        connection.close()
+
+
+class TypedLines:
+    """Lines from standard input, answered on standard output."""
+
+    def __init__(
+        self, source: int, answer: Callable[[str], str], loop: Loop, say: Callable[[str], None]
+    ) -> None:
+        """``source`` is a descriptor, 0 for standard input."""
+        self._source = source
+        self._lines = Lines(answer)
+        self._loop = loop
+        self._say = say
+        loop.listen(source, self._hear)
+
+    def _hear(self) -> None:
+        try:
+            data = os.read(self._source, LONGEST_LINE)
+            answers = self._lines.feed(data) if data else b""
+        except (OSError, ValueError):
+            data = b""
+        if not data:
+            # Nobody types any more; the emulator goes on.
+            self._loop.forget(self._source)
+            return
+        if answers:
+            self._say(answers.decode().rstrip("\n"))

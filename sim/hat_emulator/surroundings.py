@@ -1,0 +1,113 @@
+"""What is around the board: motors on a table, or a robot on a field that they drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from robot.description.spec import RobotSpec
+from robot.geometry import Pose2
+from sim.bullet import BulletWorld
+from sim.floor_camera import CameraSettings
+from sim.hat.devices.device import Plants
+from sim.hat.devices.motor_kinds import MotorKind
+from sim.hat.devices.plants import FreeMotors
+from sim.hat_emulator.bullet_wheels import BulletWheels
+from sim.hat_emulator.camera_feed import CameraFeed
+from sim.hat_emulator.picture_server import Shot
+
+
+class SurroundingsError(ValueError):
+    """There is nothing of that kind around the board."""
+
+
+class Surroundings(Protocol):
+    """What the board's drivers turn, and where that leads."""
+
+    @property
+    def plants(self) -> Plants:
+        """The motors."""
+        ...
+
+    @property
+    def truth(self) -> Pose2:
+        """Where the robot is in the map.
+
+        Raises:
+            SurroundingsError: there is none.
+        """
+        ...
+
+    def place(self, pose: Pose2) -> None:
+        """Put the robot elsewhere by hand.
+
+        Raises:
+            SurroundingsError: there is none.
+            WorldError: the pose is not finite.
+        """
+        ...
+
+    def close(self) -> None:
+        """Let go of everything; may be called twice."""
+        ...
+
+
+class Table:
+    """Motors that turn freely; no robot."""
+
+    def __init__(self, kinds: Mapping[int, MotorKind]) -> None:
+        """Kinds of motors by port, 0 to 3."""
+        self.plants = FreeMotors(kinds)
+
+    @property
+    def truth(self) -> Pose2:
+        """There is none."""
+        raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
+
+    def place(self, pose: Pose2) -> None:
+        """There is nothing to put elsewhere."""
+        raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+class RobotOnField:
+    """A robot that stands on the floor on its wheels, and may have a camera."""
+
+    def __init__(
+        self, world: BulletWorld, spec: RobotSpec, kinds: Mapping[int, MotorKind] | None = None
+    ) -> None:
+        """``spec`` is what the world was made from; it names the motors where ``kinds`` do not."""
+        self.plants = BulletWheels(world, spec, kinds, self._look)
+        self._world = world
+        self._feed: CameraFeed | None = None
+
+    def has_camera(
+        self,
+        settings: CameraSettings,
+        readout: float,
+        wall: Callable[[float], float],
+        take: Callable[[Shot], None],
+    ) -> None:
+        """It has a camera from now on; for the arguments see ``CameraFeed``."""
+        self._feed = CameraFeed(self._world, settings, readout, wall, take)
+
+    @property
+    def truth(self) -> Pose2:
+        """True pose of the robot frame in the map."""
+        return self._world.pose
+
+    def place(self, pose: Pose2) -> None:
+        """Put it at a pose in the map, standing; pictures under way are lost."""
+        self._world.place(pose)
+        if self._feed is not None:
+            self._feed.moved(self.plants.now)
+
+    def close(self) -> None:
+        """End the world."""
+        self._world.close()
+
+    def _look(self, now: float) -> None:
+        if self._feed is not None:
+            self._feed.look(now)
