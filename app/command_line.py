@@ -14,6 +14,7 @@ from pathlib import Path
 from app.config import ROBOTS, Config, load_config
 from app.console import say
 from app.evaluation.options import add_config, add_evaluate, add_map
+from app.hat_emulator.options import add_emulate_hat
 from app.sweep.options import add_sweep
 from app.trajectories.trajectory import TrajectoryError
 from robot.fields.field import FieldError
@@ -54,6 +55,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_run(commands)
     add_evaluate(commands)
     add_sweep(commands)
+    add_emulate_hat(commands)
     _add_bench(commands)
     return parser
 
