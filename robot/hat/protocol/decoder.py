@@ -1,0 +1,94 @@
+"""Bytes of a Build HAT to events, whatever happens to the bytes on the way.
+
+A garbled byte costs the line that it is in, and nothing more: a line ends at CR LF, or at either
+of them where the other was lost.
+"""
+
+from __future__ import annotations
+
+import re
+
+from robot.hat.protocol.bootloader_events import BootloaderPrompt
+from robot.hat.protocol.events import BusError, Echo, Event, Unknown
+from robot.hat.protocol.grammar import read_line
+
+LONGEST = 512
+"""No line of the board is longer: the signature, the longest, has 211 bytes."""
+
+CR, LF, NUL = b"\r", b"\n", b"\0"
+LINE_END = re.compile(rb"[\r\n]")
+PROMPT = b"BHBL> "
+FIRMWARE_PROMPTS = re.compile(rb"(?:P[0-3]>)+")
+GLUED_ERROR = re.compile(rb"<[^<>]*bus (?:timeout|error)>|<P[0-3]: [^<>]*>")
+
+
+class Decoder:
+    """Keeps the begun line between two calls."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+        self._echoes = False
+        self._skipping = False
+        self._after_cr = False
+
+    def feed(self, data: bytes) -> list[Event]:
+        """The events that these bytes complete; any bytes are taken, in pieces of any size."""
+        events: list[Event] = []
+        at = 0
+        for end in LINE_END.finditer(data):
+            self._take(data[at : end.start()], events)
+            at = end.end()
+            self._end_line(end.group(), events)
+        self._take(data[at:], events)
+        return events
+
+    def _take(self, piece: bytes, events: list[Event]) -> None:
+        """More of the begun line; the bootloader's prompt is seen without waiting for its end."""
+        if not piece:
+            return
+        self._after_cr = False
+        if self._skipping:
+            return
+        *before, rest = (self._begun + piece).split(PROMPT)
+        for one in before:
+            self._tell(one, events, even_empty=False)
+            events.append(BootloaderPrompt())
+            self._echoes = True
+        self._begun = rest
+        if len(rest) > LONGEST:
+            events.append(Unknown(rest[:LONGEST]))
+            self._begun = b""
+            self._skipping = True
+
+    def _end_line(self, end: bytes, events: list[Event]) -> None:
+        ended = end == LF and self._after_cr
+        self._after_cr = end == CR
+        if ended:
+            return
+        if not self._skipping:
+            self._tell(self._begun, events, even_empty=True)
+        self._begun = b""
+        self._echoes = self._skipping = False
+
+    def _tell(self, line: bytes, events: list[Event], even_empty: bool) -> None:
+        """Append what a line says, and what is glued to it."""
+        # A break on the wire is heard as NUL, and comes before what is said next.
+        line = line.lstrip(NUL)
+        for error in GLUED_ERROR.findall(line):
+            events.append(BusError(error.decode("utf-8", "replace")))
+        line = GLUED_ERROR.sub(b"", line)
+        prompts = FIRMWARE_PROMPTS.match(line)
+        if prompts:
+            line = line[prompts.end() :]
+            self._echoes = True
+        if line or even_empty:
+            events.append(self._meaning(line))
+
+    def _meaning(self, line: bytes) -> Event:
+        """An echo is what follows a prompt, unless it is something that only the board says."""
+        if self._echoes and not line:
+            return Echo("")
+        event = read_line(line) if len(line) <= LONGEST else Unknown(line[:LONGEST])
+        if self._echoes and isinstance(event, Unknown):
+            return Echo(line.decode("utf-8", "replace"))
+        return event

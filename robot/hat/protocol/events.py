@@ -1,0 +1,264 @@
+"""What a Build HAT can say, one type for every kind of line.
+
+Ports are 0 to 3 (A to D). What the firmware does not mark with a port is of the whole board.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robot.hat.protocol.bootloader_events import (
+    BootloaderPrompt,
+    BootloaderVersion,
+    ChecksumFailure,
+    ChecksumOk,
+    ImageReceived,
+    Rebooting,
+    SignatureReceived,
+    UploadRefused,
+    UploadTimeout,
+    VerificationFailed,
+    Verified,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The blank line that comes first after every command line, successful or not."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandError:
+    """A command was not understood; the rest of its line was dropped, what stood before was not."""
+
+
+@dataclass(frozen=True, slots=True)
+class FirmwareVersion:
+    """The firmware tells its version: seconds since 1970, and the same as a date."""
+
+    version: int
+    date: str
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """The firmware's signature as hexadecimal text."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class InitDone:
+    """The firmware has started and takes commands; its devices come seconds later."""
+
+
+@dataclass(frozen=True, slots=True)
+class Connecting:
+    """A device answers at a port; it takes seconds until it can be used."""
+
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class Connected:
+    """A device of that type is at a port: it just came, or it is there (in an answer to list).
+
+    One that just came can be used from ``Established`` on; a passive one at once.
+    """
+
+    port: int
+    type_id: int
+    passive: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Established:
+    """A device that just came can be used."""
+
+    port: int
+    type_id: int
+
+
+@dataclass(frozen=True, slots=True)
+class NoDevice:
+    """Nothing is at a port; said only in an answer to list."""
+
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class Disconnected:
+    """A device that could be used is gone, and with it all settings of its port."""
+
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class ConnectionFailed:
+    """A connection breaks off; if the device could be used, ``Disconnected`` follows."""
+
+    port: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class PulseDone:
+    """A pulse ended by itself, so nobody renewed it."""
+
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class RampDone:
+    """A ramp reached its end."""
+
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class Button:
+    """The button of a passive device."""
+
+    port: int
+    pressed: bool
+
+
+@dataclass(frozen=True, slots=True)
+class ModeData:
+    """A report of one mode, in the device's own units."""
+
+    port: int
+    mode: int
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CombiData:
+    """A report of a combination of modes, in the device's own units and in the order asked for."""
+
+    port: int
+    slot: int
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """A report of one value that was taken out of a device's data; may be NaN or infinite."""
+
+    port: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Supply:
+    """The supply's voltage [V]."""
+
+    volts: float
+
+
+@dataclass(frozen=True, slots=True)
+class MotorPowerFault:
+    """A motor driver reports a fault; repeated each second while it lasts, nothing is stopped."""
+
+
+@dataclass(frozen=True, slots=True)
+class PortPowerFault:
+    """The ports' 3.3 V are overloaded; repeated each second while it lasts."""
+
+
+@dataclass(frozen=True, slots=True)
+class FaultDump:
+    """The motor drivers' registers, after a motor power fault."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Late:
+    """The firmware's main loop took so long [ms]; above 2 it says so."""
+
+    ms: int
+
+
+@dataclass(frozen=True, slots=True)
+class QueueOverrun:
+    """The firmware lost messages to a device."""
+
+
+@dataclass(frozen=True, slots=True)
+class BusError:
+    """The bus between the board's own chips failed."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Banner:
+    """What is said in passing: at a start, at a connection and before a reboot."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptionLine:
+    """One line of a device's description."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Echo:
+    """A command as the board heard it; the bootloader always echoes, the firmware if told to."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A line that no Build HAT says: garbled, cut, or from something else. Long ones are cut."""
+
+    raw: bytes
+
+
+Event = (
+    Answered
+    | CommandError
+    | FirmwareVersion
+    | BootloaderVersion
+    | BootloaderPrompt
+    | Connecting
+    | Connected
+    | Established
+    | NoDevice
+    | Disconnected
+    | ConnectionFailed
+    | PulseDone
+    | RampDone
+    | Button
+    | ModeData
+    | CombiData
+    | Value
+    | Supply
+    | MotorPowerFault
+    | PortPowerFault
+    | FaultDump
+    | Late
+    | QueueOverrun
+    | BusError
+    | InitDone
+    | Banner
+    | DescriptionLine
+    | Echo
+    | ImageReceived
+    | ChecksumOk
+    | ChecksumFailure
+    | SignatureReceived
+    | UploadTimeout
+    | UploadRefused
+    | Verified
+    | VerificationFailed
+    | Rebooting
+    | Signature
+    | Unknown
+)
+"""Anything that a Build HAT can say."""

@@ -1,0 +1,1 @@
+"""From an open port to a Build HAT that runs the right firmware, without any I/O."""
