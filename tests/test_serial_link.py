@@ -1,0 +1,316 @@
+"""The thread at the Build HAT's port, over real pseudo-terminals."""
+
+import errno
+import os
+import queue
+import select
+import threading
+import tty
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+import pytest
+import serial
+
+from robot.hat import serial_link, serial_port
+from robot.hat.serial_link import SerialLink
+from robot.hat.serial_port import PortError, SerialPort, find_device
+
+PATIENCE = 10.0
+FDS = Path("/proc/self/fd")
+
+
+class Listener:
+    """A talker that tells the test what it was told."""
+
+    def __init__(self, answers=None):
+        self.told = queue.Queue()
+        self.answers = answers or {}
+        self.wants_reset = False
+        self.ticks = queue.Queue()
+
+    def _tell(self, *what):
+        self.told.put(what)
+        answer = self.answers.get(what[0], b"")
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def opened(self, now):
+        return self._tell("opened")
+
+    def receive(self, data, now):
+        return self._tell("receive", data)
+
+    def tick(self, now):
+        self.ticks.put(now)
+        answer = self.answers.get("tick", b"")
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def lost(self, reason, now):
+        self._tell("lost", reason)
+
+    def was_reset(self, now):
+        self.wants_reset = False
+        self._tell("was_reset")
+
+    def cannot_reset(self, reason, now):
+        self.wants_reset = False
+        self._tell("cannot_reset", reason)
+
+    def farewell(self):
+        return self._tell("farewell")
+
+    def next(self):
+        return self.told.get(timeout=PATIENCE)
+
+
+class Pty:
+    """Both ends of a pseudo-terminal; the test is the board."""
+
+    def __init__(self):
+        self.master, self.slave = os.openpty()
+        tty.setraw(self.slave)
+        self.name = os.ttyname(self.slave)
+
+    def read(self, count):
+        """So many bytes that the link sent."""
+        read = b""
+        while len(read) < count:
+            assert select.select([self.master], [], [], PATIENCE)[0], read
+            read += os.read(self.master, count - len(read))
+        return read
+
+    def write(self, data):
+        os.write(self.master, data)
+
+    def close(self):
+        for end in (self.master, self.slave):
+            if end is not None:
+                os.close(end)
+        self.master = self.slave = None
+
+
+@pytest.fixture
+def pty():
+    with closing(Pty()) as pty:
+        yield pty
+
+
+@pytest.fixture(autouse=True)
+def nothing_is_left():
+    """No test may leave a thread or a descriptor behind."""
+    before = set(FDS.iterdir())
+    yield
+    assert not [thread for thread in threading.enumerate() if thread.name == "build hat"]
+    assert set(FDS.iterdir()) <= before
+
+
+@contextmanager
+def linked(device, talker, **more):
+    link = SerialLink(device, talker, **more)
+    link.start()
+    try:
+        yield link
+    finally:
+        link.close()
+        assert not link.alive
+
+
+def test_bytes_go_both_ways_and_nothing_is_translated(pty):
+    everything = bytes(range(256))
+    talker = Listener({"opened": b"hello\r", "receive": everything})
+    with linked(pty.name, talker):
+        assert talker.next() == ("opened",)
+        assert pty.read(6) == b"hello\r"
+        pty.write(b"\0\r\n\xff\x11\x13\x03")
+        assert talker.next() == ("receive", b"\0\r\n\xff\x11\x13\x03")
+        assert pty.read(256) == everything
+
+
+def test_the_thread_has_its_name_and_ticks_at_its_period(pty):
+    talker = Listener({"tick": b"."})
+    with linked(pty.name, talker, period=0.005) as link:
+        stamps = [talker.ticks.get(timeout=PATIENCE) for _ in range(20)]
+        assert "build hat" in {thread.name for thread in threading.enumerate()}
+        assert pty.read(20) == b"." * 20
+        assert link.alive
+    assert stamps[-1] - stamps[0] >= 19 * 0.005 - 1e-3
+
+
+def test_a_farewell_is_sent_before_the_port_is_closed(pty):
+    talker = Listener({"farewell": b"port 0;pwm;off\r"})
+    with linked(pty.name, talker):
+        talker.next()
+    assert pty.read(15) == b"port 0;pwm;off\r"
+    assert talker.next() == ("farewell",)
+
+
+def test_closing_twice_or_before_the_start_is_fine(pty):
+    link = SerialLink(pty.name, Listener())
+    link.close()
+    link = SerialLink(pty.name, Listener())
+    link.start()
+    link.close()
+    link.close()
+    assert not link.alive
+
+
+def test_a_board_that_takes_nothing_does_not_keep_the_thread(pty, monkeypatch):
+    """The farewell cuts in: what waits is dropped, and the cut line is ended before it."""
+    monkeypatch.setattr(serial_link, "FAREWELL_S", 0.05)
+    talker = Listener({"opened": b"x" * 1_000_000, "farewell": b"stop\r"})
+    with linked(pty.name, talker):
+        assert talker.next() == ("opened",)
+        talker.ticks.get(timeout=PATIENCE)
+    assert talker.next() == ("farewell",)
+
+
+def test_a_board_that_wakes_up_hears_the_farewell_on_a_line_of_its_own(pty):
+    with closing(SerialPort(pty.name)) as port:
+        port.put(b"x" * 1_000_000)
+        port.exchange(0)
+        heard = []
+
+        def board():
+            heard.append(b"")
+            while not heard[0].endswith(b"stop\r"):
+                heard[0] += pty.read(1)
+
+        reader = threading.Thread(target=board)
+        reader.start()
+        assert port.finish(b"stop\r", PATIENCE)
+        reader.join(PATIENCE)
+    assert heard[0].endswith(b"x\rstop\r")
+    assert len(heard[0]) < 100_000
+
+
+def test_a_port_that_takes_nothing_for_long_is_given_up(pty):
+    now = [0.0]
+    with closing(SerialPort(pty.name, clock=lambda: now[0])) as port:
+        port.put(b"x" * 1_000_000)
+        while select.select([], [pty.slave], [], 0)[1]:
+            port.exchange(0)
+        now[0] += serial_port.STUCK_S + 0.1
+        with pytest.raises(PortError, match="takes no bytes"):
+            port.exchange(0)
+
+
+def test_a_port_that_goes_away_is_told_and_opened_again(pty, tmp_path, monkeypatch):
+    monkeypatch.setattr(serial_link, "REOPEN_S", 0.01)
+    device = tmp_path / "hat"
+    device.symlink_to(pty.name)
+    talker = Listener()
+    with linked(str(device), talker):
+        assert talker.next() == ("opened",)
+        device.unlink()
+        pty.close()
+        what, reason = talker.next()
+        assert (what, "is gone" in reason) == ("lost", True)
+        what, reason = talker.next()
+        assert (what, "no serial port" in reason) == ("lost", True)
+        with closing(Pty()) as another:
+            device.symlink_to(another.name)
+            assert talker.next() == ("opened",)
+            another.write(b"7.98 V\r\n")
+            assert talker.next() == ("receive", b"7.98 V\r\n")
+
+
+def test_a_second_program_is_told_that_the_port_is_taken(pty):
+    talker, other = Listener(), Listener()
+    with linked(pty.name, talker):
+        assert talker.next() == ("opened",)
+        with linked(pty.name, other):
+            what, reason = other.next()
+            assert (what, "another program" in reason) == ("lost", True)
+    with linked(pty.name, other):
+        assert other.next() == ("opened",)
+
+
+@pytest.mark.parametrize("where", ["opened", "receive", "tick"])
+def test_a_talker_that_fails_stops_the_motors_and_is_told(pty, where, caplog):
+    failure = ZeroDivisionError("a defect")
+    talker = Listener({where: failure, "farewell": b"stop\r"})
+    with linked(pty.name, talker) as link:
+        pty.write(b"x")
+        assert pty.read(5) == b"stop\r"
+        link._thread.join(PATIENCE)
+        assert link.failure is failure
+        assert not link.alive
+    assert "driver failed" in caplog.text
+
+
+def test_a_talker_that_fails_as_the_port_goes_away_is_still_what_is_told(pty, caplog):
+    failure = ZeroDivisionError("a defect")
+    talker = Listener({"receive": failure, "farewell": PortError("/dev/x is gone")})
+    with linked(pty.name, talker) as link:
+        pty.write(b"x")
+        link._thread.join(PATIENCE)
+        assert link.failure is failure
+    assert "could not be told to stop: /dev/x is gone" in failure.__notes__[0]
+
+
+def test_a_reset_that_is_wanted_is_done_and_told(pty):
+    pulled = []
+    talker = Listener()
+    talker.wants_reset = True
+    with linked(pty.name, talker, reset=lambda: pulled.append(1)):
+        assert [talker.next(), talker.next()] == [("opened",), ("was_reset",)]
+    assert pulled == [1]
+
+
+def test_a_reset_that_cannot_be_is_told(pty):
+    def busy():
+        raise RuntimeError("pin 4 is busy")
+
+    for reset, said in ((busy, "pin 4 is busy"), (None, "this program has no reset pin")):
+        talker = Listener()
+        talker.wants_reset = True
+        with linked(pty.name, talker, reset=reset):
+            assert [talker.next(), talker.next()] == [("opened",), ("cannot_reset", said)]
+
+
+@pytest.mark.parametrize(
+    ("error", "cure"),
+    [
+        (errno.ENOENT, "raspi-config"),
+        (errno.EACCES, "dialout"),
+        (errno.EBUSY, "another program"),
+        (errno.EAGAIN, "another program"),
+        (errno.EIO, "cannot be opened"),
+    ],
+)
+def test_what_cannot_be_opened_says_why_and_the_cure(monkeypatch, error, cure):
+    def refuse(*args, **kwargs):
+        raise serial.SerialException(error, os.strerror(error))
+
+    monkeypatch.setattr(serial_port.serial.Serial, "open", refuse)
+    with pytest.raises(PortError, match=cure):
+        SerialPort("/dev/serial0")
+
+
+def test_what_is_no_serial_port_is_refused(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(PortError, match="cannot be opened as a serial port"):
+        SerialPort(str(tmp_path / "file"))
+
+
+@pytest.mark.parametrize(
+    ("model", "device"),
+    [
+        ("Raspberry Pi 5 Model B Rev 1.0\0", "/dev/ttyAMA0"),
+        ("Raspberry Pi 500 Rev 1.0\0", "/dev/ttyAMA0"),
+        ("Raspberry Pi Compute Module 5 Rev 1.0\0", "/dev/ttyAMA0"),
+        ("Raspberry Pi 4 Model B Rev 1.5\0", "/dev/serial0"),
+        ("Raspberry Pi Zero 2 W Rev 1.0\0", "/dev/serial0"),
+        ("Raspberry Pi Compute Module 4 Rev 1.5\0", "/dev/serial0"),
+        (None, "/dev/serial0"),
+    ],
+)
+def test_the_port_on_the_header_by_the_pis_model(tmp_path, model, device):
+    path = tmp_path / "model"
+    if model is not None:
+        path.write_text(model, encoding="utf-8")
+    assert find_device(path) == device
