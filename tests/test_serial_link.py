@@ -234,6 +234,7 @@ def test_a_talker_that_fails_stops_the_motors_and_is_told(pty, where, caplog):
     failure = ZeroDivisionError("a defect")
     talker = Listener({where: failure, "farewell": b"stop\r"})
     with linked(pty.name, talker) as link:
+        assert talker.next() == ("opened",)
         pty.write(b"x")
         assert pty.read(5) == b"stop\r"
         link._thread.join(PATIENCE)
@@ -246,6 +247,7 @@ def test_a_talker_that_fails_as_the_port_goes_away_is_still_what_is_told(pty, ca
     failure = ZeroDivisionError("a defect")
     talker = Listener({"receive": failure, "farewell": PortError("/dev/x is gone")})
     with linked(pty.name, talker) as link:
+        assert talker.next() == ("opened",)
         pty.write(b"x")
         link._thread.join(PATIENCE)
         assert link.failure is failure
