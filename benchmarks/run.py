@@ -7,8 +7,20 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import accuracy, live, loop, recovery, render, scan, start, sweep, worth
+from benchmarks import (
+    accuracy,
+    live,
+    loop,
+    official_library,
+    recovery,
+    render,
+    scan,
+    start,
+    sweep,
+    worth,
+)
 from benchmarks import filter as particle_filter
+from benchmarks.hat import wheels
 from benchmarks.result import Result
 from robot.settings import SettingError
 
@@ -17,11 +29,13 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "filter": particle_filter.measure,
     "loop": loop.measure,
     "live": live.measure,
+    "official_library": official_library.measure,
     "recovery": recovery.measure,
     "render": render.measure,
     "scan": scan.measure,
     "start": start.measure,
     "sweep": sweep.measure,
+    "wheels": wheels.measure,
     "worth": worth.measure,
 }
 

@@ -1,0 +1,74 @@
+"""``brickpose emulate-hat`` in a process of its own, for programs that open its serial port."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.config import ROOT
+
+END_TIMEOUT = 10.0
+"""[s]"""
+
+
+@dataclass(frozen=True)
+class EmulatedHat:
+    """A running emulator."""
+
+    device: Path
+    """The serial port."""
+    control: Path
+    """The socket that takes commands."""
+    process: subprocess.Popen[str]
+
+    def ask(self, line: str) -> str:
+        """The answer to a command.
+
+        Raises:
+            ValueError: it answers with an error.
+        """
+        with socket.socket(socket.AF_UNIX) as connection:
+            connection.settimeout(END_TIMEOUT)
+            connection.connect(str(self.control))
+            connection.sendall(line.encode() + b"\n")
+            answer = connection.makefile().readline().rstrip("\n")
+        if answer.startswith("error"):
+            raise ValueError(f"{line}: {answer}")
+        return answer
+
+    def cpu_seconds(self) -> float:
+        """Processor time that it has used [s], as Linux counts it."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@contextmanager
+def emulated_hat(folder: Path, *options: str) -> Iterator[EmulatedHat]:
+    """Start one with its names in a folder, and end it as Ctrl-C does.
+
+    Raises:
+        RuntimeError: it does not start, or does not end with 0.
+    """
+    device, control = folder / "hat", folder / "hands"
+    command = [sys.executable, "-m", "app", "emulate-hat", *options]
+    command += ["--link", str(device), "--control", str(control)]
+    with subprocess.Popen(
+        command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            if not line.startswith("Build HAT at "):
+                raise RuntimeError(f"the emulator did not start: {line!r}")
+            yield EmulatedHat(device, control, process)
+        finally:
+            process.terminate()
+            ended = process.wait(END_TIMEOUT)
+    if ended != 0:
+        raise RuntimeError(f"the emulator ended with {ended}")

@@ -1,0 +1,211 @@
+"""A program that uses LEGO motors through Raspberry Pi's own library, as its users write them.
+
+``python -m benchmarks.official_session DEVICE CONTROL PART...`` prints one line of JSON: what each
+part found. The library is used as it is; only where it would reset the board by a pin of the Pi,
+that edge is seen on a mock of the pin and passed on to the emulator.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import sys
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import gpiozero  # type: ignore[import-untyped]
+from buildhat import Hat, Motor, MotorPair  # type: ignore[import-untyped]
+
+RESET_PIN = 4
+SETTLE = 0.3
+"""Time in which a motor reaches a speed or stands [s]."""
+
+Found = dict[str, Any]
+
+
+def main() -> None:
+    """Run the parts in one session."""
+    device, control, *parts = sys.argv[1:]
+    threading.Thread(target=pass_on_reset, args=(control,), daemon=True).start()
+    start = time.monotonic()
+    hat = Hat(device=device)
+    found: Found = {"start": time.monotonic() - start}
+    for part in parts:
+        found[part] = PARTS[part](hat)
+    print(json.dumps(found))
+
+
+def pass_on_reset(control: str) -> None:
+    """Wait for a low and a high level on the reset pin, and reset the emulator."""
+    factory = gpiozero.Device.pin_factory
+    while factory is None:
+        time.sleep(0.002)
+        factory = gpiozero.Device.pin_factory
+    pin = factory.pin(RESET_PIN)
+    while [level.state for level in pin.states][-2:] != [False, True]:
+        time.sleep(0.002)
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.connect(control)
+        connection.sendall(b"reset\n")
+        connection.recv(100)
+
+
+def hat_part(hat: Any) -> Found:
+    """What the board says of itself."""
+    hat.set_leds("green")
+    hat.set_leds("voltage")
+    return {"devices": hat.get(), "vin": hat.get_vin()}
+
+
+def position(motor: Any, do: Callable[[], None]) -> Found:
+    """How far [degree] and how long [s] a motor turns by what is done."""
+    before, start = motor.get_position(), time.monotonic()
+    do()
+    seconds = time.monotonic() - start
+    time.sleep(SETTLE)
+    return {"turned": motor.get_position() - before, "seconds": seconds}
+
+
+def get_part(hat: Any) -> Found:
+    """A motor's three numbers."""
+    motor = Motor("A")
+    return {
+        "position": motor.get_position(),
+        "aposition": motor.get_aposition(),
+        "speed": motor.get_speed(),
+    }
+
+
+def seconds_part(hat: Any) -> Found:
+    """run_for_seconds, forth and back, and without waiting."""
+    motor = Motor("A")
+    found = {
+        "forth": position(motor, lambda: motor.run_for_seconds(1, 50)),
+        "back": position(motor, lambda: motor.run_for_seconds(1, -50)),
+    }
+    start = time.monotonic()
+    motor.run_for_seconds(0.5, 30, blocking=False)
+    found["queued"] = {"seconds": time.monotonic() - start}
+    motor.stop()  # waits for what is queued
+    found["done"] = {"seconds": time.monotonic() - start}
+    return found
+
+
+def degrees_part(hat: Any) -> Found:
+    """run_for_degrees and run_for_rotations."""
+    motor = Motor("A")
+    return {
+        "forth": position(motor, lambda: motor.run_for_degrees(360, 20)),
+        "back": position(motor, lambda: motor.run_for_degrees(-180, 20)),
+        "rotations": position(motor, lambda: motor.run_for_rotations(1, -20)),
+    }
+
+
+def position_part(hat: Any) -> Found:
+    """run_to_position by each of the ways."""
+    motor = Motor("A")
+    found = {}
+    for degrees, direction in ((0, "shortest"), (120, "clockwise"), (-60, "anticlockwise")):
+        motor.run_to_position(degrees, 20, direction=direction)
+        time.sleep(SETTLE)
+        found[direction] = motor.get_aposition() - degrees
+    return found
+
+
+def callback_part(hat: Any) -> Found:
+    """when_rotated while a motor turns."""
+    motor, told = Motor("A"), []
+
+    def rotated(speed: int, place: int, absolute: int) -> None:
+        told.append((speed, place, absolute))
+
+    motor.when_rotated = rotated
+    turned = position(motor, lambda: motor.run_for_degrees(360, 20))["turned"]
+    motor.when_rotated = None
+    places = [place for _, place, _ in told]
+    absolutes = {(place - absolute) % 360 for _, place, absolute in told}
+    return {
+        "count": len(told),
+        "span": max(places) - min(places),
+        "turned": turned,
+        "marks": len(absolutes),
+    }
+
+
+def free_speed(motor: Any) -> float:
+    """Degrees a second, over a part of a second."""
+    time.sleep(SETTLE)
+    before, start = motor.get_position(), time.monotonic()
+    time.sleep(0.5)
+    return float((motor.get_position() - before) / (time.monotonic() - start))
+
+
+def pwm_part(hat: Any) -> Found:
+    """Pwm, with the limits of power, and both ways to stop."""
+    motor, found = Motor("A"), {}
+    for limit in (0.3, 1.0):
+        motor.plimit(limit)
+        motor.pwm(0.6)
+        found[f"limit {limit:g}"] = free_speed(motor)
+    motor.pwm(-0.6)
+    found["back"] = free_speed(motor)
+    motor.float()
+    found["float"] = free_speed(motor)
+    motor.pwm(0.6)
+    motor.coast()
+    found["coast"] = free_speed(motor)
+    return found
+
+
+def rpm_part(hat: Any) -> Found:
+    """Speeds in rotations a minute."""
+    motor = Motor("A")
+    motor.set_speed_unit_rpm(True)
+    found = {"seconds": position(motor, lambda: motor.run_for_seconds(2, 60))}
+    motor.start(60)
+    found["speed"] = {"speed": free_speed(motor)}
+    motor.stop()
+    found["degrees"] = position(motor, lambda: motor.run_for_degrees(180, 60))
+    motor.set_speed_unit_rpm(False)
+    return found
+
+
+def pair_part(hat: Any) -> Found:
+    """Both motors at once."""
+    pair = MotorPair("A", "B")
+    motors = (pair._leftmotor, pair._rightmotor)
+    before = [motor.get_position() for motor in motors]
+    start = time.monotonic()
+    pair.run_for_seconds(1, 50, -50)
+    seconds = time.monotonic() - start
+    time.sleep(SETTLE)
+    after = [motor.get_position() for motor in motors]
+    pair.run_for_degrees(180, 20, 20)
+    time.sleep(SETTLE)
+    last = [motor.get_position() for motor in motors]
+    pair.run_to_position(30, -30, 20)
+    time.sleep(SETTLE)
+    return {
+        "seconds": seconds,
+        "left, right": [b - a for a, b in zip(before, after, strict=True)],
+        "degrees": [b - a for a, b in zip(after, last, strict=True)],
+        "off": [motors[0].get_aposition() - 30, motors[1].get_aposition() + 30],
+    }
+
+
+PARTS: dict[str, Callable[[Any], Found]] = {
+    "hat": hat_part,
+    "get": get_part,
+    "seconds": seconds_part,
+    "degrees": degrees_part,
+    "position": position_part,
+    "callback": callback_part,
+    "pwm": pwm_part,
+    "rpm": rpm_part,
+    "pair": pair_part,
+}
+
+if __name__ == "__main__":
+    main()

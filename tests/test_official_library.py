@@ -1,0 +1,72 @@
+"""Raspberry Pi's own library works on the emulated Build HAT as it is.
+
+The long form, with 50 starts and another firmware, is ``brickpose bench official_library``.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from benchmarks.emulated_hat import emulated_hat
+from benchmarks.official_library import VALID, checked, session, wrong
+from benchmarks.official_session import PARTS
+
+
+def upload(folder):
+    """A start on a board without firmware, and one after it."""
+    with emulated_hat(folder, "--world", "free", "--bootloader") as hat:
+        first = session(hat, "hat", "get")
+        return first, session(hat, "hat", "get"), hat.ask("state")
+
+
+@pytest.fixture(scope="module")
+def uploading(tmp_path_factory):
+    """Runs meanwhile: the library waits 11 s after an upload, come what may."""
+    with ThreadPoolExecutor(1) as pool:
+        yield pool.submit(upload, tmp_path_factory.mktemp("cold"))
+
+
+@pytest.fixture(scope="module")
+def hat(tmp_path_factory, uploading):
+    with emulated_hat(tmp_path_factory.mktemp("warm"), "--world", "free") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def found(hat):
+    return session(hat, *PARTS)
+
+
+def test_every_call_does_what_it_should(found) -> None:
+    assert checked(found) == len(VALID)
+    assert wrong(found) == []
+
+
+def test_it_sees_what_is_plugged_in(found) -> None:
+    assert {port: one["typeid"] for port, one in found["hat"]["devices"].items()} == {
+        "A": 0x30,
+        "B": 0x30,
+        "C": -1,
+        "D": -1,
+    }
+    assert found["hat"]["devices"]["A"]["name"] == "Motor"
+
+
+def test_its_end_stops_the_motors(found, hat) -> None:
+    assert hat.ask("duty") == "0.0000 0.0000 0.0000 0.0000"
+
+
+def test_a_board_that_was_used_before_is_ready_again(found, hat) -> None:
+    again = session(hat, "get")
+    assert wrong(again) == []
+    assert again["get"]["position"] != 0
+
+
+def test_it_uploads_the_firmware_and_finds_it_running_the_next_time(uploading) -> None:
+    first, second, state = uploading.result()
+    assert first["start"] > 11
+    assert second["start"] < 5
+    assert wrong(first) == wrong(second) == []
+    assert "; firmware; A 30" in state
