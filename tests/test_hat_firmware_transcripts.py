@@ -1,0 +1,117 @@
+"""What a genuine board was seen to print, byte for byte."""
+
+from __future__ import annotations
+
+import pytest
+from hat_boards import Bench
+
+MEDIUM_BLOCK = """\
+P0: connected to active ID 4C
+type 4C
+  nmodes =5
+  nview  =3
+  baud   =115200
+  hwver  =00000004
+  swver  =10000000
+  M0 POWER SI = PCT
+    format count=1 type=0 chars=4 dp=0
+    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
+  M1 SPEED SI = PCT
+    format count=1 type=0 chars=4 dp=0
+    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
+  M2 POS SI = DEG
+    format count=1 type=2 chars=11 dp=0
+    RAW: 00000000 00000168    PCT: 00000000 00000064    SI: 00000000 00000168
+  M3 APOS SI = DEG
+    format count=1 type=1 chars=3 dp=0
+    RAW: 00000000 000000B3    PCT: 00000000 000000C8    SI: 00000000 000000B3
+  M4 CALIB SI = CAL
+    format count=2 type=1 chars=5 dp=0
+    RAW: 00000000 00000E10    PCT: 00000000 00000064    SI: 00000000 00000E10
+  M5 STATS SI = MIN
+    format count=14 type=1 chars=5 dp=0
+    RAW: 00000000 0000FFFF    PCT: 00000000 00000064    SI: 00000000 0000FFFF
+  C0: M1+M2+M3
+     speed PID: 00000BB8 00000064 00002328 00000438
+  position PID: 00002EE0 000003E8 00013880 00000000
+P1: no device detected
+P2: no device detected
+P3: no device detected
+"""
+
+
+def test_an_unknown_word_is_an_error() -> None:
+    assert Bench().say("bogus") == b"\r\nError\r\n"
+
+
+def test_a_line_feed_is_the_first_character_of_the_next_command() -> None:
+    bench = Bench()
+    bench.board.receive(b"vin\r\n")
+    assert bench.board.advance(0.05) == b"\r\n8.00 V\r\n"
+    assert bench.say("vin") == b"\r\nError\r\n"
+
+
+def test_an_error_drops_the_rest_of_the_line() -> None:
+    bench = Bench()
+    bench.board.supply_v = 7.98
+    assert bench.say("port 0; vin ;bogus; vin") == b"\r\n7.98 V\r\nError\r\n"
+
+
+def test_echo_brings_a_prompt_and_repeats_what_is_typed() -> None:
+    bench = Bench()
+    assert bench.say("echo 1") == b"\r\nP0>"
+    assert bench.say("p 1") == b"p 1\r\nP1>"
+    assert bench.say("#note") == b"#note\r\n"
+
+
+def test_a_backspace_takes_the_last_character_back() -> None:
+    assert Bench().say("vix\x08n") == b"\r\n8.00 V\r\n"
+
+
+def test_there_is_no_exponent() -> None:
+    assert Bench().say("set 1e-5") == b"\r\nError\r\n"
+
+
+def test_one_number_of_a_mode_is_reported_as_a_float_every_100_ms() -> None:
+    bench = Bench()
+    bench.plants.plant(0).angle = -91.0
+    bench.say("port 0;combi 0 1 0 2 0 3 0;select 0;select")
+    assert bench.say("port 0 ; select 0 5 s2", 0.099) == b"\r\n"
+    assert bench.board.advance(0.4) == 4 * b"P0V: -91.0000\r\n"
+
+
+def test_a_pulse_of_half_a_second_is_done_a_few_milliseconds_later() -> None:
+    bench = Bench()
+    bench.board.receive(b"port 0 ; pwm ; set pulse 0.5 0 0.5 0\r")
+    after_cr = bench.until("\r\n", 0.1)
+    took = bench.until("P0: pulse done\r\n", 1.0)
+    assert after_cr == pytest.approx(0.004, abs=0.001)
+    assert 0.498 <= took <= 0.513
+
+
+def test_unplugging_freezes_the_data_for_half_a_second() -> None:
+    bench = Bench()
+    bench.say("port 0;combi 0 1 0 2 0 3 0;select 0;selrate 50;port_plimit 1;pwm;set 1", 0.4)
+    bench.board.unplug(0)
+    bench.until("\r\n", 0.06)
+    lines = bench.lines(0.7)
+    assert lines[-2:] == ["P0: timeout during data phase: disconnecting", "P0: disconnected"]
+    frozen = set(lines[:-2])
+    assert len(frozen) == 1
+    assert len(lines[:-2]) in (9, 10)
+    assert frozen.pop().startswith("P0C0: +")
+
+
+def test_the_listing_has_the_whole_block_of_a_motor() -> None:
+    assert Bench().say("list", 0.3).decode() == "\r\n" + MEDIUM_BLOCK.replace("\n", "\r\n")
+
+
+def test_a_controller_traces_its_terms() -> None:
+    bench = Bench()
+    bench.plants.plant(0).angle = 720.0
+    bench.motors[0].power_up()
+    bench.say("debug 16; combi 0 1 0 2 0 3 0;select 0")
+    bench.say("pid 0 0 1 s4 0.0027777778 0 0.1 0 0 3 0;set 1;coast")
+    heard = bench.say("set 1", 0.05).decode()
+    assert "P0: pv=0.00000 sp=1.00000: e=-1.00000 ie=-" in heard
+    assert heard.split("\r\n")[-2].endswith(" cv=0.100000")

@@ -1,0 +1,119 @@
+"""What the command language takes for a number, and what it makes of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.hat.firmware.single import float_text, single
+from sim.hat.language.words import CommandError, Words
+
+DIGITS = st.text(st.sampled_from("0123456789"), max_size=12)
+
+
+def left(words: Words) -> str:
+    return words.word()
+
+
+@given(st.sampled_from(["", "+", "-"]), DIGITS, st.booleans(), DIGITS)
+def test_a_decimal_is_a_sign_digits_a_point_and_digits(
+    sign: str, whole: str, point: bool, fraction: str
+) -> None:
+    text = sign + whole + ("." + fraction if point else "")
+    words = Words(text.encode() + b" rest")
+    if not whole and not (point and fraction):
+        with pytest.raises(CommandError):
+            words.decimal()
+        return
+    assert words.decimal() == pytest.approx(float(text), rel=1e-6)
+    assert left(words) == "rest"
+
+
+@given(st.integers(-(2**20), 2**20), st.integers(0, 6))
+def test_short_decimals_are_the_nearest_single_but_for_one_rounding(
+    mantissa: int, places: int
+) -> None:
+    text = f"{mantissa / 10**places:.{places}f}"
+    expected = np.float32(mantissa) / np.float32(10**places)
+    assert Words(text.encode()).decimal() == float(expected)
+
+
+@pytest.mark.parametrize(("text", "value"), [(".5", 0.5), ("5.", 5.0), ("-.25", -0.25), ("007", 7)])
+def test_digits_may_be_missing_on_one_side_of_the_point(text: str, value: float) -> None:
+    assert Words(text.encode()).decimal() == value
+
+
+@pytest.mark.parametrize("text", ["", ".", "-", "+.", "e5", "inf", "nan", "--1", "- 1"])
+def test_without_a_digit_there_is_no_decimal(text: str) -> None:
+    words = Words(text.encode())
+    with pytest.raises(CommandError):
+        words.decimal()
+
+
+def test_a_decimal_ends_before_an_exponent() -> None:
+    words = Words(b"1e-05")
+    assert words.decimal() == 1.0
+    assert left(words) == "e-05"
+
+
+@given(st.integers(0, 2**40))
+def test_integers_wrap_as_32_bits_do(value: int) -> None:
+    text = str(value).encode()
+    assert Words(text).unsigned() == value % 2**32
+    assert Words(b"-" + text).integer() == int(np.int64(-value).astype(np.int32))
+
+
+def test_a_missing_integer_consumes_nothing() -> None:
+    words = Words(b"-x")
+    assert words.integer_or_none() is None
+    assert left(words) == "-x"
+
+
+def test_hexadecimal_digits_may_be_of_either_case() -> None:
+    assert Words(b"fF").hexadecimal() == 255
+
+
+@pytest.mark.parametrize("text", ["s3", "x4", "f2", "s", "", "S4", "f1"])
+def test_only_seven_formats_exist(text: str) -> None:
+    with pytest.raises(CommandError, match="u1, s1, u2, s2, u4, s4, f4"):
+        Words(text.encode()).format()
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0.00000"),
+        (-0.0, "-0.00000"),
+        (1e-40, "0.00000"),
+        (-91.0, "-91.0000"),
+        (1.0, "1.00000"),
+        (-10.205, "-10.2050"),
+        (-300.0, "-300.000"),
+        (0.0990501, "0.0990501"),
+        (0.01, "0.0100000"),
+        (0.00999, "9.99000E-3"),
+        (1.23456e-5, "1.23456E-5"),
+        (123456.0, "123456"),
+        (999999.6, "1.00000E6"),
+        (1234567.0, "1.23457E6"),
+        (-2147483648.0, "-2.14748E9"),
+        (float("inf"), "Inf"),
+        (float("-inf"), "-Inf"),
+        (float("nan"), "NaN"),
+    ],
+)
+def test_floats_are_printed_with_six_digits(value: float, text: str) -> None:
+    assert float_text(value) == text
+
+
+@given(st.floats(width=32, allow_nan=False, allow_infinity=False, allow_subnormal=False))
+def test_a_printed_float_is_the_number_to_six_digits(value: float) -> None:
+    assert float(float_text(value)) == pytest.approx(value, rel=6e-6)
+
+
+@given(st.floats(allow_nan=False))
+def test_singles_are_those_of_the_machine(value: float) -> None:
+    with np.errstate(over="ignore"):
+        assert single(value) == float(np.float32(value))
