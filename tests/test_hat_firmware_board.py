@@ -72,6 +72,17 @@ def test_a_bad_wire_spoils_bytes_the_same_way_for_the_same_seed() -> None:
         bench.board.garble = 2.0
 
 
+def test_a_line_that_loses_bytes_on_the_way_in_makes_an_upload_time_out() -> None:
+    bench = Bench(motors=0, warm=False)
+    bench.board.advance(0.1)
+    bench.say(f"load 5000 {checksum(bytes(5000))}", 0.1)
+    bench.board.loss = 0.001
+    bench.board.receive(b"\x02" + bytes(5000) + b"\x03")
+    assert bench.until("Timed out waiting for data", 3.0) == pytest.approx(1.43, abs=0.05)
+    with pytest.raises(BoardError, match="0 to 1"):
+        bench.board.loss = -0.1
+
+
 def test_settings_survive_a_client_that_leaves() -> None:
     bench = Bench()
     bench.say(f"port 0;{COMBINED};port_plimit 1;set 1;echo 1")

@@ -191,6 +191,12 @@ def test_no_line_disturbs_the_next_one(data: bytes) -> None:
     assert bench.say("port 0;vin").endswith(b"\r\n8.00 V\r\n")
 
 
+def test_bytes_that_are_no_characters_are_echoed_as_they_came(bench: Bench) -> None:
+    bench.say("port 0;echo 1")
+    assert bench.say(b"\xb5\xff\x01") == b"\xb5\xff\x01\r\nError\r\nP0>"
+    bench.say("echo 0")
+
+
 def test_help_is_about_75_lines_with_characters_of_several_bytes(bench: Bench) -> None:
     text = bench.say("help", 0.6)
     assert 65 <= text.count(b"\r\n") <= 85

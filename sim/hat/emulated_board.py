@@ -56,6 +56,7 @@ class EmulatedBoard:
         self._transmitter = Transmitter()
         self._receiver = Receiver()
         self._noise = Noise(seed)
+        self._loss = Noise(seed + 1, kinds=1)
         self._power = Power()
         self.supply_v = supply_v
         self.silent = False
@@ -108,9 +109,16 @@ class EmulatedBoard:
 
     @garble.setter
     def garble(self, probability: float) -> None:
-        if not 0 <= probability <= 1:
-            raise BoardError(f"garble is {probability}; valid is a probability, 0 to 1")
-        self._noise.probability = probability
+        self._noise.probability = _probability("garble", probability)
+
+    @property
+    def loss(self) -> float:
+        """Probability that a byte on its way in is lost, as in an upload on a busy processor."""
+        return self._loss.probability
+
+    @loss.setter
+    def loss(self, probability: float) -> None:
+        self._loss.probability = _probability("loss", probability)
 
     @property
     def lights(self) -> int:
@@ -227,9 +235,8 @@ class EmulatedBoard:
     def _tick(self) -> bytes:
         self._plants.step(TICK)
         self._ticks += 1
-        heard = self._receiver.advance(TICK)
-        if self.silent:
-            heard = b""
+        arrived = self._receiver.advance(TICK)
+        heard = b"" if self.silent else self._loss.over(arrived)
         self._processor.passed(heard, self._ticks * TICK)
         self._drive()
         sent = self._transmitter.advance(TICK)
@@ -251,6 +258,12 @@ class EmulatedBoard:
             if steps != self._driven[port]:
                 self._driven[port] = steps
                 self._plants.plant(port).drive(None if steps is None else steps / STEPS)
+
+
+def _probability(name: str, value: float) -> float:
+    if not 0 <= value <= 1:
+        raise BoardError(f"{name} is {value}; valid is a probability, 0 to 1")
+    return value
 
 
 def _check(port: int) -> None:

@@ -1,4 +1,4 @@
-"""A bad line: bytes on their way out are lost, doubled, zeroed or changed by a bit."""
+"""A bad line: bytes on their way are lost, doubled, zeroed or changed by a bit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import random
 class Noise:
     """Seeded, so that the same run has the same faults."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, kinds: int = 4) -> None:
+        """Only the first so many ``kinds`` of faults: lost, doubled, zeroed, changed by a bit."""
+        self._kinds = kinds
         self.probability = 0.0
         """Of a fault in each byte."""
         self._random = random.Random(seed)
@@ -22,7 +24,7 @@ class Noise:
     def _byte(self, byte: int) -> bytes:
         if self._random.random() >= self.probability:
             return bytes([byte])
-        kind = self._random.randrange(4)
+        kind = self._random.randrange(self._kinds)
         if kind == 0:
             return b""
         if kind == 1:

@@ -86,7 +86,8 @@ class Processor:
         return self.firmware
 
     def _write(self, text: str) -> None:
-        self._transmitter.put(text.encode())
+        # Echoed bytes need not be characters; they leave as they came.
+        self._transmitter.put(text.encode("utf-8", "surrogateescape"))
 
     def _has_room(self) -> bool:
         return not self._transmitter.more_than_half_full

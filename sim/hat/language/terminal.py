@@ -13,6 +13,11 @@ CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
 COMMENT = b"#"
 
 
+def raw_text(byte: int) -> str:
+    """A byte as text that becomes the same byte again, whether or not it is a character."""
+    return bytes([byte]).decode("utf-8", "surrogateescape")
+
+
 class Terminal:
     """Only a CR ends a line; a LF is a character like any other."""
 
@@ -31,7 +36,7 @@ class Terminal:
                 self._delete()
             elif len(self._line) < LONGEST:
                 self._line.append(byte)
-                self._echo(chr(byte))
+                self._echo(raw_text(byte))
 
     def prompt(self) -> None:
         """The current port, without an end of line; only where characters are echoed."""
