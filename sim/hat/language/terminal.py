@@ -36,7 +36,8 @@ class Terminal:
                 self._delete()
             elif len(self._line) < LONGEST:
                 self._line.append(byte)
-                self._echo(raw_text(byte))
+                if self._session.echo:
+                    self._session.write(raw_text(byte))
 
     def prompt(self) -> None:
         """The current port, without an end of line; only where characters are echoed."""
