@@ -19,6 +19,10 @@ from sim.hat_emulator.real_time import RealTimeBoard
 from sim.hat_emulator.surroundings import Surroundings
 
 
+GREETING = 0.05
+"""A bootloader that has just started greets and is deaf for so long [s]; here that is over."""
+
+
 @dataclass(frozen=True)
 class Beginning:
     """What the emulator starts with."""
@@ -52,6 +56,8 @@ class Emulator:
         self._started = 0.0
         devices = {port: self.motor(port, kind) for port, kind in motors.items()}
         self.board = self._new_board(devices, self._beginning.version, self._beginning.warm)
+        if not self._beginning.warm:
+            self.board.advance(GREETING)
         self.loop = RealTimeBoard(self.board, terminal, clock)
         self.unplugged: dict[int, Device] = {}
         """What was taken away last, by port."""
