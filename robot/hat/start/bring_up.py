@@ -1,0 +1,223 @@
+"""From an open port to a Build HAT that runs the right firmware and stands still.
+
+No I/O, no clock: the caller hands in events and times [s] and sends what it gets back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from robot.hat.protocol import commands
+from robot.hat.protocol.bootloader_events import BootloaderPrompt, BootloaderVersion
+from robot.hat.protocol.events import (
+    Answered,
+    Connected,
+    Echo,
+    Event,
+    FirmwareVersion,
+    InitDone,
+    NoDevice,
+    Unknown,
+)
+from robot.hat.start import troubles
+from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage, FirmwareImageError
+from robot.hat.start.stage import Stage
+from robot.hat.start.upload import TRIES, Upload
+
+ASK_S = 1.0
+"""Between two questions to a board that does not answer; it is asked for ever."""
+SILENT_S = 3.0
+"""Without an answer: say so."""
+LIST_S = 1.0
+"""For an answer to list: 0.1 s for each motor."""
+LISTS = 3
+BOOT_S = 0.5
+"""From a reset to the bootloader's first word."""
+AGAIN_S = 10.0
+"""From a failure to the next try."""
+
+
+class BringUp:
+    """Asks, uploads, resets and lists, until the board is ready; again if it restarts.
+
+    The motors are told to stop with every question, so a board that was left running stands as
+    soon as it hears one.
+    """
+
+    def __init__(self, image: Callable[[], FirmwareImage] = FirmwareImage.installed) -> None:
+        """``image`` is called when a firmware is to be sent, and raises if there is none."""
+        self.stage = Stage.ASKING
+        self.wants_reset = False
+        """Whether the board must be reset by its pin: answer by was_reset or cannot_reset."""
+        self.ready = False
+        """Whether the right firmware runs, its reports are off and its ports are known."""
+        self.trouble: str | None = None
+        """Why it is not ready, with the cure; None while all goes its way."""
+        self.version: int | None = None
+        """The firmware that runs, as far as known."""
+        self._image = image
+        self._upload: Upload | None = None
+        self._silent_since = self._since = 0.0
+        self._strange: bytes | None = None
+        self._heard = False
+        self._listed: set[int] = set()
+        self._lists = 0
+
+    def begin(self, now: float) -> bytes:
+        """The port has been opened, or the board has fallen silent: find out what is there."""
+        self.ready = False
+        self.wants_reset = False
+        self.trouble = None
+        self.version = None
+        return self._ask_anew(now)
+
+    def receive(self, events: Sequence[Event], now: float) -> bytes:
+        """What the board said, all of it, at any stage; returns what to send."""
+        return b"".join(self._hear(event, now) for event in events)
+
+    def tick(self, now: float) -> bytes:
+        """Time goes on; returns what to send."""
+        if self._upload is not None:
+            sent = self._upload.tick(now)
+            return sent + self._follow_upload(now)
+        passed = now - self._since
+        match self.stage:
+            case Stage.ASKING if passed >= ASK_S:
+                if now - self._silent_since >= SILENT_S:
+                    self.trouble = self._diagnosis()
+                return self._ask(now)
+            case Stage.LISTING if passed >= LIST_S:
+                return self._list_again(now)
+            case Stage.RESETTING if not self.wants_reset and passed >= BOOT_S:
+                return self._ask_anew(now)
+            case Stage.FAILED if passed >= AGAIN_S:
+                return self._ask_anew(now)
+        return b""
+
+    def was_reset(self, now: float) -> None:
+        """The board has been reset by its pin; it is asked again when it is awake."""
+        self.wants_reset = False
+        self._enter(Stage.RESETTING, now)
+
+    def cannot_reset(self, reason: str, now: float) -> None:
+        """The pin could not be used; the board is asked again later."""
+        self.wants_reset = False
+        self._fail(troubles.no_reset(self.version, reason), now)
+
+    def _hear(self, event: Event, now: float) -> bytes:
+        if self._upload is not None:
+            sent = self._upload.receive(event, now)
+            self.stage = self._upload.stage
+            return sent + self._follow_upload(now)
+        match self.stage:
+            case Stage.ASKING:
+                return self._hear_answer(event, now)
+            case Stage.LISTING | Stage.RUNNING if _restarted(event):
+                return self.begin(now)
+            case Stage.LISTING:
+                self._hear_port(event)
+        return b""
+
+    def _hear_answer(self, event: Event, now: float) -> bytes:
+        match event:
+            case FirmwareVersion(version):
+                self.version = version
+                return self._hear_version(version, now)
+            case BootloaderVersion():
+                return self._begin_upload(now)
+            case Unknown(raw):
+                self._strange = raw
+            case Answered() | Echo():
+                # Whatever echoes what it hears gives these too.
+                pass
+            case _:
+                self._heard = True
+        return b""
+
+    def _hear_version(self, version: int, now: float) -> bytes:
+        if version == EXPECTED_VERSION:
+            self._lists = 0
+            self._listed = set()
+            return commands.stop() + commands.echo_off_and_quiet() + self._list(now)
+        self.trouble = troubles.wrong_version(version)
+        self.wants_reset = True
+        self._enter(Stage.RESETTING, now)
+        return b""
+
+    def _hear_port(self, event: Event) -> None:
+        if isinstance(event, Connected | NoDevice):
+            self._listed.add(event.port)
+        if self._listed == set(commands.PORTS):
+            self.stage = Stage.RUNNING
+            self.ready = True
+            self.trouble = None
+
+    def _begin_upload(self, now: float) -> bytes:
+        self.trouble = None
+        self.version = None
+        try:
+            self._upload = Upload(self._image(), now)
+        except FirmwareImageError as error:
+            self._fail(str(error), now)
+            return b""
+        sent = self._upload.begin(now)
+        self.stage = self._upload.stage
+        return sent
+
+    def _follow_upload(self, now: float) -> bytes:
+        """Go on after an upload that has come to an end, whichever."""
+        upload = self._upload
+        assert upload is not None
+        self.stage = upload.stage
+        if upload.failed is not None:
+            self._upload = None
+            self._fail(troubles.upload_failed(TRIES, upload.failed), now)
+        elif upload.done:
+            self._upload = None
+            return self._ask_anew(now)
+        return b""
+
+    def _ask_anew(self, now: float) -> bytes:
+        self._upload = None
+        self._silent_since = now
+        self._strange = None
+        self._heard = False
+        return self._ask(now)
+
+    def _ask(self, now: float) -> bytes:
+        """First end a line that an earlier program may have left half sent."""
+        self._enter(Stage.ASKING, now)
+        return commands.line() + commands.stop() + commands.version()
+
+    def _list(self, now: float) -> bytes:
+        self._lists += 1
+        self._enter(Stage.LISTING, now)
+        return commands.devices()
+
+    def _list_again(self, now: float) -> bytes:
+        if self._lists < LISTS:
+            return self._list(now)
+        self.trouble = troubles.HALF_HEARD
+        return self._ask_anew(now)
+
+    def _enter(self, stage: Stage, now: float) -> None:
+        self.stage = stage
+        self._since = now
+
+    def _fail(self, trouble: str, now: float) -> None:
+        self.trouble = trouble
+        self._enter(Stage.FAILED, now)
+
+    def _diagnosis(self) -> str:
+        """Why nobody answers, by what was heard instead."""
+        strange = self._strange
+        if strange is not None and any(word in strange for word in (b"login:", b"Password:")):
+            return troubles.login_shell(strange)
+        if self._heard:
+            return troubles.HALF_HEARD
+        return troubles.SILENT if strange is None else troubles.stranger(strange)
+
+
+def _restarted(event: Event) -> bool:
+    """Whether only a board says so that has lost all that it was told."""
+    return isinstance(event, BootloaderPrompt | BootloaderVersion | InitDone)

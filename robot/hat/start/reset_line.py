@@ -1,0 +1,66 @@
+"""The pin that resets the Build HAT: it stops all motors, and costs the firmware."""
+
+from __future__ import annotations
+
+import importlib
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+RESET_PIN = 4
+"""BCM number."""
+BOOT0_PIN = 22
+"""BCM number; low while the board resets."""
+PULSE_S = 0.01
+
+CURE = "install them: pip install gpiozero lgpio; or switch the HAT's supply off and on"
+
+
+class ResetError(RuntimeError):
+    """The board cannot be reset by its pin; says what to do."""
+
+
+class ResetLine(Protocol):
+    """A way to reset the board."""
+
+    def pulse(self) -> None:
+        """Reset the board; its bootloader answers half a second later.
+
+        Raises:
+            ResetError: it cannot be; says why, and what to do.
+        """
+        ...
+
+
+class GpioResetLine:
+    """The pin on a Pi's header, by gpiozero; held only during the pulse."""
+
+    def __init__(self, sleep: Callable[[float], None] = time.sleep) -> None:
+        self._sleep = sleep
+
+    def pulse(self) -> None:
+        """Reset the board; takes 20 ms."""
+        try:
+            # Late, for a computer without pins has no use for it.
+            gpiozero: Any = importlib.import_module("gpiozero")
+        except ImportError as error:
+            raise ResetError(f"the reset pin needs gpiozero and lgpio; {CURE}") from error
+        try:
+            self._pulse(gpiozero.DigitalOutputDevice)
+        except gpiozero.GPIOZeroError as error:
+            raise ResetError(f"no pin to reset the board: {error}; {CURE}") from error
+        # What gpiozero drives the pins with has errors of its own.
+        except Exception as error:
+            raise ResetError(
+                f"pin {RESET_PIN} is not free: {error}; switch 1-Wire off: sudo raspi-config, "
+                "Interface Options, 1-Wire; or switch the HAT's supply off and on"
+            ) from error
+
+    def _pulse(self, output: Callable[[int], Any]) -> None:
+        """BOOT0 low, RESET low and high; then both are let go."""
+        with output(BOOT0_PIN) as boot0, output(RESET_PIN) as reset:
+            boot0.off()
+            reset.off()
+            self._sleep(PULSE_S)
+            reset.on()
+            self._sleep(PULSE_S)
