@@ -170,6 +170,13 @@ def test_noise_on_the_wire_changes_what_is_heard(bench: Bench) -> None:
     assert bench.ask("garble 2").startswith("error")
 
 
+def test_bytes_are_lost_on_the_way_in(bench: Bench) -> None:
+    assert bench.ask("lose 1") == "ok"
+    assert bench.say("vin\r") == ""
+    assert bench.ask("lose 0") == "ok"
+    assert bench.say("vin\r") == "\r\n8.00 V\r\n"
+
+
 def test_a_late_pass_is_told(bench: Bench) -> None:
     assert bench.ask("late 30") == "ok"
     assert re.search(r"deltat=[0-9A-F]{8}", bench.run(0.2))

@@ -18,6 +18,7 @@ from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
+from robot.geometry import Twist2
 from robot.settings import SettingError
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
@@ -113,6 +114,8 @@ def _show_pictures(
     rng: np.random.Generator,
 ) -> None:
     camera = FloorCamera(true.floor_view, field.floor, config.camera, rng)
+    # The first one takes long: compiled code is loaded, and the board would stall meanwhile.
+    camera.picture(around.truth, Twist2(0.0, 0.0))
     server = PictureServer(path, camera)
     stack.callback(server.close)
     around.has_camera(config.camera, true.lens.readout, emulator.wall, server.take)

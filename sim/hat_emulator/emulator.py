@@ -18,7 +18,6 @@ from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.real_time import RealTimeBoard
 from sim.hat_emulator.surroundings import Surroundings
 
-
 GREETING = 0.05
 """A bootloader that has just started greets and is deaf for so long [s]; here that is over."""
 

@@ -72,8 +72,9 @@ class RealTimeBoard:
         self._selector.unregister(source)
 
     def run(self) -> None:
-        """Go on until an exception ends it: Ctrl-C does."""
+        """Go on from the board's present time until an exception ends it: Ctrl-C does."""
         due = self._clock()
+        self._zero = due - self.board.now
         while True:
             due = max(due + TURN, self._clock())
             self.turn(max(0.0, due - self._clock()))
