@@ -22,6 +22,7 @@ from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
+from robot.hat.build_hat import BuildHat
 from robot.interface import Placeable, Robot
 from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
@@ -46,12 +47,15 @@ class Program:
     """Models of the user's own at the start."""
 
 
-def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program:
-    """Build robot and engine.
+def assemble(
+    config: Config, wait: Callable[[float], None] = no_wait, robot: Robot | None = None
+) -> Program:
+    """Build robot and engine; a real robot is at work from here on, so close it.
 
     Args:
         config: everything that can be set.
         wait: called with each stamp of a simulated robot; ``RealTime()`` keeps it to the clock.
+        robot: to be used instead of the one that the configuration names.
 
     Raises:
         ValueError: the field or the robot's description cannot be used.
@@ -62,7 +66,6 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
     spec = RobotSpec.load()
     # Independent streams: a change in the filter's luck does not change the robot's.
     for_robot, for_filter = np.random.default_rng(config.seed).spawn(2)
-    robot = build_robot(config, spec, field, for_robot, wait)
     kinematics = DifferentialDrive(spec, config.drive.multipliers)
     scanner = LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
@@ -72,6 +75,7 @@ def assemble(config: Config, wait: Callable[[float], None] = no_wait) -> Program
     localization.start = begin.hypotheses
     if begin.hypotheses:
         localization.begin()
+    robot = robot or build_robot(config, spec, field, for_robot, wait)
     if begin.truth is not None and isinstance(robot, Placeable):
         robot.place(begin.truth)
     engine = Engine(
@@ -106,8 +110,21 @@ def build_robot(
     field: Field,
     rng: np.random.Generator,
     wait: Callable[[float], None],
-) -> SimulatedRobot:
+) -> Robot:
     """The robot that the configuration names."""
+    if config.robot == "buildhat":
+        return BuildHat.open(spec, config.build_hat, config.camera_source, config.pictures)
+    return build_simulated(config, spec, field, rng, wait)
+
+
+def build_simulated(
+    config: Config,
+    spec: RobotSpec,
+    field: Field,
+    rng: np.random.Generator,
+    wait: Callable[[float], None],
+) -> SimulatedRobot:
+    """The simulated robot that the configuration names."""
     if config.robot == "sim":
         true = draw(spec, config.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.physics)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from app.config import ROBOTS, Config, load_config
 from app.console import say
+from app.doctor.options import add_doctor
 from app.evaluation.options import add_config, add_evaluate, add_map
 from app.hat_emulator.options import add_emulate_hat
 from app.sweep.options import add_sweep
@@ -22,6 +23,7 @@ from robot.settings import SettingError
 
 OPTIONS = (
     "robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models",
+    "camera_source",
 )  # fmt: skip
 """Options that are settings of the same name."""
 
@@ -56,6 +58,7 @@ def _parser() -> argparse.ArgumentParser:
     add_evaluate(commands)
     add_sweep(commands)
     add_emulate_hat(commands)
+    add_doctor(commands)
     _add_bench(commands)
     return parser
 
@@ -72,10 +75,11 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     run.add_argument(
         "--robot",
         choices=ROBOTS,
-        help="sim: physics (pybullet); kinematic: perfect wheels, without pybullet "
-        "(default: sim where pybullet is installed)",
+        help="sim: physics (pybullet); kinematic: perfect wheels, without pybullet; "
+        "buildhat: the real one (default: sim where pybullet is installed)",
         default=argparse.SUPPRESS,
     )
+    _add_hardware(run)
     add_map(run)
     run.add_argument(
         "--host",
@@ -98,6 +102,23 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     _add_models(run)
     _add_start_pose(run)
     run.set_defaults(command=_run)
+
+
+def _add_hardware(run: argparse.ArgumentParser) -> None:
+    run.add_argument(
+        "--serial-port",
+        metavar="DEVICE",
+        default=argparse.SUPPRESS,
+        help="the Build HAT's serial port (default: that of this Pi)",
+    )
+    run.add_argument(
+        "--camera",
+        metavar="SOURCE",
+        dest="camera_source",
+        default=argparse.SUPPRESS,
+        help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
+        "(default: the first that delivers pictures)",
+    )
 
 
 def _add_start_pose(run: argparse.ArgumentParser) -> None:
@@ -173,6 +194,8 @@ def config_from(parsed: argparse.Namespace) -> Config:
     over = {name: given[name] for name in OPTIONS if name in given}
     over_start = {name: given[name] for name in START_OPTIONS if name in given}
     config = replace(config, start_pose=replace(config.start_pose, **over_start))
+    if "serial_port" in given:
+        over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
     return replace(config, **over)
 
 

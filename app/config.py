@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from app.start_pose.settings import StartPoseSettings
+from robot.cameras.settings import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.odometry import OdometrySettings
+from robot.hat.settings import BuildHatSettings
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, setting
@@ -25,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 MAPS = ROOT / "maps"
 FRONTEND = ROOT / "frontend"
 
-ROBOTS = ("sim", "kinematic")
+ROBOTS = ("sim", "kinematic", "buildhat")
 
 T = TypeVar("T")
 
@@ -42,11 +44,16 @@ class Config:
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")
     models: str = setting("", "A folder of models of your own, which the page offers")
+    camera_source: str = setting(
+        "auto", "The real robot's camera: auto, pi, /dev/video0, a folder of pictures, a video file"
+    )
     drive: DriveSettings = DriveSettings()
     odometry: OdometrySettings = OdometrySettings()
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()
     start_pose: StartPoseSettings = StartPoseSettings()
+    build_hat: BuildHatSettings = BuildHatSettings()
+    pictures: CameraSourceSettings = CameraSourceSettings()
     camera: CameraSettings = CameraSettings()
     physics: BulletSettings = BulletSettings()
     imperfections: Imperfections = Imperfections()

@@ -20,12 +20,13 @@ from benchmarks import (
     worth,
 )
 from benchmarks import filter as particle_filter
-from benchmarks.hat import wheels
+from benchmarks.hat import delay, serial_line, wheels
 from benchmarks.result import Result
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
     "accuracy": accuracy.measure,
+    "encoders": delay.measure,
     "filter": particle_filter.measure,
     "loop": loop.measure,
     "live": live.measure,
@@ -33,6 +34,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "recovery": recovery.measure,
     "render": render.measure,
     "scan": scan.measure,
+    "serial_line": serial_line.measure,
     "start": start.measure,
     "sweep": sweep.measure,
     "wheels": wheels.measure,

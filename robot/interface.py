@@ -48,6 +48,10 @@ class Reading:
     """Supply voltage [V], where it is measured."""
     truth: Pose2 | None = None
     """The true pose in the map; only a simulator knows it, only views and evaluation look."""
+    connected: bool = True
+    """Whether the joints answer and follow; the robot stands while they do not."""
+    faults: tuple[str, ...] = ()
+    """What is wrong with joints or camera now, each with its cure, in plain words."""
 
 
 @runtime_checkable
@@ -67,7 +71,10 @@ class Robot(Protocol):
         ...
 
     def write(self, velocities: Array) -> Array:
-        """Ask for joint velocities (j,) [rad/s]; returns those really applied after limits."""
+        """Ask for joint velocities (j,) [rad/s]; returns those really applied after limits.
+
+        Ask again after every reading: a real robot stands when a fifth of a second goes by without.
+        """
         ...
 
     def close(self) -> None:

@@ -99,7 +99,7 @@ class Engine:
         self._mind_own_models(reading.stamp)
         self._take_commands(reading.stamp, odometry)
         self._localize(reading)
-        self._stand_while_faulty(reading.stamp)
+        self._stand_while_faulty(reading)
         twist = self._driving.update(reading.stamp)
         wheels = self.robot.write(self._kinematics.wheels(twist))
         applied = self._kinematics.twist(wheels)
@@ -131,9 +131,12 @@ class Engine:
             self._rest()
             self._localization.reload()
 
-    def _stand_while_faulty(self, stamp: float) -> None:
-        """Stand still while a model of the user's own is broken, and say where."""
-        own = self._localization.own
+    def _stand_while_faulty(self, reading: Reading) -> None:
+        """Stand still while the robot or a model of the user's own is broken, and say where."""
+        own, stamp = self._localization.own, reading.stamp
+        if not reading.connected:
+            self._driving.stop()
+        self._problems.report_all("robot", stamp, reading.faults)
         broken = own.fault
         if broken is not None:
             self._driving.stop()
@@ -150,8 +153,9 @@ class Engine:
             self._measure(reading.frame, reading.stamp)
         last = self._frame.stamp if self._frame else 0.0
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
+        silent = overdue and not reading.faults  # a fault says it better
         self._problems.report(
-            "camera", reading.stamp, "The camera sends no pictures." if overdue else None
+            "camera", reading.stamp, "The camera sends no pictures." if silent else None
         )
 
     def _measure(self, frame: Frame, now: float) -> None:
@@ -268,7 +272,7 @@ class Engine:
             own=localization.own.choice,
             fault=localization.fault,
             loop=self._meter.end(reading.stamp),
-            connected=True,
+            connected=reading.connected,
             battery_v=reading.battery_v,
             problems=self._problems.now,
             problem_count=self._problems.count,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 KEPT = 100
@@ -36,6 +37,14 @@ class Problems:
             if topic not in self._now:
                 self.note(stamp, message)
             self._now[topic] = message
+
+    def report_all(self, topic: str, stamp: float, messages: Sequence[str]) -> None:
+        """Say everything that is wrong with a topic; each message is logged when it comes."""
+        wrong = {f"{topic}: {message}": message for message in messages}
+        for over in [one for one in self._now if one.startswith(f"{topic}: ") and one not in wrong]:
+            del self._now[over]
+        for one, message in wrong.items():
+            self.report(one, stamp, message)
 
     def note(self, stamp: float, message: str) -> None:
         """Put into the record what went wrong and is over."""

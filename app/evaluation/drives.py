@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.assembly import build_robot, settle_robot
+from app.assembly import build_simulated, settle_robot
 from app.config import MAPS, Config
 from app.engine.figure_eight import FigureEight
 from robot.description.spec import RobotSpec
@@ -89,7 +89,7 @@ def record(
         of = replace(of, start=start)
     chance = np.random.default_rng(config.seed).spawn(2)[0]
     config, _ = settle_robot(config)
-    robot = build_robot(config, spec, of, chance, no_wait)
+    robot = build_simulated(config, spec, of, chance, no_wait)
     kinematics = DifferentialDrive(spec, config.drive.multipliers)
     odometry = Odometry(kinematics, config.odometry)
     scanner = LineScanner(spec.floor_view, config.scanner)

@@ -47,7 +47,7 @@ class JointTrack:
     def __init__(self) -> None:
         self._samples: deque[Sample] = deque()
         self._count: int | None = None
-        """The last count, None when the next one is a new beginning."""
+        """The last count, gone on beyond 32 bits; None when the next is a new beginning."""
         self._mark: int = 0
         """Count minus absolute position, in one turn [degree]."""
         self._odd: list[int] = []
@@ -64,6 +64,11 @@ class JointTrack:
     def angle(self) -> float:
         """The last angle [degree]; 0 before the first."""
         return self._samples[-1].angle if self._samples else 0.0
+
+    @property
+    def newest_stamp(self) -> float:
+        """When the last sample was taken [s]; minus infinity before the first."""
+        return self._samples[-1].stamp if self._samples else -math.inf
 
     def begin_anew(self) -> None:
         """The motor was unplugged: its next count has nothing to do with the last one."""
@@ -85,10 +90,11 @@ class JointTrack:
             return self._start(stamp, now, mark)
         turned = (now - self._count + COUNTS // 2) % COUNTS - COUNTS // 2
         passed = max(stamp - self._samples[-1].stamp, 0.0)
-        apart = (mark - self._mark + 180) % 360 - 180
+        # Not the count itself: where that wraps, 256 degrees of a turn are missing.
+        apart = (self._count + turned - int(absolute) - self._mark + 180) % 360 - 180
         if abs(turned) > FASTEST * passed + SLACK or abs(apart) > MARK_SLACK:
             return self._refuse(now, believable=True) and self._start(stamp, now, mark)
-        self._count, self._odd = now, []
+        self._count, self._odd = self._count + turned, []
         self._add(stamp, self._samples[-1].angle + turned)
         return True
 

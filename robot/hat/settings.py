@@ -18,7 +18,7 @@ class BuildHatSettings:
         1.0, "Highest duty a motor may get; the firmware's own default is 0.1", low=0.05, high=1
     )
     position_gain: float = setting(
-        6.0,
+        7.0,
         "Speed asked for by angle that a wheel is behind; more is stiffer, and overshoots "
         "with a delay of 40 ms from about 12 on",
         unit="1/s",
@@ -26,8 +26,8 @@ class BuildHatSettings:
         high=20,
     )
     encoder_delay: float = setting(
-        0.007,
-        "Age of a position when the Build HAT starts to send it",
+        0.0,
+        "Age of a position when the Build HAT sends it",
         unit="s",
         low=0,
         high=0.1,

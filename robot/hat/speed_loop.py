@@ -19,20 +19,34 @@ from collections import deque
 from robot.hat.joint_track import JointTrack
 from robot.hat.motor_kinds import MotorKind
 
-WIRE_DELAY = 0.016
+WIRE_DELAY = 0.012
 """From reckoning a duty until the motor has it: a line of 60 bytes, half a firmware tick [s]."""
 
 NOMINAL_SUPPLY = 7.2
 """The voltage of the data sheets [V]."""
 
-DRIVER_LOSS = 0.8
-"""What the board takes of the supply [V]."""
+KICK_S = 0.03
+"""A wheel that stood is given what gets it to turn for so long [s]."""
+
+RAIL = 0.9
+"""Share of the supply that reaches the motors: 7.2 of 8 V."""
+
+LOWEST_V = 4.0
+"""Below this supply the duty is not raised any further [V]."""
 
 LARGEST_LAG = 25.0
 """A wheel that is held behind this far is blocked; more is not made up for [degree]."""
 
+HELD_S = 0.2
+HELD_TRAVEL = 5.0
+"""A shaft that stays on one degree for so long [s], while it should have turned so far [degree],
+is blocked, or its cable is pulled out: the board repeats the last position for half a second."""
+
+TURNING_SPAN = 0.03
+"""Over which it is seen whether a wheel still turns when it is asked to turn again [s]."""
+
 STANDING = 1.0
-"""Below this speed a model wheel stands [degree/s]."""
+"""Below this speed a wheel stands [degree/s]."""
 
 
 class SpeedLoop:
@@ -45,13 +59,24 @@ class SpeedLoop:
         """What the model wheel does [degree/s]."""
         self._past: deque[tuple[float, float]] = deque()
         """Stamp and angle of the model wheel; empty while it rests."""
+        self._began = -math.inf
+        """When it last began to turn [s]."""
+        self._seen = 0.0
+        """The last angle that differed from the one before [degree]."""
+        self._seen_at = -math.inf
+        self._travel = 0.0
+        """What the model wheel turned since then [degree]."""
         self.duty = 0.0
         """The last duty, -1 to 1."""
 
     def rest(self) -> None:
         """Let go: no duty, and nothing that is to be made up for."""
-        self._speed = self.duty = 0.0
+        self._speed = self.duty = self._travel = 0.0
         self._past.clear()
+
+    def is_held(self, now: float) -> bool:
+        """Whether the shaft does not move although it should."""
+        return self._travel > HELD_TRAVEL and now - self._seen_at > HELD_S
 
     def update(self, wanted: float, now: float, track: JointTrack, supply_v: float | None) -> float:
         """The duty from now on, -1 to 1.
@@ -62,35 +87,42 @@ class SpeedLoop:
             track: where the shaft was.
             supply_v: the board's supply [V], None while it is not known.
         """
-        if wanted == 0 and abs(self._speed) < STANDING:
-            self.rest()
+        if wanted == 0:
+            self.rest()  # duty 0 is the brake
             return self.duty
-        lag = self._model(wanted, now, track)
-        friction = self._kind.friction
-        # What it takes to have the model's speed, with the lag of the motor already in it.
-        ahead = wanted + self._gain * lag
-        free = self._kind.free_speed * self._volts(supply_v)
+        if not self._past:
+            self._begin(now, track)
+        ahead = wanted + self._gain * self._lag(wanted, now, track)
+        kicked = now - self._began < KICK_S
+        friction = self._kind.breakaway if kicked else self._kind.friction
         push = math.copysign(friction, ahead) if abs(ahead) > STANDING else 0.0
-        # With the shaft at rest friction takes all of its share; the line through the data
-        # sheet's free speed holds beyond it.
-        self.duty = min(max(ahead / free + push, -1.0), 1.0)
+        volts = 1.0 if supply_v is None else RAIL * max(supply_v, LOWEST_V) / NOMINAL_SUPPLY
+        duty = (ahead / self._kind.free_speed + push) / volts
+        self.duty = min(max(duty, -1.0), 1.0)
         return self.duty
 
-    def _model(self, wanted: float, now: float, track: JointTrack) -> float:
+    def _begin(self, now: float, track: JointTrack) -> None:
+        self._speed = track.speed(TURNING_SPAN)
+        stood = abs(self._speed) < STANDING
+        self._began = now if stood else -math.inf
+        self._seen, self._seen_at, self._travel = track.angle, now, 0.0
+        self._past.append((now, track.angle))
+
+    def _lag(self, wanted: float, now: float, track: JointTrack) -> float:
         """Advance the model wheel; returns how far the shaft is behind it [degree]."""
-        if not self._past:
-            self._past.append((now, track.angle))
-            self._speed = 0.0
-            return 0.0
         then, angle = self._past[-1]
         passed = max(now - then, 0.0)
         kept = math.exp(-passed / self._kind.time_constant)
-        angle += wanted * passed + (self._speed - wanted) * self._kind.time_constant * (1 - kept)
+        turned = wanted * passed + (self._speed - wanted) * self._kind.time_constant * (1 - kept)
+        angle += turned
+        self._travel += abs(turned)
         self._speed = wanted + (self._speed - wanted) * kept
         self._past.append((now, angle))
         sample = track.newest
         if sample is None:
             return 0.0
+        if sample.angle != self._seen:
+            self._seen, self._seen_at, self._travel = sample.angle, now, 0.0
         lag = self._at(sample.stamp - WIRE_DELAY) - sample.angle
         return self._bounded(lag)
 
@@ -98,7 +130,7 @@ class SpeedLoop:
         """Where the model wheel was [degree]; older moments than asked for are forgotten."""
         while len(self._past) > 2 and self._past[1][0] <= stamp:
             self._past.popleft()
-        (a, low), (b, high) = self._past[0], self._past[1]
+        (a, low), (b, high) = self._past[0], self._past[min(1, len(self._past) - 1)]
         part = min(max((stamp - a) / (b - a), 0.0), 1.0) if b > a else 0.0
         return low + part * (high - low)
 
@@ -108,9 +140,3 @@ class SpeedLoop:
         if excess:
             self._past = deque((stamp, angle - excess) for stamp, angle in self._past)
         return lag - excess
-
-    def _volts(self, supply_v: float | None) -> float:
-        """The motors' voltage by that of the data sheets."""
-        if supply_v is None:
-            return 1.0
-        return max(supply_v - DRIVER_LOSS, 3.0) / NOMINAL_SUPPLY

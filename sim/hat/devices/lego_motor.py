@@ -53,6 +53,7 @@ class LegoMotor:
         *,
         mark: float = 0.0,
         phase: float = 0.0,
+        drift: float = 0.0,
         connect_seconds: float = CONNECT_SECONDS,
     ) -> None:
         """A motor of a kind of ``MOTOR_KINDS`` on a plant's shaft.
@@ -60,6 +61,8 @@ class LegoMotor:
         Args:
             mark: the absolute angle at which the plant's angle is 0 [deg].
             phase: how much later than the board's clock its own samples are [s].
+            drift: how much slower its clock runs than the board's, as a share; so reports, which
+                go by the board's, are of every age up to 10 ms.
 
         Raises:
             KindError: no angular motor has this type number.
@@ -73,6 +76,7 @@ class LegoMotor:
         self._plant = plant
         self._mark = mark
         self._phase = phase
+        self._period = SAMPLE_PERIOD * (1 + drift)
         self._keep = math.exp(-SAMPLE_PERIOD / SPEED_LAG)
         self.power_up()
 
@@ -91,7 +95,7 @@ class LegoMotor:
     def sample(self, now: float) -> bool:
         """Measure if 10 ms have gone by, or for the first time since power-up; see ``Device``."""
         # A clock that adds up milliseconds is a hair early or late.
-        samples = math.floor((now - self._phase) / SAMPLE_PERIOD + 1e-6)
+        samples = math.floor((now - self._phase) / self._period + 1e-6)
         last = self._samples
         if not self.responding or (last is not None and samples <= last):
             return False
@@ -116,7 +120,7 @@ class LegoMotor:
         """From the angle gained since as many sample periods; 0: it is the first sample."""
         angle = self._plant.angle
         if periods > 0:
-            raw = (angle - self._angle) / (periods * SAMPLE_PERIOD)
+            raw = (angle - self._angle) / (periods * self._period)
             keep = self._keep**periods
             self._smooth = keep * self._smooth + (1 - keep) * raw
         self._angle = angle

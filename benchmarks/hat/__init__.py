@@ -1,0 +1,1 @@
+"""Measurements of the robot in bricks, on the emulated Build HAT."""

@@ -1,0 +1,61 @@
+"""How old is a wheel's position when the filter gets it, and how well is that age known?
+
+On the emulated board's clock, with the motors' own sampling, the board's reports and the wire at
+115200 baud in between; the program reads fifty times a second.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from benchmarks.result import Result
+from robot.geometry import Array
+from sim.hat.bricks import Bricks
+
+READ_MS = 20
+SECONDS = 4.0
+SPEED = 500.0
+"""[degree/s]: a degree, which is what the motors count in, is 2 ms."""
+
+
+def measure() -> Result:
+    """Ages at the moment of reading, over phases of motors and program."""
+    found = [ages(motor, program) for motor in range(0, 10, 3) for program in range(1, 20, 4)]
+    true, error = (np.concatenate([one[:, column] for one in found]) for column in (0, 1))
+    return Result(
+        unit="ms from an encoder's sample to the filter, mean",
+        brickpose=1e3 * float(true.mean()),
+        more={
+            "99 % within [ms]": 1e3 * float(np.quantile(true, 0.99)),
+            "told stamp minus true one, mean [ms]": 1e3 * float(error.mean()),
+            "told stamp minus true one, standard deviation [ms]": 1e3 * float(error.std()),
+        },
+    )
+
+
+def ages(motor_ms: int, program_ms: int) -> Array:
+    """(n, 2): true age [s] of the positions that were read, and how far the told stamp is off.
+
+    The clocks of the motors drift, so within a few seconds all phases occur.
+    """
+    bricks = Bricks()
+    bricks.run(1e-3 * motor_ms)
+    bricks.until(bricks.ready)
+    zero = bricks.board.state(bricks.now).positions
+    turned = np.array([bricks.motor(port).angle for port in (0, 1)])
+    bricks.wanted = np.radians([SPEED, SPEED])
+    history = [bricks.run(1.0 + 1e-3 * program_ms)]
+    found = []
+    for _ in range(round(1e3 * SECONDS / READ_MS)):
+        history.append(bricks.run(1e-3 * READ_MS))
+        state = bricks.board.state(bricks.now)
+        rows = np.concatenate(history[-10:])
+        for place, direction in enumerate((-1, 1)):
+            angle = direction * math.degrees(state.positions[place] - zero[place]) + turned[place]
+            # The shaft turns one way, so each angle has its moment.
+            path = direction * rows[:, 3 + place]
+            moment = float(np.interp(direction * angle, path, rows[:, 0]))
+            found.append((bricks.now - moment, state.stamp - moment))
+    return np.array(found)

@@ -1,0 +1,157 @@
+"""How soon does a wheel have the speed that was asked for: our loop beside the firmware's own two.
+
+A step from 0 to 500 degrees/s of two free medium motors that are up to 10 % faster or slower than
+the driver expects, on the emulated board's clock; then a blocked wheel that is let go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.result import Result
+from robot.geometry import Array
+from robot.hat.protocol import commands
+from sim.hat.bricks import MEDIUM, Bricks
+from sim.hat.devices.motor_kinds import MOTOR_KINDS
+from sim.hat.devices.plants import FreeMotors
+
+SPEED = 500.0
+"""[degree/s]"""
+
+GAINS = (0.9, 0.95, 1.0, 1.05, 1.1)
+PHASES_MS = (1, 4, 8)
+WITHIN = 0.05
+WATCHED_S = 3.0
+SMOOTH_MS = 20
+
+FIRMWARE = {
+    "firmware, speed mode": ("pid {0} 0 0 s1 1 0 0.003 0.01 0 100 0.01", 0.1),
+    "firmware, angle gained": ("pid_diff {0} 0 5 s2 0.0027777778 1 0 2.5 0 .4 0.01", 1 / 360),
+}
+"""The two closed loops as the official library sets them up: command, and set-point by degree/s."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of speed."""
+
+    settled: float
+    """After this the speed stays within 5 % [s]; the time watched if it never does."""
+    overshoot: float
+    """Share of the speed asked for."""
+    apart: float
+    """Between the starts of left and right [s]."""
+
+
+def measure() -> Result:
+    """Time until the speed is right, of all three."""
+    ours = [our_step(gain, phase) for gain in GAINS for phase in PHASES_MS]
+    theirs = {name: [firmware_step(name, gain) for gain in GAINS] for name in FIRMWARE}
+    return Result(
+        unit="s until within 5 % of 500 degrees/s, median",
+        brickpose=_median([one.settled for one in ours]),
+        peer={name: _median([one.settled for one in steps]) for name, steps in theirs.items()},
+        more={
+            "the motor as expected: settled, worst [s]": max(
+                our_step(1.0, phase).settled for phase in range(10)
+            ),
+            "10 % faster or slower: settled, worst [s]": max(one.settled for one in ours),
+            "overshoot, worst [%]": 100 * max(one.overshoot for one in ours),
+            "left and right start apart, worst [ms]": 1e3 * max(one.apart for one in ours),
+            "stands after a stop within, worst [degree]": max(drift(phase) for phase in PHASES_MS),
+            **{
+                f"{name}: overshoot, worst [%]": 100 * max(one.overshoot for one in steps)
+                for name, steps in theirs.items()
+            },
+            "asked for 100 degrees/s, blocked for 3 s, let go: highest [degree/s]": freed(),
+            **{f"{name}: the same": freed(name) for name in FIRMWARE},
+        },
+    )
+
+
+def our_step(gain: float, phase_ms: int) -> Step:
+    """The driver's loop, called at a phase of the board's ticks."""
+    bricks = bricks_with(gain, phase_ms)
+    bricks.until(bricks.ready)
+    bricks.wanted = np.zeros(2)
+    bricks.run(0.2)
+    bricks.wanted = np.radians([SPEED, SPEED])
+    return judged(bricks.run(WATCHED_S))
+
+
+def firmware_step(name: str, gain: float) -> Step:
+    """One of the firmware's loops, set up as the official library does."""
+    bricks = bricks_with(gain, 3)
+    firmware_drives(bricks, name, SPEED)
+    return judged(bricks.run(WATCHED_S))
+
+
+def firmware_drives(bricks: Bricks, name: str, speed: float) -> None:
+    """Leave the wheels to one of the firmware's loops, at a speed [degree/s]."""
+    bricks.until(bricks.ready)
+    bricks.alive = False  # the driver keeps out of it
+    bricks.run(0.5)
+    pid, unit = FIRMWARE[name]
+    lines = [f"port {port};select 0;selrate 10;{pid.format(port)}" for port in (0, 1)]
+    starts = [f"port {port};set {commands.fixed(speed * unit, 6)}" for port in (0, 1)]
+    for text in (*lines, ";".join(starts)):
+        bricks.emulated.receive(commands.line(text))
+
+
+def drift(phase_ms: int) -> float:
+    """How far a shaft still turns after it stood, in 2 s [degree]."""
+    bricks = bricks_with(1.0, phase_ms)
+    bricks.until(bricks.ready)
+    bricks.wanted = np.radians([SPEED, SPEED])
+    bricks.run(1.0)
+    bricks.wanted = np.zeros(2)
+    bricks.until(bricks.stands, 1.0)
+    return float(np.ptp(bricks.run(2.0)[:, 3:], axis=0).max())
+
+
+def freed(name: str | None = None) -> float:
+    """The highest speed of a wheel that is let go, with 100 degrees/s asked for [degree/s]."""
+    bricks = bricks_with(1.0, 3)
+    if name is None:
+        bricks.until(bricks.ready)
+        bricks.wanted = np.radians([100.0, 100.0])
+    else:
+        firmware_drives(bricks, name, 100.0)
+    bricks.motor(1).stalled = True
+    bricks.run(3.0)
+    bricks.motor(1).stalled = False
+    return float(np.abs(bricks.run(2.0)[:, 2]).max())
+
+
+def bricks_with(gain: float, phase_ms: int) -> Bricks:
+    """Two motors that are faster than usual by a factor, with the same acceleration."""
+    kind = MOTOR_KINDS[MEDIUM]
+    fast = replace(
+        kind,
+        no_load_speed=gain * kind.no_load_speed,
+        acceleration=gain * kind.acceleration,
+    )
+    return Bricks(plants=FreeMotors({0: fast, 1: fast}), phase_ms=phase_ms)
+
+
+def judged(rows: Array) -> Step:
+    """A step's figures from time and both speeds, a row a millisecond."""
+    speeds = np.abs(rows[:, 1:3])
+    since = rows[:, 0] - rows[0, 0]
+    window = np.ones(SMOOTH_MS) / SMOOTH_MS
+    smooth = np.column_stack([np.convolve(c, window, "valid") for c in speeds.T])
+    wrong = (np.abs(smooth / SPEED - 1) > WITHIN).any(axis=1)
+    begins = [float(since[np.argmax(column > 5)]) for column in speeds.T]
+    last = np.flatnonzero(wrong).max(initial=0)
+    return Step(
+        settled=float(since[min(last + SMOOTH_MS, len(since) - 1)]),
+        overshoot=float(smooth.max() / SPEED - 1),
+        apart=abs(begins[0] - begins[1]),
+    )
+
+
+def _median(values: Sequence[float]) -> float:
+    return float(np.median(values))

@@ -1,0 +1,255 @@
+"""The Build HAT with its motors, without a port and without a clock: bytes in, bytes out.
+
+One thread talks to the board (``SerialLink``: ``receive`` and ``tick``), another asks for joint
+velocities and looks at the joints (``command`` and ``state``). Whatever goes wrong, the motors
+stop: the program's set-points end when they are not renewed, and so do those in the firmware,
+which are pulses.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.description.wiring import Wiring
+from robot.geometry import Array
+from robot.hat.motor import LINE_TIME, Motor
+from robot.hat.protocol import bootloader_events, commands, events
+from robot.hat.protocol.decoder import Decoder
+from robot.hat.settings import BuildHatSettings
+from robot.hat.start.bring_up import BringUp
+from robot.hat.supply import Supply
+
+PULSE_S = 0.2
+"""Length of the pulses: the motors stop by themselves so long after the last one [s]."""
+
+RENEW_S = 0.08
+"""A set-point that stays is sent again after this time [s]."""
+
+COMMAND_S = 0.2
+"""A command of the program ends after this time [s]."""
+
+SILENT_S = 0.6
+"""The board is asked for its voltage all the time; silent for so long, it is gone [s]."""
+
+STOP_AGAIN_S = 0.3
+"""How often the motors are told to stop while something is wrong [s]."""
+
+MISHEARD_S = 0.1
+"""An error so soon after a set-up may be about it [s]."""
+
+DUTY_STEPS = 255
+"""The firmware's pulse width has so many steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class BoardState:
+    """The joints at one moment."""
+
+    stamp: float
+    """When the motors were where they are said to be, on the program's clock [s]."""
+    positions: Array = field(repr=False)
+    """(j,) [rad]"""
+    velocities: Array = field(repr=False)
+    """(j,) [rad/s]"""
+    ready: bool
+    """Whether the joints follow commands."""
+    faults: tuple[str, ...]
+    """Why not, with the cure."""
+    supply_v: float | None
+    """[V]"""
+
+
+class Board:
+    """Drives joints through a Build HAT; a ``Talker`` for the serial link."""
+
+    def __init__(
+        self, wirings: Sequence[Wiring], settings: BuildHatSettings, bring_up: BringUp
+    ) -> None:
+        self.bring_up = bring_up
+        self.motors = [Motor(wiring, settings) for wiring in wirings]
+        self._by_port = {motor.port: motor for motor in self.motors}
+        self._settings = settings
+        self._supply = Supply(settings.low_supply)
+        self._decoder = Decoder()
+        self._lock = threading.Lock()
+        self._wanted = np.zeros(len(wirings))
+        self._wanted_until = -math.inf
+        self._sent: dict[int, int] = {}
+        """Duties that the firmware has, in steps."""
+        self._sent_at = -math.inf
+        self._set_up_at = -math.inf
+        self._heard = -math.inf
+        self._lost: str | None = "The Build HAT's serial port is not open yet."
+
+    # What the serial link calls.
+
+    @property
+    def wants_reset(self) -> bool:
+        """Whether the board must be reset by its pin."""
+        return self.bring_up.wants_reset
+
+    def was_reset(self, now: float) -> None:
+        """It was."""
+        with self._lock:
+            self.bring_up.was_reset(now)
+
+    def cannot_reset(self, reason: str, now: float) -> None:
+        """It cannot be."""
+        with self._lock:
+            self.bring_up.cannot_reset(reason, now)
+
+    def opened(self, now: float) -> bytes:
+        """The port is open; returns what to ask first."""
+        with self._lock:
+            self._lost = None
+            self._decoder = Decoder()
+            return self._begin(now)
+
+    def lost(self, reason: str, now: float) -> None:
+        """The port cannot be opened, or went away."""
+        with self._lock:
+            self._lost = reason
+            self._forget()
+
+    def receive(self, data: bytes, now: float) -> bytes:
+        """Bytes came; returns what to answer."""
+        with self._lock:
+            self._heard = now
+            found = self._decoder.feed(data)
+            answer = b""
+            if self.bring_up.ready and any(map(_is_restart, found)):
+                answer = self._begin(now)
+            if not self.bring_up.ready:
+                answer += self.bring_up.receive(found, now)
+            return answer + b"".join(self._take(event, now) for event in found)
+
+    def tick(self, now: float) -> bytes:
+        """A hundredth of a second passed; returns what to send."""
+        with self._lock:
+            if not self.bring_up.ready:
+                return self.bring_up.tick(now)
+            if now - self._heard > SILENT_S:
+                return self._begin(now)
+            return self._set_up(now) + self._supply.ask(now) + self._drive(now)
+
+    def farewell(self) -> bytes:
+        """What stops the motors for good."""
+        return commands.stop(self._by_port)
+
+    # What the program calls.
+
+    def command(self, velocities: Array, now: float) -> Array:
+        """Ask for joint velocities (j,) [rad/s]; returns those that the joints will go for."""
+        limits = np.array([motor.wiring.max_velocity for motor in self.motors])
+        with self._lock:
+            able = not self._faults(now)
+            self._wanted = np.clip(velocities, -limits, limits) if able else 0 * limits
+            self._wanted_until = now + COMMAND_S
+            return self._wanted.copy()
+
+    def state(self, now: float) -> BoardState:
+        """The joints, at a moment when all of them were sampled."""
+        with self._lock:
+            faults = self._faults(now)
+            stamp = now - LINE_TIME - self._settings.encoder_delay
+            if not faults:
+                stamp = min(motor.track.newest_stamp for motor in self.motors)
+            return BoardState(
+                stamp,
+                np.array([motor.angle(stamp) for motor in self.motors]),
+                np.array([0.0 if faults else motor.velocity for motor in self.motors]),
+                not faults,
+                tuple(faults),
+                self._supply.volts,
+            )
+
+    # Under the lock.
+
+    def _begin(self, now: float) -> bytes:
+        self._forget()
+        self._heard = now
+        return self.bring_up.begin(now)
+
+    def _forget(self) -> None:
+        self._supply.forget()
+        self._sent.clear()
+        for motor in self.motors:
+            motor.unplugged()
+
+    def _take(self, event: events.Event, now: float) -> bytes:
+        match event:
+            case events.Supply(volts):
+                self._supply.told(volts)
+            case events.MotorPowerFault():
+                return self._supply.fault("motor", now)
+            case events.PortPowerFault():
+                return self._supply.fault("port", now)
+            case events.CommandError() if now - self._set_up_at < MISHEARD_S:
+                for motor in self.motors:
+                    motor.set_up_again()
+            case _:
+                self._take_from_port(event, now)
+        return b""
+
+    def _take_from_port(self, event: events.Event, now: float) -> None:
+        motor = self._by_port.get(getattr(event, "port", -1))
+        if motor is None:
+            return
+        match event:
+            case events.Connected(type_id=type_id) | events.Established(type_id=type_id):
+                motor.plugged(type_id)
+            case events.Disconnected() | events.NoDevice() | events.ConnectionFailed():
+                motor.unplugged()
+            case events.CombiData(slot=0, values=values):
+                motor.report(values, now)
+
+    def _set_up(self, now: float) -> bytes:
+        """The next motor's set-up, one a tick: it takes 9 ms of wire."""
+        for motor in self.motors:
+            line = motor.set_up(now)
+            if line:
+                self._set_up_at = now
+                self._sent.clear()
+                return line
+        return b""
+
+    def _faults(self, now: float) -> list[str]:
+        if self._lost is not None:
+            return [self._lost]
+        if not self.bring_up.ready:
+            return [self.bring_up.trouble or "The Build HAT is starting."]
+        motors = [motor.fault(now) for motor in self.motors]
+        return self._supply.complaints(now) + [fault for fault in motors if fault]
+
+    def _drive(self, now: float) -> bytes:
+        if self._faults(now):
+            return self._stop(now)
+        wanted = self._wanted if now < self._wanted_until else 0 * self._wanted
+        duties = {
+            motor.port: round(DUTY_STEPS * motor.duty(float(velocity), now, self._supply.volts))
+            for motor, velocity in zip(self.motors, wanted, strict=True)
+        }
+        resting = not any(duties.values())
+        due = now - self._sent_at >= (STOP_AGAIN_S if resting else RENEW_S)
+        if duties == self._sent and not due:
+            return b""
+        self._sent, self._sent_at = duties, now
+        return commands.pulses({port: duty / DUTY_STEPS for port, duty in duties.items()}, PULSE_S)
+
+    def _stop(self, now: float) -> bytes:
+        for motor in self.motors:
+            motor.rest()
+        if not self._sent and now - self._sent_at < STOP_AGAIN_S:
+            return b""
+        self._sent, self._sent_at = {}, now
+        return commands.stop(self._by_port)
+
+
+def _is_restart(event: events.Event) -> bool:
+    prompts = bootloader_events.BootloaderPrompt | bootloader_events.BootloaderVersion
+    return isinstance(event, prompts | events.InitDone)

@@ -1,0 +1,137 @@
+"""The robot in bricks: motors on a Build HAT, a camera, behind the interface of every robot."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
+
+import numpy as np
+
+from robot.cameras.camera import Camera
+from robot.cameras.choice import open_camera
+from robot.cameras.settings import CameraSourceSettings
+from robot.description.spec import RobotSpec
+from robot.geometry import Array
+from robot.hat.board import Board
+from robot.hat.serial_link import SerialLink
+from robot.hat.serial_port import find_device
+from robot.hat.settings import BuildHatSettings
+from robot.hat.start.bring_up import BringUp
+from robot.hat.start.firmware_image import FirmwareImage
+from robot.hat.start.reset_line import GpioResetLine
+from robot.interface import Frame, Reading, RobotError
+
+PERIOD = 0.02
+"""Time between two readings [s]: control at 50 Hz."""
+
+
+class Link(Protocol):
+    """What carries bytes between the board and its driver."""
+
+    failure: Exception | None
+    """Why it ended by itself; None while it works."""
+
+    def start(self) -> None:
+        """Open the port, and keep it open."""
+        ...
+
+    def close(self) -> None:
+        """Stop the motors and let go of the port; may be called twice."""
+        ...
+
+
+class BuildHat:
+    """A ``Robot``; what is wrong with a motor or the camera is told with every reading."""
+
+    def __init__(
+        self,
+        spec: RobotSpec,
+        board: Board,
+        link: Link,
+        camera: Camera,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        """Take what is wired together; the link is started here, and ended by ``close``."""
+        self.name = "LEGO robot"
+        self.spec = spec
+        self._board = board
+        self._link = link
+        self._camera = camera
+        self._clock = clock
+        self._sleep = sleep
+        self._zero = self._due = clock()
+        self._last = 0.0
+        self._closed = False
+        link.start()
+
+    @classmethod
+    def open(
+        cls,
+        spec: RobotSpec,
+        settings: BuildHatSettings,
+        camera: str,
+        pictures: CameraSourceSettings,
+    ) -> BuildHat:
+        """Wire up the robot of this computer; what is missing is told with every reading.
+
+        Raises:
+            ValueError: there can never be such a camera.
+        """
+        eyes = open_camera(camera, spec.lens, pictures)
+        board = Board(spec.joints, settings, BringUp(FirmwareImage.installed))
+        device = find_device() if settings.serial_port == "auto" else settings.serial_port
+        return cls(spec, board, SerialLink(device, board, GpioResetLine().pulse), eyes)
+
+    def read(self) -> Reading:
+        """Wait for the next fiftieth of a second, and tell where the joints and the camera are.
+
+        Raises:
+            RobotError: the program's part that talks to the Build HAT has failed.
+        """
+        self._wait()
+        if self._link.failure is not None:
+            raise RobotError(f"the link to the Build HAT failed: {self._link.failure}")
+        now = self._clock()
+        state = self._board.state(now)
+        # Without motors stamps still rise, as nothing downstream expects time to stand.
+        stamp = max(state.stamp - self._zero, self._last + 1e-4)
+        self._last = stamp
+        problem = self._camera.problem
+        return Reading(
+            stamp=stamp,
+            positions=state.positions,
+            velocities=state.velocities,
+            frame=self._frame(),
+            battery_v=state.supply_v,
+            connected=state.ready,
+            faults=state.faults if problem is None else (*state.faults, problem),
+        )
+
+    def write(self, velocities: Array) -> Array:
+        """Ask for joint velocities (j,) [rad/s]; returns those really gone for, 0 in a fault."""
+        if self._closed:
+            return np.zeros_like(velocities)
+        return self._board.command(velocities, self._clock())
+
+    def close(self) -> None:
+        """Stop the motors and let go of port and camera; may be called twice."""
+        if self._closed:
+            return
+        self._closed = True
+        try:
+            self._link.close()
+        finally:
+            self._camera.close()
+
+    def _frame(self) -> Frame | None:
+        frame = self._camera.newest()
+        return None if frame is None else replace(frame, stamp=frame.stamp - self._zero)
+
+    def _wait(self) -> None:
+        now = self._clock()
+        # After a stall the schedule starts anew instead of hurrying.
+        self._due = max(self._due + PERIOD, now - PERIOD)
+        self._sleep(max(0.0, self._due - now))

@@ -1,0 +1,129 @@
+"""One joint's motor: what is plugged in where, whether it can be used, and how far it turned."""
+
+from __future__ import annotations
+
+import math
+
+from robot.description.wiring import PORTS, Wiring
+from robot.hat.joint_track import JointTrack
+from robot.hat.motor_kinds import KINDS, described
+from robot.hat.protocol import commands
+from robot.hat.settings import BuildHatSettings
+from robot.hat.speed_loop import SpeedLoop
+
+EACH_SAMPLE = 0
+"""Report period [ms]: at once, whenever the motor has a new position. By the board's own clock a
+report would be up to 10 ms old, and by how much would change with the drift of the two clocks."""
+
+LINE_TIME = 0.002
+"""A report of 23 bytes on the wire at 115200 baud [s]."""
+
+QUIET_S = 0.3
+"""Without a report for so long a motor that should tell is not trusted, and is set up again [s]."""
+
+HELD_S = 1.0
+"""How long a motor that did not turn is left alone [s]."""
+
+SPEED_SPAN = 0.1
+"""Speed is the difference over this time [s]: 1 degree then is 10 degrees/s."""
+
+
+class Motor:
+    """A port of the Build HAT that a joint is wired to."""
+
+    def __init__(self, wiring: Wiring, settings: BuildHatSettings) -> None:
+        self.wiring = wiring
+        self.port = PORTS.index(wiring.port)
+        """0 to 3, as the firmware counts."""
+        self.track = JointTrack()
+        self._settings = settings
+        self._type: int | None = None
+        """What is plugged in; None is nothing, or not known."""
+        self._loop: SpeedLoop | None = None
+        self._set_up = -math.inf
+        """When it was last set up [s]."""
+        self._heard = -math.inf
+        """When it last told its position [s]."""
+        self._held_until = -math.inf
+
+    def plugged(self, type_id: int) -> None:
+        """A device said what it is; it has to be set up anew, whatever it was before."""
+        self._type = type_id
+        kind = KINDS.get(type_id)
+        fits = kind is not None and self.wiring.motor in (None, kind.kind)
+        self._loop = SpeedLoop(kind, self._settings.position_gain) if kind and fits else None
+        self._begin_anew()
+
+    def unplugged(self) -> None:
+        """Nothing is there any more; where the joint is stays known."""
+        self._type = self._loop = None
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self.track.begin_anew()
+        self._set_up = self._heard = -math.inf
+
+    def report(self, values: tuple[float, ...], now: float) -> None:
+        """Speed, position and absolute position, as they arrived at a moment [s]."""
+        if self._loop is None or len(values) != 3 or math.isinf(self._set_up):
+            return
+        sampled = now - LINE_TIME - self._settings.encoder_delay
+        if self.track.report(sampled, values[1], values[2]):
+            self._heard = now
+
+    def set_up(self, now: float) -> bytes:
+        """What makes it report and takes its limits away, if that is due now; else nothing."""
+        heard = max(self._heard, self._set_up)
+        if self._loop is None or now - heard < QUIET_S:
+            return b""
+        self._set_up = now
+        self._loop.rest()
+        return commands.set_up_motor(self.port, EACH_SAMPLE, self._settings.power_limit)
+
+    def set_up_again(self) -> None:
+        """The last set-up may not have been understood."""
+        self._set_up = self._heard = -math.inf
+
+    def is_ready(self, now: float) -> bool:
+        """Whether it is the right one and tells where it is."""
+        return self._loop is not None and now - self._heard < QUIET_S
+
+    def fault(self, now: float) -> str | None:
+        """Why it cannot be used, and what to do."""
+        where = f"port {self.wiring.port} ({self.wiring.name})"
+        if self._type is None:
+            return (
+                f"No motor answers on {where}: push its plug in until it clicks; "
+                "right after the start it takes up to ten seconds."
+            )
+        if self._loop is None:
+            wanted = self.wiring.motor or "motor with an encoder"
+            return f"On {where} is a {described(self._type)}; there should be a {wanted} motor."
+        if not self.is_ready(now):
+            return f"The motor on {where} does not tell its position; it is asked again."
+        if now < self._held_until:
+            return f"The motor on {where} does not turn: is the wheel blocked, or the plug loose?"
+        return None
+
+    def duty(self, velocity: float, now: float, supply_v: float | None) -> float:
+        """The duty, -1 to 1 as the port has it, for a joint velocity [rad/s]."""
+        assert self._loop is not None
+        wanted = math.degrees(velocity) * self.wiring.direction
+        duty = self._loop.update(wanted, now, self.track, supply_v)
+        if self._loop.is_held(now):
+            self._held_until = now + HELD_S
+        return duty
+
+    def rest(self) -> None:
+        """Give up what was to be made up for."""
+        if self._loop is not None:
+            self._loop.rest()
+
+    def angle(self, stamp: float) -> float:
+        """Joint position at a moment [rad]."""
+        return math.radians(self.track.at(stamp)) * self.wiring.direction
+
+    @property
+    def velocity(self) -> float:
+        """Joint velocity [rad/s]."""
+        return math.radians(self.track.speed(SPEED_SPAN)) * self.wiring.direction

@@ -1,0 +1,84 @@
+"""Watches the board's power: voltage, and the faults that the board tells of."""
+
+from __future__ import annotations
+
+import math
+
+from robot.hat.protocol import commands
+
+POLL_S = 0.1
+"""How often the voltage is asked for [s]."""
+
+USB_V = 5.5
+"""Below this the board lives on what comes over USB, which does not reach the motors [V]."""
+
+HYSTERESIS_V = 0.3
+"""A supply that sagged under load is good again this much higher [V]."""
+
+FAULT_S = 2.5
+"""The board repeats a fault every second; without it for so long [s] the fault is over."""
+
+
+class Supply:
+    """Whether the motors may be driven, as far as power goes."""
+
+    def __init__(self, low_v: float) -> None:
+        self.volts: float | None = None
+        """The last voltage told [V]."""
+        self._low_v = low_v
+        self._low = False
+        self._low_before = False
+        self._asked = -math.inf
+        self._faults: dict[str, float] = {}
+        """When a fault was last told [s]."""
+
+    def forget(self) -> None:
+        """The board begins anew."""
+        self.volts = None
+        self._low = self._low_before = False
+        self._asked = -math.inf
+        self._faults.clear()
+
+    def ask(self, now: float) -> bytes:
+        """The question for the voltage, when it is due."""
+        if now - self._asked < POLL_S:
+            return b""
+        self._asked = now
+        return commands.supply()
+
+    def told(self, volts: float) -> None:
+        """A voltage came [V]. Low counts from the second time on: a start takes it down briefly."""
+        self.volts = volts
+        limit = self._low_v + (HYSTERESIS_V if self._low else 0.0)
+        low = volts < limit
+        self._low = low and (self._low or self._low_before)
+        self._low_before = low
+
+    def fault(self, what: str, now: float) -> bytes:
+        """The board told of a fault, "motor" or "port"; returns what clears its latch."""
+        self._faults[what] = now
+        return commands.clear_faults()
+
+    def complaints(self, now: float) -> list[str]:
+        """Why the motors may not be driven, with the cure."""
+        found = []
+        if self._recent("motor", now):
+            found.append(
+                "The Build HAT reports a motor power fault: a motor is blocked or its cable is "
+                "damaged. Free the wheels, or unplug motor after motor to find it."
+            )
+        if self._recent("port", now):
+            found.append(
+                "The Build HAT reports a port power fault: something on a port takes too much "
+                "current. Unplug one after the other to find it."
+            )
+        if self._low and self.volts is not None:
+            found.append(
+                "The motors have no supply, the board lives on USB: connect the battery."
+                if self.volts < USB_V
+                else "The battery is low: charge it."
+            )
+        return found
+
+    def _recent(self, what: str, now: float) -> bool:
+        return now - self._faults.get(what, -math.inf) < FAULT_S
