@@ -21,6 +21,10 @@ from sim.hat_emulator.surroundings import Surroundings
 GREETING = 0.05
 """A bootloader that has just started greets and is deaf for so long [s]; here that is over."""
 
+LARGEST_DRIFT = 0.01
+"""How much faster or slower the motors' clocks are than the board's. Nobody measured it; but two
+clocks are never equal, and reports by the one of samples by the other are then of every age."""
+
 
 @dataclass(frozen=True)
 class Beginning:
@@ -52,6 +56,7 @@ class Emulator:
         rng = np.random.default_rng(self._beginning.seed)
         self._marks = rng.uniform(-180, 180, len(PORTS)).tolist()
         self._phases = rng.uniform(0, 0.01, len(PORTS)).tolist()
+        self._drifts = rng.uniform(-LARGEST_DRIFT, LARGEST_DRIFT, len(PORTS)).tolist()
         self._started = 0.0
         devices = {port: self.motor(port, kind) for port, kind in motors.items()}
         self.board = self._new_board(devices, self._beginning.version, self._beginning.warm)
@@ -64,7 +69,13 @@ class Emulator:
     def motor(self, port: int, kind: MotorKind) -> LegoMotor:
         """A motor that turns what is at a port; each port's has a mark at another angle."""
         plant = self.surroundings.plants.plant(port)
-        return LegoMotor(kind.type_id, plant, mark=self._marks[port], phase=self._phases[port])
+        return LegoMotor(
+            kind.type_id,
+            plant,
+            mark=self._marks[port],
+            phase=self._phases[port],
+            drift=self._drifts[port],
+        )
 
     def wall(self, stamp: float) -> float:
         """From the time of the surroundings [s] to that of the clock on the wall [s]."""
