@@ -1,0 +1,66 @@
+"""The command line of ``brickpose doctor`` and ``brickpose stop-motors``."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from app.config import ROBOTS
+from app.evaluation.options import add_config
+
+Commands = Any
+"""What ``add_subparsers`` returns."""
+
+
+def add_doctor(commands: Commands) -> None:
+    """Add both commands."""
+    command = commands.add_parser(
+        "doctor",
+        help="check this machine, or a real robot, and say what to do",
+        description="Check this machine; with --robot buildhat the robot too: serial port, Build "
+        "HAT, motors, camera. Nothing turns. Each line is ok, a warning or a problem with its "
+        "cure; ends with 1 if there is a problem.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    command.add_argument("--robot", choices=ROBOTS, help="which robot is to work here")
+    _add_serial_port(command)
+    command.add_argument(
+        "--camera",
+        metavar="SOURCE",
+        dest="camera_source",
+        help="the robot's camera, as for run (default: the first that delivers pictures)",
+    )
+    add_config(command)
+    command.set_defaults(command=_doctor)
+    stop = commands.add_parser(
+        "stop-motors",
+        help="stop the motors of a Build HAT that no program drives any more",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    _add_serial_port(stop)
+    stop.set_defaults(command=_stop)
+
+
+def _add_serial_port(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--serial-port",
+        metavar="DEVICE",
+        help="the Build HAT's serial port (default: that of this Pi)",
+    )
+
+
+def _doctor(parsed: argparse.Namespace) -> int:
+    from app.command_line import config_from  # noqa: PLC0415 - it imports this module
+    from app.doctor.command import doctor  # noqa: PLC0415
+
+    return doctor(config_from(parsed))
+
+
+def _stop(parsed: argparse.Namespace) -> int:
+    from robot.hat.serial_port import find_device  # noqa: PLC0415
+    from robot.hat.stop import stop_motors  # noqa: PLC0415
+
+    stop_motors(vars(parsed).get("serial_port") or find_device())
+    return 0

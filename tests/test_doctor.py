@@ -1,0 +1,289 @@
+"""``brickpose doctor`` on computers made of files: each thing amiss is a line with its cure."""
+
+from __future__ import annotations
+
+import os
+import socket
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from app.config import Config
+from app.doctor import computer, eye, pi, wire
+from app.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
+from app.doctor.machine import Machine, output_of
+from robot.cameras.settings import CameraSourceSettings
+from robot.description.spec import RobotSpec
+
+PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
+PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"
+CMDLINE = "console=tty1 root=PARTUUID=1-02 rootfstype=ext4 rootwait\n"
+
+
+class Pi:
+    """A folder that looks like a Raspberry Pi; its serial port leads to no hardware."""
+
+    def __init__(self, root: Path, model: str = PI_4, port: str = "ttyS0") -> None:
+        self.root = root
+        self.said: dict[str, str] = {"vcgencmd": "throttled=0x0\n", "timedatectl": "yes\n"}
+        self.forbidden: set[Path] = set()
+        self.write("/proc/device-tree/model", model)
+        self.write("/proc/cmdline", CMDLINE)
+        self.write("/boot/firmware/config.txt", "dtparam=audio=on\nenable_uart=1\n")
+        self.write("/dev/gpiochip0", "")
+        self.write(f"/dev/{port}", "")
+        (root / "dev/serial0").symlink_to("ttyAMA10" if model == PI_5 else port)
+        if model == PI_5:
+            self.write("/dev/ttyAMA10", "")
+
+    def write(self, path: str, text: str) -> None:
+        file = self.root / path.removeprefix("/")
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+
+    @property
+    def machine(self) -> Machine:
+        return Machine(
+            self.root,
+            run=lambda command: self.said.get(command[0]),
+            may_use=lambda path: path.resolve() not in self.forbidden,
+        )
+
+    def findings(self, setting: str = "auto") -> list[Finding]:
+        machine = self.machine
+        return [*pi.check_pi(machine), *pi.clock(machine), *wire.check_wire(machine, setting)]
+
+    def amiss(self, setting: str = "auto") -> list[Finding]:
+        return [one for one in self.findings(setting) if one.level != OK]
+
+    def the_problem(self, setting: str = "auto") -> Finding:
+        (only,) = self.amiss(setting)
+        assert only.level == PROBLEM
+        return only
+
+    def the_warning(self) -> Finding:
+        (only,) = self.amiss()
+        assert only.level == WARNING
+        return only
+
+
+@pytest.fixture
+def four(tmp_path: Path) -> Pi:
+    return Pi(tmp_path)
+
+
+@pytest.fixture
+def five(tmp_path: Path) -> Pi:
+    return Pi(tmp_path, PI_5, "ttyAMA0")
+
+
+def test_a_line_has_level_finding_and_cure() -> None:
+    assert str(ok("Python 3.11.2")) == "ok       Python 3.11.2"
+    assert str(problem("No wheels", "buy some")) == "problem  No wheels. Cure: buy some"
+
+
+def test_nothing_is_amiss_on_a_pi_that_is_set_up(four: Pi) -> None:
+    assert four.amiss() == []
+    told = [one.what for one in four.findings()]
+    assert "Raspberry Pi 4 Model B Rev 1.4" in told
+    assert "Serial port /dev/serial0" in told
+
+
+def test_a_pi_5_is_looked_at_where_its_port_is(five: Pi) -> None:
+    assert five.amiss() == []
+    assert "Serial port /dev/ttyAMA0" in [one.what for one in five.findings()]
+
+
+def test_the_debug_connector_of_a_pi_5_is_told_from_the_header(five: Pi) -> None:
+    for wrong in ("/dev/serial0", "/dev/ttyAMA10"):
+        found = five.the_problem(wrong)
+        assert wrong in found.what
+        assert "/dev/ttyAMA0" in found.cure
+
+
+def test_a_console_on_the_debug_connector_of_a_pi_5_does_no_harm(five: Pi) -> None:
+    five.write("/proc/cmdline", "console=ttyAMA10,115200 " + CMDLINE)
+    assert five.amiss() == []
+
+
+@pytest.mark.parametrize("console", ["serial0", "ttyS0"])
+def test_a_console_on_the_port_is_a_problem(four: Pi, console: str) -> None:
+    four.write("/proc/cmdline", f"console={console},115200 {CMDLINE}")
+    found = four.the_problem()
+    assert "console" in found.what
+    assert "do_serial_cons 1" in found.cure
+    assert wire.usable([found])
+
+
+def test_a_console_on_the_header_of_a_pi_5_is_a_problem(five: Pi) -> None:
+    five.write("/proc/cmdline", f"console=ttyAMA0,115200 {CMDLINE}")
+    assert "do_serial_cons 1" in five.the_problem().cure
+
+
+def test_a_login_shell_at_the_port_is_a_problem(four: Pi) -> None:
+    four.write("/proc/4711/cmdline", "/sbin/agetty\0-o\0-p -- \\u\0--keep-baud\0ttyS0\0vt220\0")
+    assert "do_serial_cons 1" in four.the_problem().cure
+
+
+def test_a_login_shell_elsewhere_is_none_of_our_business(four: Pi) -> None:
+    four.write("/proc/4711/cmdline", "/sbin/agetty\0-o\0-p -- \\u\0--noclear\0tty1\0linux\0")
+    assert four.amiss() == []
+
+
+def test_without_the_port_the_serial_hardware_is_to_be_switched_on(four: Pi) -> None:
+    (four.root / "dev/serial0").unlink()
+    found = four.the_problem()
+    assert "/dev/serial0" in found.what
+    assert "do_serial_hw 0" in found.cure
+    assert not wire.usable([found])
+
+
+def test_another_name_than_the_right_one_is_answered_with_the_right_one(four: Pi) -> None:
+    assert "/dev/serial0" in four.the_problem("/dev/ttyUSB7").cure
+
+
+def test_a_port_that_may_not_be_opened_is_a_problem_of_groups(four: Pi) -> None:
+    four.forbidden = {four.root / "dev/ttyS0"}
+    found = four.the_problem()
+    assert "sudo usermod -aG dialout $USER" in found.cure
+    assert "log in again" in found.cure
+    assert not wire.usable([found])
+
+
+def test_who_has_the_port_open_is_named(four: Pi) -> None:
+    four.write("/proc/4711/comm", "minicom\n")
+    (four.root / "proc/4711/fd").mkdir()
+    (four.root / "proc/4711/fd/3").symlink_to(four.root / "dev/ttyS0")
+    assert "minicom (process 4711)" in four.the_problem().what
+
+
+def test_our_own_process_is_not_in_the_way(four: Pi) -> None:
+    fd = four.root / f"proc/{os.getpid()}/fd"
+    fd.mkdir(parents=True)
+    (fd / "3").symlink_to(four.root / "dev/ttyS0")
+    assert four.amiss() == []
+
+
+@pytest.mark.parametrize("line", ["dtoverlay=w1-gpio", "dtoverlay=w1-gpio,gpiopin=4"])
+@pytest.mark.parametrize("file", wire.BOOT)
+def test_one_wire_on_the_reset_pin_is_a_problem(four: Pi, file: str, line: str) -> None:
+    four.write(file, f"enable_uart=1\n{line}\n")
+    assert "do_onewire 1" in four.the_problem().cure
+
+
+@pytest.mark.parametrize("line", ["#dtoverlay=w1-gpio", "dtoverlay=w1-gpio,gpiopin=17"])
+def test_one_wire_elsewhere_is_fine(four: Pi, line: str) -> None:
+    four.write("/boot/firmware/config.txt", line)
+    assert four.amiss() == []
+
+
+def test_a_pi_with_low_voltage_is_warned_of(four: Pi) -> None:
+    four.said["vcgencmd"] = "throttled=0x50005\n"
+    found = four.the_warning()
+    assert "its voltage is too low now" in found.what
+    assert "it was slowed down" in found.what
+
+
+def test_a_clock_that_nobody_set_is_a_warning(four: Pi) -> None:
+    four.said["timedatectl"] = "no\n"
+    assert "set-ntp" in four.the_warning().cure
+
+
+def test_tools_that_are_not_there_are_not_missed(four: Pi) -> None:
+    four.said.clear()
+    assert four.amiss() == []
+
+
+def test_a_reset_pin_out_of_reach_is_a_warning(four: Pi) -> None:
+    four.forbidden = {four.root / "dev/gpiochip0"}
+    assert "usermod -aG gpio" in four.the_warning().cure
+
+
+def test_another_computer_is_no_pi_and_has_no_port_of_its_own(tmp_path: Path) -> None:
+    machine = Machine(tmp_path, run=lambda command: None)
+    (found,) = pi.check_pi(machine)
+    assert (found.level, "emulate-hat" in found.cure) == (WARNING, True)
+    (found,) = wire.check_wire(machine, "auto")
+    assert (found.level, "--serial-port" in found.cure) == (PROBLEM, True)
+
+
+def test_a_tool_that_fails_or_is_missing_says_nothing() -> None:
+    assert output_of(["true"]) == ""
+    assert output_of(["false"]) is None
+    assert output_of(["a-tool-that-nobody-has"]) is None
+
+
+def test_an_old_python_is_a_problem() -> None:
+    assert computer.python_version((3, 10, 12)).level == PROBLEM
+    assert computer.python_version((3, 13, 0)).level == OK
+
+
+def test_the_versions_here_are_those_that_were_tested() -> None:
+    tested = computer.tested_versions(computer.CONSTRAINTS)
+    assert tested["numpy"] == np.__version__
+    assert computer.packages(tested).level == OK
+    found = computer.packages(tested | {"numpy": "1.24.2"})
+    assert (found.level, f"numpy {np.__version__} (1.24.2)" in found.what) == (WARNING, True)
+
+
+def test_an_installation_without_the_list_of_versions_is_fine(tmp_path: Path) -> None:
+    assert computer.packages(computer.tested_versions(tmp_path / "none.txt")).level == OK
+
+
+def test_code_that_is_not_compiled_yet_is_a_warning(tmp_path: Path) -> None:
+    assert computer.compiled_code(str(tmp_path)).level == WARNING
+    assert computer.compiled_code(None).level == WARNING
+    (tmp_path / "filter.nbi").touch()
+    assert computer.compiled_code(str(tmp_path)).level == OK
+
+
+def test_a_taken_web_port_is_a_warning() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        found = computer.web_port("127.0.0.1", taken.getsockname()[1])
+    assert (found.level, "--port" in found.cure) == (WARNING, True)
+    assert computer.web_port("127.0.0.1", 0).level == OK
+
+
+def test_physics_is_missed_only_by_the_robot_that_needs_it(monkeypatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "pybullet", None)
+    levels = {robot: computer.simulator(robot).level for robot in ("sim", "auto", "buildhat")}
+    assert levels == {"sim": PROBLEM, "auto": WARNING, "buildhat": OK}
+
+
+@pytest.fixture
+def spec() -> RobotSpec:
+    return RobotSpec.load()
+
+
+def test_a_camera_is_told_with_its_size_rate_and_age(tmp_path: Path, spec: RobotSpec) -> None:
+    picture = np.full((spec.lens.height, spec.lens.width), 128, np.uint8)
+    for number in range(3):
+        cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
+    found = list(eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings()))
+    assert [one.level for one in found] == [OK, OK]
+    assert "640 x 480" in found[0].what
+
+
+def test_pictures_of_another_size_are_a_problem(tmp_path: Path, spec: RobotSpec) -> None:
+    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
+    (found,) = eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings(), 0.1)
+    assert (found.level, "640" in found.what) == (PROBLEM, True)
+
+
+def test_a_camera_that_can_never_be_is_a_problem(spec: RobotSpec) -> None:
+    (found,) = eye.check_camera("/nowhere/at/all", spec.lens, CameraSourceSettings())
+    assert (found.level, "valid are" in found.what) == (PROBLEM, True)
+
+
+def test_few_or_old_pictures_are_warnings_and_pictures_of_the_future_a_problem(spec) -> None:
+    assert eye.pictures("the camera", spec.lens, 12, 30).level == WARNING
+    assert eye.pictures("the camera", spec.lens, 29, 30).level == OK
+    assert [eye.age(seconds).level for seconds in (0.05, 0.4, -3)] == [OK, WARNING, PROBLEM]
+
+
+def test_without_a_robot_only_the_computer_is_looked_at() -> None:
+    found = list(computer.check_computer(Config(robot="kinematic", port=0)))
+    assert [one.level for one in found if one.level == PROBLEM] == []
+    assert len(found) == 5
