@@ -39,6 +39,9 @@ SILENT_S = 0.6
 STOP_AGAIN_S = 0.3
 """How often the motors are told to stop while something is wrong [s]."""
 
+SOON_S = 1.0
+"""A start that takes no longer than this is not worth a word [s]."""
+
 MISHEARD_S = 0.1
 """An error so soon after a set-up may be about it [s]."""
 
@@ -59,7 +62,7 @@ class BoardState:
     ready: bool
     """Whether the joints follow commands."""
     faults: tuple[str, ...]
-    """Why not, with the cure."""
+    """Why not, with the cure; empty too while the board has just begun to start."""
     supply_v: float | None
     """[V]"""
 
@@ -84,7 +87,9 @@ class Board:
         self._sent_at = -math.inf
         self._set_up_at = -math.inf
         self._heard = -math.inf
-        self._lost: str | None = "The Build HAT's serial port is not open yet."
+        self._begun = -math.inf
+        self._open = False
+        self._lost: str | None = None
 
     # What the serial link calls.
 
@@ -107,6 +112,7 @@ class Board:
         """The port is open; returns what to ask first."""
         with self._lock:
             self._lost = None
+            self._open = True
             self._decoder = Decoder()
             return self._begin(now)
 
@@ -114,6 +120,7 @@ class Board:
         """The port cannot be opened, or went away."""
         with self._lock:
             self._lost = reason
+            self._open = False
             self._forget()
 
     def receive(self, data: bytes, now: float) -> bytes:
@@ -147,7 +154,7 @@ class Board:
         """Ask for joint velocities (j,) [rad/s]; returns those that the joints will go for."""
         limits = np.array([motor.wiring.max_velocity for motor in self.motors])
         with self._lock:
-            able = not self._faults(now)
+            able = self._is_ready(now)
             self._wanted = np.clip(velocities, -limits, limits) if able else 0 * limits
             self._wanted_until = now + COMMAND_S
             return self._wanted.copy()
@@ -155,16 +162,16 @@ class Board:
     def state(self, now: float) -> BoardState:
         """The joints, at a moment when all of them were sampled."""
         with self._lock:
-            faults = self._faults(now)
+            ready = self._is_ready(now)
             stamp = now - LINE_TIME - self._settings.encoder_delay
-            if not faults:
+            if ready:
                 stamp = min(motor.track.newest_stamp for motor in self.motors)
             return BoardState(
                 stamp,
                 np.array([motor.angle(stamp) for motor in self.motors]),
-                np.array([0.0 if faults else motor.velocity for motor in self.motors]),
-                not faults,
-                tuple(faults),
+                np.array([motor.velocity if ready else 0.0 for motor in self.motors]),
+                ready,
+                tuple(self._faults(now)),
                 self._supply.volts,
             )
 
@@ -172,7 +179,7 @@ class Board:
 
     def _begin(self, now: float) -> bytes:
         self._forget()
-        self._heard = now
+        self._heard = self._begun = now
         return self.bring_up.begin(now)
 
     def _forget(self) -> None:
@@ -218,16 +225,27 @@ class Board:
                 return line
         return b""
 
+    def _is_ready(self, now: float) -> bool:
+        return (
+            self._open
+            and self.bring_up.ready
+            and all(motor.is_ready(now) for motor in self.motors)
+            and not self._supply.complaints(now)
+        )
+
     def _faults(self, now: float) -> list[str]:
-        if self._lost is not None:
-            return [self._lost]
+        if not self._open:
+            return [self._lost] if self._lost else []
         if not self.bring_up.ready:
-            return [self.bring_up.trouble or "The Build HAT is starting."]
+            if self.bring_up.trouble:
+                return [self.bring_up.trouble]
+            slow = now - self._begun > SOON_S
+            return [f"The Build HAT is starting: {self.bring_up.stage.value}."] if slow else []
         motors = [motor.fault(now) for motor in self.motors]
         return self._supply.complaints(now) + [fault for fault in motors if fault]
 
     def _drive(self, now: float) -> bytes:
-        if self._faults(now):
+        if not self._is_ready(now):
             return self._stop(now)
         wanted = self._wanted if now < self._wanted_until else 0 * self._wanted
         duties = {

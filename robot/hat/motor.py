@@ -45,6 +45,8 @@ class Motor:
         self._heard = -math.inf
         """When it last told its position [s]."""
         self._held_until = -math.inf
+        self._asked = 0
+        """How often it was set up since it came."""
 
     def plugged(self, type_id: int) -> None:
         """A device said what it is; it has to be set up anew, whatever it was before."""
@@ -61,6 +63,7 @@ class Motor:
 
     def _begin_anew(self) -> None:
         self.track.begin_anew()
+        self._asked = 0
         self._set_up = self._heard = -math.inf
 
     def report(self, values: tuple[float, ...], now: float) -> None:
@@ -77,6 +80,7 @@ class Motor:
         if self._loop is None or now - heard < QUIET_S:
             return b""
         self._set_up = now
+        self._asked += 1
         self._loop.rest()
         return commands.set_up_motor(self.port, EACH_SAMPLE, self._settings.power_limit)
 
@@ -85,11 +89,12 @@ class Motor:
         self._set_up = self._heard = -math.inf
 
     def is_ready(self, now: float) -> bool:
-        """Whether it is the right one and tells where it is."""
-        return self._loop is not None and now - self._heard < QUIET_S
+        """Whether it is the right one, tells where it is and turns when it should."""
+        tells = self._loop is not None and now - self._heard < QUIET_S
+        return tells and now >= self._held_until
 
     def fault(self, now: float) -> str | None:
-        """Why it cannot be used, and what to do."""
+        """Why it cannot be used, and what to do; None while it has just come, too."""
         where = f"port {self.wiring.port} ({self.wiring.name})"
         if self._type is None:
             return (
@@ -99,10 +104,10 @@ class Motor:
         if self._loop is None:
             wanted = self.wiring.motor or "motor with an encoder"
             return f"On {where} is a {described(self._type)}; there should be a {wanted} motor."
-        if not self.is_ready(now):
-            return f"The motor on {where} does not tell its position; it is asked again."
         if now < self._held_until:
             return f"The motor on {where} does not turn: is the wheel blocked, or the plug loose?"
+        if self._asked > 1 and not self.is_ready(now):
+            return f"The motor on {where} does not tell its position; it is asked again."
         return None
 
     def duty(self, velocity: float, now: float, supply_v: float | None) -> float:

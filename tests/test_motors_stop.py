@@ -1,0 +1,127 @@
+"""However the program ends, the motors stop: real processes, timed by the board's clock."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+from contextlib import ExitStack
+
+import cv2
+import numpy as np
+import pytest
+from serving import serving, until
+
+from benchmarks.emulated_hat import EmulatedHat, emulated_hat
+
+STOP_S = 0.5
+SPEED = 0.2
+"""How fast the robot drives [m/s]."""
+
+
+@pytest.fixture(scope="module")
+def hat(tmp_path_factory):
+    with emulated_hat(tmp_path_factory.mktemp("hat"), "--world", "free") as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def starts(hat, tmp_path_factory):
+    """Starts a program on the board, or goes on with the one that still runs."""
+    folder = tmp_path_factory.mktemp("pictures")
+    cv2.imwrite(str(folder / "floor.png"), np.full((480, 640), 200, np.uint8))
+    options = ("--robot", "buildhat", "--serial-port", str(hat.device), "--camera", str(folder))
+    with ExitStack() as running:
+        servers = []
+
+        def start():
+            if not servers or servers[-1].process.poll() is not None:
+                servers.append(running.enter_context(serving(*options)))
+            return servers[-1]
+
+        yield start
+
+
+@pytest.fixture
+def driven(hat, starts):
+    """A program that drives, and a connection that keeps it driving while it is read from."""
+    server = starts()
+    with server.live() as live:
+        until(live, lambda now: now["robot"]["connected"])
+        drive_until(live, lambda now: now["twist"]["v"] > 0.95 * SPEED)
+        end = until(live, lambda now: True)["stamp"] + 0.5
+        drive_until(live, lambda now: now["stamp"] > end)
+        assert state(hat)[1] > 200
+        yield server, live
+
+
+def drive_until(live, condition):
+    def driving(now):
+        live.send(json.dumps({"type": "drive", "v": SPEED, "omega": 0.0}))
+        return condition(now)
+
+    return until(live, driving)
+
+
+def state(hat: EmulatedHat) -> tuple[float, float]:
+    """The board's time [s] and the speed of its fastest motor [degree/s]."""
+    found = hat.ask("state")
+    speeds = re.findall(r"[AB] \S+ \S+ ([^;\s]+)", found)
+    return float(found.split(";")[0].removeprefix("now ")), max(abs(float(one)) for one in speeds)
+
+
+def time_to_stop(hat: EmulatedHat, begin: float) -> float:
+    """From a time of the board's until no motor turns [s]."""
+    now, speed = state(hat)
+    while speed > 1:
+        assert now - begin < 5, "the motors go on"
+        now, speed = state(hat)
+    return now - begin
+
+
+@pytest.mark.parametrize(
+    ("trouble", "cure", "message"),
+    [
+        ("unplug A", "plug A", "No motor answers on port A"),
+        ("fault motor on", "fault motor off", "motor power fault"),
+        ("supply 5.8", "supply 8", "battery is low"),
+        ("silent on", "silent off", "does not answer"),
+        ("stall B", "free B", "port B (right_wheel_joint) does not turn"),
+    ],
+)
+def test_trouble_at_the_board_stops_them_is_told_and_can_be_cured(
+    hat, driven, trouble, cure, message
+):
+    _, live = driven
+    begin, _ = state(hat)
+    hat.ask(trouble)
+    assert time_to_stop(hat, begin) < STOP_S
+    until(live, lambda now: any(message in problem for problem in now["problems"]))
+    hat.ask(cure)
+    until(live, lambda now: now["robot"]["connected"] and not now["problems"])
+
+
+def test_a_tab_that_is_closed_stops_them(hat, driven):
+    _, live = driven
+    begin, _ = state(hat)
+    live.close()
+    assert time_to_stop(hat, begin) < STOP_S
+
+
+def test_a_program_that_hangs_lets_them_stop(hat, driven):
+    server, _ = driven
+    begin, _ = state(hat)
+    server.process.send_signal(signal.SIGSTOP)
+    try:
+        assert time_to_stop(hat, begin) < STOP_S
+    finally:
+        server.process.send_signal(signal.SIGCONT)
+
+
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGKILL])
+def test_a_program_that_ends_leaves_no_motor_turning(hat, driven, ending):
+    server, _ = driven
+    begin, _ = state(hat)
+    server.process.send_signal(ending)
+    assert time_to_stop(hat, begin) < STOP_S
+    server.process.wait(15)
