@@ -1,0 +1,89 @@
+"""The whole program on an emulated Build HAT, over a pseudo-terminal, as on a Pi."""
+
+from __future__ import annotations
+
+import json
+
+import cv2
+import httpx
+import numpy as np
+import pytest
+from serving import serving, until
+
+from benchmarks.emulated_hat import emulated_hat
+from benchmarks.hat.serial_line import drive
+from robot.description.spec import RobotSpec
+
+FOLDER_RATE = 25
+
+
+@pytest.fixture
+def pictures(tmp_path):
+    """A folder of two pictures of the lens's size."""
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    lens = RobotSpec.load().lens
+    for name, grey in (("a", 200), ("b", 180)):
+        picture = np.full((lens.height, lens.width), grey, np.uint8)
+        picture[200:240] = 20
+        cv2.imwrite(str(folder / f"{name}.png"), picture)
+    return folder
+
+
+@pytest.fixture
+def without_pybullet(tmp_path, monkeypatch):
+    """Programs started here do not find it, as on a Pi."""
+    hidden = tmp_path / "hidden"
+    hidden.mkdir()
+    (hidden / "pybullet.py").write_text("raise ImportError('no wheel for this platform')\n")
+    monkeypatch.setenv("PYTHONPATH", str(hidden))
+
+
+def drive_until(live, condition):
+    def driving(now):
+        live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.0}))
+        return condition(now)
+
+    return until(live, driving)
+
+
+@pytest.mark.usefixtures("without_pybullet")
+def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, pictures):
+    first, second = tmp_path / "one", tmp_path / "two"
+    first.mkdir()
+    second.mkdir()
+    link = tmp_path / "hat"
+    options = ("--serial-port", str(link), "--camera", str(pictures))
+    with serving("--robot", "buildhat", *options) as server, server.live() as live:
+        absent = until(live, lambda now: now["problems"])
+        assert str(link) in " ".join(absent["problems"])
+        with emulated_hat(first, "--world", "free") as hat:
+            link.symlink_to(hat.device)
+            until(live, lambda now: now["robot"]["connected"])
+            drive_until(live, lambda now: now["odometry"]["x"] > 0.05)
+        gone = until(live, lambda now: not now["robot"]["connected"] and now["problems"])
+        link.unlink()
+        with emulated_hat(second, "--world", "free", "--bootloader") as hat:
+            link.symlink_to(hat.device)
+            until(live, lambda now: now["robot"]["connected"], 30.0)
+            there = drive_until(
+                live, lambda now: now["odometry"]["x"] > gone["odometry"]["x"] + 0.05
+            )
+            assert there["loop"]["frame_hz"] > FOLDER_RATE
+            assert there["robot"] == {
+                "name": "LEGO robot",
+                "connected": True,
+                "battery_v": pytest.approx(8.0, abs=0.1),
+                "can_be_placed": False,
+            }
+        picture = httpx.get(f"{server.url}/camera.jpg")
+        assert picture.headers["content-type"] == "image/jpeg"
+
+
+def test_the_paper_s_recovery_through_the_serial_line():
+    """One robot; ``brickpose bench serial_line`` has twelve."""
+    pytest.importorskip("pybullet")
+    found = drive(seed=100, watched=6.0)
+    assert found.seconds < 4.0
+    assert found.error < 0.01
+    assert found.error < found.odometry_error
