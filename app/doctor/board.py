@@ -100,20 +100,20 @@ def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> Boa
 
 def _news(board: Board, state: BoardState) -> str:
     """What makes it worth while to go on waiting, when it changes."""
-    return f"{board.bring_up.stage} {board.bring_up.trouble} {state.faults}"
+    return f"{board.bring_up.stage} {board.bring_up.trouble} {state.ready} {state.faults}"
 
 
 def _progress(board: Board, state: BoardState) -> str:
     """What is waited for, in plain words; empty if for nothing."""
     if board.bring_up.ready:
-        return "waiting for the motors" if state.faults else ""
+        return "" if state.ready else "waiting for the motors"
     return board.bring_up.stage.value
 
 
 def _patience(board: Board, state: BoardState, answered_after: float) -> float:
     """How long to wait for something new [s]."""
     if state.supply_v is not None:
-        if not state.faults:
+        if state.ready:
             return WELL_S
         return PLUGGED_S if answered_after < WARM_S else CONNECTING_S
     if board.bring_up.ready:
@@ -163,9 +163,13 @@ def motor_line(motor: Motor, now: float) -> Finding:
     fault = motor.fault(now)
     if fault is not None:
         return problem(fault)
+    where = f"Port {motor.wiring.port} ({motor.wiring.name})"
+    if not motor.is_ready(now):
+        return problem(
+            f"{where}: the motor does not tell its position", "pull its plug, wait, plug"
+        )
     kind = f"{motor.wiring.motor} motor" if motor.wiring.motor else "motor with an encoder"
-    where = f"{motor.wiring.port} ({motor.wiring.name})"
-    return ok(f"Port {where}: {kind}, tells its position")
+    return ok(f"{where}: {kind}, tells its position")
 
 
 def _complaints(volts: float, low_v: float, now: float) -> list[str]:
