@@ -209,6 +209,13 @@ def test_another_computer_is_no_pi_and_has_no_port_of_its_own(tmp_path: Path) ->
     assert (found.level, "--serial-port" in found.cure) == (PROBLEM, True)
 
 
+def test_a_port_may_be_named_from_where_we_are(tmp_path: Path, monkeypatch) -> None:
+    (tmp_path / "hat").touch()
+    monkeypatch.chdir(tmp_path)
+    found = list(wire.check_wire(Machine(run=lambda command: None), "hat"))
+    assert found[0] == ok("Serial port hat")
+
+
 def test_a_tool_that_fails_or_is_missing_says_nothing() -> None:
     assert output_of(["true"]) == ""
     assert output_of(["false"]) is None

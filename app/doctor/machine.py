@@ -35,8 +35,8 @@ class Machine:
     may_use: Callable[[Path], bool] = readable_and_writable
 
     def at(self, path: str | Path) -> Path:
-        """Where an absolute path of that machine is."""
-        return self.root / Path(path).relative_to("/")
+        """Where a path of that machine is; a relative one begins where we are."""
+        return self.root / Path(path).absolute().relative_to("/")
 
     def text(self, path: str) -> str:
         """What a file says; nothing if it is not there or secret."""
