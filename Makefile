@@ -4,6 +4,8 @@ HOST ?= 127.0.0.1
 PORT ?= 8080
 BIN := .venv/bin
 PEER := $(shell sed -n 's/^peers = \["\(.*\)"\].*/\1/p' pyproject.toml)
+# A Pi's camera library, picamera2, comes with the system; the environment has to see it.
+HAS_CAMERA := -c 'from importlib.util import find_spec; exit(find_spec("picamera2") is None)'
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
@@ -50,11 +52,13 @@ browser:
 	@[ -n "$(PYTHON)" ] || { echo "Python 3.11 or newer is missing: https://www.python.org/downloads/" >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 	{ echo "BrickPose needs Python 3.11 or newer; $(PYTHON) is $$($(PYTHON) --version 2>&1)." >&2; exit 1; }
-	@$(PYTHON) -m venv .venv || { echo "Python's venv module is missing: sudo apt-get install python3-venv" >&2; exit 1; }
+	@$(PYTHON) -m venv $$($(PYTHON) $(HAS_CAMERA) && echo --system-site-packages) .venv || { echo "Python's venv module is missing: sudo apt-get install python3-venv" >&2; exit 1; }
 
 .venv/installed: pyproject.toml constraints.txt | .venv/bin/python
 	@echo "Setting up .venv (once) ..."
 	@$(PIP) --editable .
+	@# The system's simplejpeg, which picamera2 imports, is made for the system's older numpy.
+	@! $(BIN)/python $(HAS_CAMERA) || $(PIP) --ignore-installed --no-deps simplejpeg==1.9.0
 	@echo "Compiling (once) ..."
 	@$(BIN)/python -m app.warm_up
 	@touch $@

@@ -20,12 +20,13 @@ from benchmarks import (
     worth,
 )
 from benchmarks import filter as particle_filter
-from benchmarks.hat import delay, serial_line, wheels
+from benchmarks.hat import delay, driver, serial_line, soak, wheels
 from benchmarks.result import Result
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
     "accuracy": accuracy.measure,
+    "driver": driver.measure,
     "encoders": delay.measure,
     "filter": particle_filter.measure,
     "loop": loop.measure,
@@ -35,6 +36,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "render": render.measure,
     "scan": scan.measure,
     "serial_line": serial_line.measure,
+    "soak": soak.measure,
     "start": start.measure,
     "sweep": sweep.measure,
     "wheels": wheels.measure,

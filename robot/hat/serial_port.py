@@ -69,16 +69,16 @@ class SerialPort:
         self._waiting += data
 
     def exchange(self, seconds: float) -> bytes:
-        """Send what waits and receive; returns as soon as anything moved, or after a time [s].
+        """Send what waits and receive; returns as soon as something came, or after a time [s].
 
         Raises:
             PortError: the port is gone, or takes nothing any more.
         """
-        writing = [self._fd] if self._waiting else []
         try:
-            readable, writable, _ = select.select([self._fd], writing, [], max(0.0, seconds))
-            if writable:
-                self._write()
+            if self._waiting:
+                self._write()  # usually there is room, and no need to wait for it
+            writing = [self._fd] if self._waiting else []
+            readable, _, _ = select.select([self._fd], writing, [], max(0.0, seconds))
             data = os.read(self._fd, 4096) if readable else b""
         except BlockingIOError:
             return b""
@@ -100,7 +100,7 @@ class SerialPort:
         self._waiting = bytearray(b"\r" + last if self._waiting else last)
         end = self._clock() + seconds
         while self._waiting and self._clock() < end:
-            self.exchange(end - self._clock())
+            self.exchange(min(end - self._clock(), 0.01))
         while not self._waiting and self._clock() < end:
             if not self._port.out_waiting:
                 return True
@@ -113,7 +113,10 @@ class SerialPort:
 
     def _write(self) -> None:
         # pyserial's own write spins while a port is full.
-        written = os.write(self._fd, self._waiting)
+        try:
+            written = os.write(self._fd, self._waiting)
+        except BlockingIOError:
+            return
         if written:
             del self._waiting[:written]
             self._moved = self._clock()
