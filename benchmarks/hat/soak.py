@@ -1,0 +1,156 @@
+"""Ten minutes of random trouble: does the robot stop each time, and come back by itself?
+
+The program drives on the emulated board while plugs are pulled, wheels blocked, supplies sag, the
+wire garbles, the board falls silent or restarts, and the camera goes away.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from websockets.sync.connection import Connection
+
+from benchmarks.emulated_hat import EmulatedHat
+from benchmarks.hat.programs import robot_in_bricks, telemetry, wait_until
+from benchmarks.result import Result
+
+MINUTES = 10.0
+SEED = 0
+DRIVE = {"type": "drive", "v": 0.1, "omega": 0.9}
+"""Circles of 0.11 m."""
+
+STOP_S = 0.5
+BACK_S = 45.0
+"""A restart with upload and motors that take their time is the longest way back [s]."""
+
+TURNING = 100.0
+"""Both wheels are faster when it drives [degree/s]."""
+
+
+@dataclass(frozen=True)
+class Trouble:
+    """What can be done to a board, and undone."""
+
+    name: str
+    begin: str
+    end: str | None
+    stops: bool = True
+    """Whether the motors must stop."""
+
+
+TROUBLES = (
+    Trouble("left motor unplugged", "unplug A", "plug A"),
+    Trouble("right motor unplugged", "unplug B", "plug B"),
+    Trouble("wheel blocked", "stall B", "free B"),
+    Trouble("motor power fault", "fault motor on", "fault motor off"),
+    Trouble("port power fault", "fault port on", "fault port off"),
+    Trouble("low supply", "supply 5.6", "supply 8"),
+    Trouble("supply over 10 V", "supply 10.1", "supply 8", stops=False),
+    Trouble("silent board", "silent on", "silent off"),
+    Trouble("board restarts", "reset", None),
+    Trouble("noise from the board", "garble 0.003", "garble 0", stops=False),
+    Trouble("bytes lost to the board", "lose 0.001", "lose 0", stops=False),
+    Trouble("slow main loop", "late 20", None, stops=False),
+)
+
+
+def measure() -> Result:
+    """Troubles survived, of those that came in ten minutes."""
+    return soak(60 * MINUTES)
+
+
+def soak(seconds: float) -> Result:
+    """Random trouble for so long [s]."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        robot_in_bricks(Path(folder), SEED) as (hat, program),
+        program.live() as live,
+    ):
+        wait_until(live, "connected")
+        wait_until(live, "estimate")
+        _drive_until_turning(live, hat)
+        before = program.threads(), program.descriptors()
+        stops, backs, counts = _trouble_it(live, hat, seconds)
+        _drive_until_turning(live, hat)
+        after = program.threads(), program.descriptors()
+    return Result(
+        unit="troubles survived, of all",
+        brickpose=float(len(backs)),
+        more={
+            "stopped after, worst [s]": max(stops),
+            "drives again after the cure, median [s]": float(np.median(backs)),
+            "drives again after the cure, worst [s]": max(backs),
+            "threads more than before": after[0] - before[0],
+            "descriptors more than before": after[1] - before[1],
+            **{f"times {name}": count for name, count in sorted(counts.items())},
+        },
+    )
+
+
+def _trouble_it(
+    live: Connection, hat: EmulatedHat, seconds: float
+) -> tuple[list[float], list[float], Counter[str]]:
+    rng = np.random.default_rng(SEED)
+    stops, backs = [0.0], []
+    counts: Counter[str] = Counter()
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        trouble = TROUBLES[rng.integers(len(TROUBLES))]
+        counts[trouble.name] += 1
+        begin, _ = motors(hat)
+        hat.ask(trouble.begin)
+        if trouble.stops:
+            stops.append(_time_to_stop(live, hat, begin, trouble))
+        _drive_for(live, float(rng.uniform(0.2, 3.0)))
+        if trouble.end is not None:
+            hat.ask(trouble.end)
+        cured = time.monotonic()
+        _drive_until_turning(live, hat)
+        backs.append(time.monotonic() - cured)
+        _drive_for(live, float(rng.uniform(0.2, 2.0)))
+    return stops, backs, counts
+
+
+def motors(hat: EmulatedHat) -> tuple[float, list[float]]:
+    """The board's time [s], and how fast both wheels turn [degree/s]."""
+    found = hat.ask("state")
+    speeds = re.findall(r"[AB] \S+ \S+ ([^;\s]+)", found)
+    return float(found.split(";")[0].removeprefix("now ")), [abs(float(one)) for one in speeds]
+
+
+def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Trouble) -> float:
+    """Until both wheels stand, while the program is asked to drive all the time [s]."""
+    while True:
+        _drive(live)
+        now, speeds = motors(hat)
+        if max(speeds) < 5:
+            return now - begin
+        if now - begin > 10 * STOP_S:
+            raise RuntimeError(f"{trouble.name}: the motors go on")
+
+
+def _drive_until_turning(live: Connection, hat: EmulatedHat) -> None:
+    deadline = time.monotonic() + BACK_S
+    while min(motors(hat)[1]) < TURNING:
+        now = _drive(live)
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"it does not drive again: {now['problems']}, {hat.ask('state')}")
+
+
+def _drive_for(live: Connection, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        _drive(live)
+
+
+def _drive(live: Connection) -> dict[str, Any]:
+    live.send(json.dumps(DRIVE))
+    return telemetry(live)
