@@ -9,10 +9,10 @@ HAS_CAMERA := -c 'from importlib.util import find_spec; exit(find_spec("picamera
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
 
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format bench browser peers
+.PHONY: help run install test check format bench browser peers official-library
 
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## /{printf "make %-9s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-17s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 run: install ## set up, then serve the dashboard (PORT=9000 make run for another port)
 	@exec $(BIN)/brickpose run --host $(HOST) --port $(PORT)
@@ -33,6 +33,9 @@ format: .venv/installed-dev ## tidy the source
 
 bench: .venv/installed-dev peers ## measure, beside peers
 	$(BIN)/brickpose bench
+
+official-library: .venv/installed ## Raspberry Pi's own library on the emulated Build HAT, 50 starts
+	$(BIN)/brickpose bench official_library
 
 peers: .venv/installed-dev
 	@[ -e .venv/peers/nav2_$(subst ==,-,$(PEER)).so ] || { \
