@@ -7,20 +7,9 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import (
-    accuracy,
-    live,
-    loop,
-    official_library,
-    recovery,
-    render,
-    scan,
-    start,
-    sweep,
-    worth,
-)
+from benchmarks import accuracy, live, loop, recovery, render, scan, start, sweep, worth
 from benchmarks import filter as particle_filter
-from benchmarks.hat import delay, driver, serial_line, soak, wheels
+from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
 from benchmarks.result import Result
 from robot.settings import SettingError
 
@@ -43,6 +32,9 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
+LONG = ("official_library", "serial_line", "soak")
+"""Take minutes each, in processes of their own, so they run only when they are named."""
+
 
 def run(names: Sequence[str], file: Path | None) -> int:
     """Measure, print, and write the figures to a file.
@@ -54,7 +46,7 @@ def run(names: Sequence[str], file: Path | None) -> int:
     if unknown:
         raise SettingError(f"no benchmark {unknown[0]!r}; valid are {', '.join(BENCHMARKS)}")
     found = {}
-    for name in names or BENCHMARKS:
+    for name in names or [name for name in BENCHMARKS if name not in LONG]:
         found[name] = BENCHMARKS[name]()
         sys.stdout.write("\n".join(found[name].lines(name)) + "\n")
         sys.stdout.flush()

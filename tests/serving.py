@@ -84,6 +84,16 @@ def until(socket: ClientConnection, condition, seconds: float = 20.0) -> dict:
     return now
 
 
+def drive_until(socket: ClientConnection, v: float, condition) -> dict:
+    """Telemetry while it drives straight on at v [m/s], until a condition holds."""
+
+    def driving(now: dict) -> bool:
+        socket.send(json.dumps({"type": "drive", "v": v, "omega": 0.0}))
+        return condition(now)
+
+    return until(socket, driving)
+
+
 def ask(socket: ClientConnection, **command) -> dict:
     """Send a command and wait for its answer."""
     socket.send(json.dumps(command))

@@ -20,7 +20,7 @@ from serving import ROOT
 from app.command_line import main
 from app.doctor import board
 from app.doctor.finding import PROBLEM, WARNING, Finding
-from benchmarks.emulated_hat import EmulatedHat, emulated_hat
+from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 from robot.description.spec import RobotSpec
 from robot.hat.settings import BuildHatSettings
 

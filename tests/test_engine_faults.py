@@ -1,5 +1,7 @@
 """What a real robot says of itself reaches the page, and the program stands meanwhile."""
 
+import threading
+
 import cv2
 import numpy as np
 import pytest
@@ -78,10 +80,14 @@ def test_after_a_fault_nothing_moves_by_itself(engine, bricks):
     assert bricks.stands()
 
 
-def test_an_engine_that_fails_stops_the_motors(engine, bricks):
+def test_an_engine_that_fails_stops_the_motors(engine, bricks, monkeypatch, caplog):
     driven(engine, 1.0)
-    engine.robot.close()
-    bricks.until(bricks.stands, 0.5)
+    monkeypatch.setattr(engine, "_localize", lambda reading: 1 / 0)
+    begin = bricks.now
+    engine.run(threading.Event())
+    assert engine.failure == "The robot stopped: division by zero"
+    assert "division by zero" in caplog.text
+    bricks.until(bricks.stands, 0.5 - (bricks.now - begin))
 
 
 def test_stamps_rise_while_the_board_is_away(engine, bricks):

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import cv2
 import httpx
 import numpy as np
 import pytest
-from serving import serving, until
+from serving import drive_until, serving, until
 
-from benchmarks.emulated_hat import emulated_hat
+from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.hat.serial_line import drive
 from robot.description.spec import RobotSpec
 
@@ -39,14 +37,6 @@ def without_pybullet(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(hidden))
 
 
-def drive_until(live, condition):
-    def driving(now):
-        live.send(json.dumps({"type": "drive", "v": 0.15, "omega": 0.0}))
-        return condition(now)
-
-    return until(live, driving)
-
-
 @pytest.mark.usefixtures("without_pybullet")
 def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, pictures):
     first, second = tmp_path / "one", tmp_path / "two"
@@ -60,14 +50,14 @@ def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, 
         with emulated_hat(first, "--world", "free") as hat:
             link.symlink_to(hat.device)
             until(live, lambda now: now["robot"]["connected"])
-            drive_until(live, lambda now: now["odometry"]["x"] > 0.05)
+            drive_until(live, 0.15, lambda now: now["odometry"]["x"] > 0.05)
         gone = until(live, lambda now: not now["robot"]["connected"] and now["problems"])
         link.unlink()
         with emulated_hat(second, "--world", "free", "--bootloader") as hat:
             link.symlink_to(hat.device)
             until(live, lambda now: now["robot"]["connected"], 30.0)
             there = drive_until(
-                live, lambda now: now["odometry"]["x"] > gone["odometry"]["x"] + 0.05
+                live, 0.15, lambda now: now["odometry"]["x"] > gone["odometry"]["x"] + 0.05
             )
             assert there["loop"]["frame_hz"] > FOLDER_RATE
             assert there["robot"] == {

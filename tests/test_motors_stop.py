@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import re
 import signal
 from contextlib import ExitStack
 
 import cv2
 import numpy as np
 import pytest
-from serving import serving, until
+from serving import drive_until, serving, until
 
-from benchmarks.emulated_hat import EmulatedHat, emulated_hat
+from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 
 STOP_S = 0.5
 SPEED = 0.2
@@ -48,26 +46,17 @@ def driven(hat, starts):
     server = starts()
     with server.live() as live:
         until(live, lambda now: now["robot"]["connected"])
-        drive_until(live, lambda now: now["twist"]["v"] > 0.95 * SPEED)
+        drive_until(live, SPEED, lambda now: now["twist"]["v"] > 0.95 * SPEED)
         end = until(live, lambda now: True)["stamp"] + 0.5
-        drive_until(live, lambda now: now["stamp"] > end)
+        drive_until(live, SPEED, lambda now: now["stamp"] > end)
         assert state(hat)[1] > 200
         yield server, live
 
 
-def drive_until(live, condition):
-    def driving(now):
-        live.send(json.dumps({"type": "drive", "v": SPEED, "omega": 0.0}))
-        return condition(now)
-
-    return until(live, driving)
-
-
 def state(hat: EmulatedHat) -> tuple[float, float]:
     """The board's time [s] and the speed of its fastest motor [degree/s]."""
-    found = hat.ask("state")
-    speeds = re.findall(r"[AB] \S+ \S+ ([^;\s]+)", found)
-    return float(found.split(";")[0].removeprefix("now ")), max(abs(float(one)) for one in speeds)
+    now, speeds = hat.motors()
+    return now, max(speeds)
 
 
 def time_to_stop(hat: EmulatedHat, begin: float) -> float:

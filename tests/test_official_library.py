@@ -9,9 +9,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from benchmarks.emulated_hat import emulated_hat
-from benchmarks.official_library import VALID, checked, session, wrong
-from benchmarks.official_session import PARTS
+from benchmarks.hat.emulated_hat import emulated_hat
+from benchmarks.hat.official_library import VALID, checked, session, wrong
+from benchmarks.hat.official_session import PARTS
 
 
 def upload(folder):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.emulated_hat import emulated_hat
+from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.result import Result
 from robot.description.spec import RobotSpec
 from robot.geometry import Array

@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.sync.connection import Connection
 
 from app.config import ROOT
-from benchmarks.emulated_hat import EmulatedHat, emulated_hat
+from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 
 START_S = 90.0
 END_S = 15.0

@@ -21,7 +21,7 @@ from app.trajectories.association import at
 from app.trajectories.clock_offset import estimate_clock_offset
 from app.trajectories.metrics import ate_rmse
 from app.trajectories.trajectory import Trajectory
-from benchmarks.emulated_hat import EmulatedHat
+from benchmarks.hat.emulated_hat import EmulatedHat
 from benchmarks.hat.programs import Program, robot_in_bricks, telemetry, wait_until
 from benchmarks.result import Result
 from robot.geometry import Array, Pose2, wrap_angle

@@ -7,7 +7,6 @@ wire garbles, the board falls silent or restarts, and the camera goes away.
 from __future__ import annotations
 
 import json
-import re
 import tempfile
 import time
 from collections import Counter
@@ -18,7 +17,7 @@ from typing import Any
 import numpy as np
 from websockets.sync.connection import Connection
 
-from benchmarks.emulated_hat import EmulatedHat
+from benchmarks.hat.emulated_hat import EmulatedHat
 from benchmarks.hat.programs import robot_in_bricks, telemetry, wait_until
 from benchmarks.result import Result
 
@@ -105,7 +104,7 @@ def _trouble_it(
     while time.monotonic() < end:
         trouble = TROUBLES[rng.integers(len(TROUBLES))]
         counts[trouble.name] += 1
-        begin, _ = motors(hat)
+        begin, _ = hat.motors()
         hat.ask(trouble.begin)
         if trouble.stops:
             stops.append(_time_to_stop(live, hat, begin, trouble))
@@ -119,18 +118,11 @@ def _trouble_it(
     return stops, backs, counts
 
 
-def motors(hat: EmulatedHat) -> tuple[float, list[float]]:
-    """The board's time [s], and how fast both wheels turn [degree/s]."""
-    found = hat.ask("state")
-    speeds = re.findall(r"[AB] \S+ \S+ ([^;\s]+)", found)
-    return float(found.split(";")[0].removeprefix("now ")), [abs(float(one)) for one in speeds]
-
-
 def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Trouble) -> float:
     """Until both wheels stand, while the program is asked to drive all the time [s]."""
     while True:
         _drive(live)
-        now, speeds = motors(hat)
+        now, speeds = hat.motors()
         if max(speeds) < 5:
             return now - begin
         if now - begin > 10 * STOP_S:
@@ -139,7 +131,7 @@ def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Tro
 
 def _drive_until_turning(live: Connection, hat: EmulatedHat) -> None:
     deadline = time.monotonic() + BACK_S
-    while min(motors(hat)[1]) < TURNING:
+    while min(hat.motors()[1]) < TURNING:
         now = _drive(live)
         if time.monotonic() > deadline:
             raise TimeoutError(f"it does not drive again: {now['problems']}, {hat.ask('state')}")

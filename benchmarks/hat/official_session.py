@@ -1,8 +1,8 @@
 """A program that uses LEGO motors through Raspberry Pi's own library, as its users write them.
 
-``python -m benchmarks.official_session DEVICE CONTROL PART...`` prints one line of JSON: what each
-part found. The library is used as it is; only where it would reset the board by a pin of the Pi,
-that edge is seen on a mock of the pin and passed on to the emulator.
+``python -m benchmarks.hat.official_session DEVICE CONTROL PART...`` prints one line of JSON: what
+each part found. The library is used as it is; only where it would reset the board by a pin of the
+Pi, that edge is seen on a mock of the pin and passed on to the emulator.
 """
 
 from __future__ import annotations

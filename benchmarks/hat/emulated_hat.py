@@ -42,6 +42,12 @@ class EmulatedHat:
             raise ValueError(f"{line}: {answer}")
         return answer
 
+    def motors(self) -> tuple[float, list[float]]:
+        """The board's time [s], and how fast the motors at its ports turn [degree/s]."""
+        now, _, _, *ports, _ = self.ask("state").split("; ")
+        plugged = [words for words in map(str.split, ports) if words[1] != "-"]
+        return float(now.removeprefix("now ")), [abs(float(words[3])) for words in plugged]
+
     def cpu_seconds(self) -> float:
         """Processor time that it has used [s], as Linux counts it."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from app.config import ROOT
-from benchmarks.emulated_hat import EmulatedHat, emulated_hat
-from benchmarks.official_session import PARTS
+from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
+from benchmarks.hat.official_session import PARTS
 from benchmarks.result import Result
 
 STARTS = 50
@@ -72,7 +72,7 @@ def session(hat: EmulatedHat, *parts: str) -> dict[str, Any]:
     Raises:
         SessionError: it hung or failed.
     """
-    command = [sys.executable, "-m", "benchmarks.official_session"]
+    command = [sys.executable, "-m", "benchmarks.hat.official_session"]
     command += [str(hat.device), str(hat.control), *parts]
     try:
         done = subprocess.run(
