@@ -12,7 +12,6 @@ from dataclasses import replace
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array
@@ -100,6 +99,9 @@ def _discs(painter: _Painter) -> None:
 
 def _cable(painter: _Painter) -> None:
     """A thin dark line that winds from one border to another, over the tape."""
+    # It takes long to import, and the floor is mostly clear.
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415
+
     across = np.linspace(-1, 1, 7)
     winding = painter.rng.uniform(-0.5, 0.5, 7)
     shares = CubicSpline(across, winding)(np.linspace(-1, 1, 200))

@@ -12,7 +12,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import yourdfpy
 from scipy.spatial.transform import Rotation
 
 from robot.geometry import Array
@@ -162,8 +161,7 @@ def text_of(element: ElementTree.Element, name: str, where: str) -> str:
 
 
 _MISREAD = (
-    yourdfpy.URDFError, ArithmeticError, AttributeError, LookupError, RecursionError, TypeError,
-    ValueError,
+    ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError,
 )  # fmt: skip
 """What yourdfpy raises, by accident, on a description that is none."""
 
@@ -176,6 +174,9 @@ def read_model(urdf: str) -> Any:
     Raises:
         SpecError: the links are no tree, or yourdfpy cannot make sense of them.
     """
+    # It brings a library of meshes with it, which nobody should wait for who asks for help.
+    import yourdfpy  # noqa: PLC0415
+
     root = parse_xml(urdf)
     for link in root.findall("link"):
         for visual in link.findall("visual"):
@@ -188,7 +189,7 @@ def read_model(urdf: str) -> Any:
     slim = io.BytesIO(ElementTree.tostring(root))
     try:
         return yourdfpy.URDF.load(slim, load_meshes=False)
-    except _MISREAD as error:
+    except (yourdfpy.URDFError, *_MISREAD) as error:
         raise SpecError(f"no usable URDF: {type(error).__name__}: {error}") from error
 
 
