@@ -54,6 +54,7 @@ let telemetry = null;
 /** @type {number | null} */
 let delay = null;
 let fieldName = "";
+let truthKnown = true;
 const writeWords = loop.add(() => telemetry && describe(telemetry), { hertz: WORDS_HERTZ });
 
 /**
@@ -81,7 +82,17 @@ function take(news) {
   tape.add(news.scan);
   map.show(news);
   if (history.add(news, delay)) plots.refresh();
+  if (truthKnown !== (news.truth !== null)) showTruth(news.truth !== null);
   writeWords();
+}
+
+/** Only a simulator knows the truth. @param {boolean} known */
+function showTruth(known) {
+  truthKnown = known;
+  for (const part of document.querySelectorAll("[data-needs-truth]")) {
+    part.toggleAttribute("hidden", !known);
+  }
+  plots.setTruth(known);
 }
 
 /** @param {TelemetryMessage} news */

@@ -46,7 +46,7 @@ export class Problems {
     this.#reason = null;
     this.#present = telemetry.robot.connected
       ? telemetry.problems
-      : ["The robot is not connected.", ...telemetry.problems];
+      : ["The robot stands still.", ...telemetry.problems];
     if (telemetry.error_count === this.#known) return;
     this.#known = telemetry.error_count;
     setText(this.#count, String(this.#known));

@@ -30,8 +30,9 @@ export class Tabs {
   #key(event) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;
-    const at = this.#tabs.findIndex((tab) => tab.getAttribute("aria-selected") === "true");
-    const next = this.#tabs[(at + step + this.#tabs.length) % this.#tabs.length];
+    const tabs = this.#tabs.filter((tab) => !tab.hidden);
+    const at = tabs.findIndex((tab) => tab.getAttribute("aria-selected") === "true");
+    const next = tabs[(at + step + tabs.length) % tabs.length];
     this.select(next.dataset.name ?? "");
     next.focus();
     event.preventDefault();

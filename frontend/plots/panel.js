@@ -83,13 +83,18 @@ export class PlotsPanel {
     this.surface = new Surface(canvas, () => this.refresh?.());
     const visible = () => this.surface.visible;
     this.refresh = loop.add(() => this.#paint(), { visible, hertz: 10 });
-    const tabs = new Tabs(find("plots-tabs", HTMLElement), (name) => this.#choose(name));
-    tabs.select(this.#shown);
+    this.tabs = new Tabs(find("plots-tabs", HTMLElement), (name) => this.#choose(name));
+    this.tabs.select(this.#shown);
     this.#log.onclick = () => this.#toggleLog();
     canvas.addEventListener("pointermove", (event) => this.#point(this.surface.locate(event)[0]));
     canvas.addEventListener("pointerleave", () => this.#read(null));
     canvas.addEventListener("blur", () => this.#read(null));
     canvas.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  /** Without the truth there is no error to plot. @param {boolean} known */
+  setTruth(known) {
+    if (known !== (this.#shown === "error")) this.tabs.select(known ? "error" : "particles");
   }
 
   /** What the plot says, for those who do not see it; written now and then. */
