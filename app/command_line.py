@@ -156,7 +156,9 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     bench = commands.add_parser(
         "bench", help="measure, side by side with peers", allow_abbrev=False
     )
-    bench.add_argument("names", nargs="*", metavar="NAME", help="which (default: all that take no minutes)")
+    bench.add_argument(
+        "names", nargs="*", metavar="NAME", help="which (default: all that take no minutes)"
+    )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures here too")
     bench.set_defaults(command=_bench)
 

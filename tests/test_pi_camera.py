@@ -175,6 +175,15 @@ def test_a_wait_in_vain_asks_for_no_second_picture():
     assert asked == [False]
 
 
+def test_a_picamera2_that_is_made_for_another_numpy_is_told_with_the_cure():
+    def load(name):
+        raise ValueError("numpy.dtype size changed, may indicate binary incompatibility")
+
+    device = PiCamera(lens(), CameraSourceSettings(), load=load)
+    with pytest.raises(PictureError, match=r"dtype size changed.*remove .venv"):
+        device.open()
+
+
 def test_without_picamera2_the_cure_is_told():
     def load(name):
         raise ImportError(f"No module named {name!r}")

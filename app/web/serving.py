@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import socket
 import sys
+from contextlib import ExitStack
 from types import FrameType
 
 import uvicorn
@@ -30,12 +31,15 @@ def listen(host: str, port: int) -> socket.socket:
     """
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        listening = socket.socket(family, socket.SOCK_STREAM)
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        # What waits in a large buffer is old by the time that a slow viewer gets it.
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
-        listening.bind(address)
-        listening.listen(128)
+        with ExitStack() as unless_it_listens:
+            listening = socket.socket(family, socket.SOCK_STREAM)
+            unless_it_listens.callback(listening.close)
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            # What waits in a large buffer is old by the time that a slow viewer gets it.
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
+            listening.bind(address)
+            listening.listen(128)
+            unless_it_listens.pop_all()
     except OSError as error:
         raise PortError(
             f"cannot listen on {host} port {port}: {error.strerror or error}; "

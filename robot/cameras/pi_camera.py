@@ -96,6 +96,12 @@ class PiCamera:
                 "and let the program's virtual environment see it (python3 -m venv "
                 "--system-site-packages)"
             ) from error
+        except ValueError as error:
+            # A part of it was compiled for another numpy than this environment's.
+            raise PictureError(
+                f"{self.name}: picamera2 does not fit this environment's numpy ({error}): remove "
+                ".venv and run make install"
+            ) from error
 
     def _number(self, picamera2: Any) -> int:
         """Of the first camera at a ribbon cable; libcamera lists USB cameras too."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import time
+import warnings
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -13,7 +14,7 @@ BOOT0_PIN = 22
 """BCM number; low while the board resets."""
 PULSE_S = 0.01
 
-CURE = "install them: pip install gpiozero lgpio; or switch the HAT's supply off and on"
+CURE = "Install them: pip install gpiozero lgpio"
 
 
 class ResetError(RuntimeError):
@@ -44,16 +45,19 @@ class GpioResetLine:
             # Late, for a computer without pins has no use for it.
             gpiozero: Any = importlib.import_module("gpiozero")
         except ImportError as error:
-            raise ResetError(f"the reset pin needs gpiozero and lgpio; {CURE}") from error
+            raise ResetError(f"the reset pin needs gpiozero and lgpio. {CURE}") from error
         try:
-            self._pulse(gpiozero.DigitalOutputDevice)
+            with warnings.catch_warnings():
+                # One for each way to the pins that is not there; the last one is an error.
+                warnings.simplefilter("ignore")
+                self._pulse(gpiozero.DigitalOutputDevice)
         except gpiozero.GPIOZeroError as error:
-            raise ResetError(f"no pin to reset the board: {error}; {CURE}") from error
+            raise ResetError(f"no pin to reset the board: {error} {CURE}") from error
         # What gpiozero drives the pins with has errors of its own.
         except Exception as error:
             raise ResetError(
                 f"pin {RESET_PIN} is not free: {error}; switch 1-Wire off: sudo raspi-config, "
-                "Interface Options, 1-Wire; or switch the HAT's supply off and on"
+                "Interface Options, 1-Wire"
             ) from error
 
     def _pulse(self, output: Callable[[int], Any]) -> None:
