@@ -42,7 +42,7 @@ def test_a_pin_that_this_program_holds_is_told(pins):
 
     with (
         gpiozero.DigitalOutputDevice(4),
-        pytest.raises(ResetError, match="no pin to reset the board.*in use"),
+        pytest.raises(ResetError, match=r"no pin to reset the board.*in use"),
     ):
         GpioResetLine(lambda seconds: None).pulse()
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from robot.cameras.camera import Camera
 from robot.description.spec import RobotSpec
+from robot.description.wiring import Wiring
 from robot.geometry import Array
 from robot.hat.board import Board
 from robot.hat.build_hat import BuildHat
@@ -20,7 +21,7 @@ from sim.hat.devices.plants import FreeMotor, FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
 
 MEDIUM = 0x30
-DRIFTS = (0.004, -0.007)
+DRIFTS = (0.004, -0.007, 0.002, -0.003)
 """The motors' clocks are their own."""
 
 TICK_MS = 10
@@ -32,7 +33,10 @@ class Bricks:
     """Two motors on an emulated board, and the driver; both live by the board's clock."""
 
     settings: BuildHatSettings = field(default_factory=BuildHatSettings)
-    types: tuple[int, int] = (MEDIUM, MEDIUM)
+    types: tuple[int, ...] = (MEDIUM, MEDIUM)
+    """What is plugged in at ports A, B, ..."""
+    wirings: Sequence[Wiring] | None = None
+    """The joints; by default the wheels of the robot."""
     plants: FreeMotors = field(default_factory=FreeMotors)
     warm: bool = True
     phase_ms: int = 3
@@ -51,7 +55,8 @@ class Bricks:
             for port, kind in enumerate(self.types)
         }
         self.emulated = EmulatedBoard(self.plants, self.devices, warm=self.warm)
-        self.board = Board(self.spec.joints, self.settings, BringUp(FirmwareImage.installed))
+        wirings = self.wirings or self.spec.joints
+        self.board = Board(wirings, self.settings, BringUp(FirmwareImage.installed))
         self.wanted: Array | None = None
         """What the program asks for, every 20 ms; None: it hangs."""
         self.alive = True
