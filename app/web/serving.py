@@ -30,9 +30,12 @@ def listen(host: str, port: int) -> socket.socket:
         PortError: the address is not of this machine, or the port is taken or not allowed.
     """
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
+        family, kind, protocol, _, address = found[0]
         with ExitStack() as unless_it_listens:
-            listening = socket.socket(family, socket.SOCK_STREAM)
+            # Only where the protocol is said does asyncio send each part at once; else the second
+            # part of an answer waits until the first is acknowledged: 40 ms.
+            listening = socket.socket(family, kind, protocol)
             unless_it_listens.callback(listening.close)
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             # What waits in a large buffer is old by the time that a slow viewer gets it.

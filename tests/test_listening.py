@@ -1,0 +1,29 @@
+"""What the server sends is on its way at once."""
+
+import asyncio
+import socket
+
+import pytest
+
+from app.web.serving import listen
+
+
+async def delay_is_off(listening: socket.socket) -> bool:
+    """As asyncio leaves the connections that it accepts."""
+    answered = asyncio.get_running_loop().create_future()
+    server = await asyncio.start_server(
+        lambda reader, writer: answered.set_result(writer), sock=listening
+    )
+    async with server:
+        _, client = await asyncio.open_connection(*listening.getsockname()[:2])
+        writer = await answered
+        off = writer.get_extra_info("socket").getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        for one in (writer, client):
+            one.close()
+            await one.wait_closed()
+    return bool(off)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "0.0.0.0"])
+def test_no_part_of_an_answer_waits_until_the_one_before_is_acknowledged(host):
+    assert asyncio.run(delay_is_off(listen(host, 0)))
