@@ -22,7 +22,7 @@ from robot.geometry import Twist2
 from robot.settings import SettingError
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
-from sim.hat.devices.motor_kinds import KindError, MotorKind, kind_named
+from sim.hat.devices.motor_kinds import KindError, MotorKind, kind_described, kind_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Beginning, Emulator
 from sim.hat_emulator.line_server import LineServer, TypedLines
@@ -33,9 +33,6 @@ from sim.imperfections import draw
 
 SWITCH_INTERVAL = 0.0005
 """How long one thread may keep the others waiting [s]: the board's ticks are 1 ms."""
-
-USUAL_MOTOR = "medium angular"
-"""Where the description leaves it open."""
 
 STANDARD_INPUT = 0
 
@@ -152,10 +149,7 @@ def _usual_world() -> str:
 def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorKind]:
     """Kinds of motors by port, from A=large,B=large."""
     if text is None:
-        return {
-            PORTS.index(joint.port): kind_named((joint.motor or USUAL_MOTOR).split()[0])
-            for joint in spec.joints
-        }
+        return {PORTS.index(joint.port): kind_described(joint.motor) for joint in spec.joints}
     motors = {}
     for part in text.split(",") if text else ():
         port, _, name = part.strip().partition("=")

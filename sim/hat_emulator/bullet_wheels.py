@@ -11,15 +11,11 @@ from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from sim.bullet import BulletWorld
 from sim.hat.devices.device import Plant
-from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_named
+from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_described
 from sim.hat.devices.plants import FreeMotors, PlantError
 
 BLOCKED = 100.0
 """Torque that holds a blocked shaft [N m]: far more than any motor has."""
-
-
-USUAL = "medium angular"
-"""What drives a joint that leaves it open."""
 
 
 class WheelMotor:
@@ -104,7 +100,7 @@ class BulletWheels:
         """
         kinds = dict(kinds or {})
         for joint in spec.joints:
-            kinds.setdefault(PORTS.index(joint.port), kind_named((joint.motor or USUAL).split()[0]))
+            kinds.setdefault(PORTS.index(joint.port), kind_described(joint.motor))
         self.now = 0.0
         """Time that has passed for the physics [s]."""
         self._world = world

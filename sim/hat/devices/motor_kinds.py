@@ -79,6 +79,11 @@ MOTOR_KINDS: Mapping[int, MotorKind] = {
 (large) and 14 % (medium, small); what is known is 8 to 15 %."""
 
 
+def kind_described(motor: str | None) -> MotorKind:
+    """What a robot's description calls a joint's motor; a medium one where it leaves that open."""
+    return kind_named((motor or "medium angular").split()[0])
+
+
 def kind_named(name: str) -> MotorKind:
     """The kind of motor of that name.
 
