@@ -14,8 +14,9 @@ from pathlib import Path
 from app.config import ROBOTS, Config, load_config
 from app.console import say
 from app.doctor.options import add_doctor
-from app.evaluation.options import add_config, add_evaluate, add_map
+from app.evaluation.options import add_evaluate
 from app.hat_emulator.options import add_emulate_hat
+from app.options import add_camera, add_config, add_map, add_serial_port
 from app.sweep.options import add_sweep
 from app.trajectories.trajectory import TrajectoryError
 from robot.fields.field import FieldError
@@ -79,7 +80,8 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         "buildhat: the real one (default: sim where pybullet is installed)",
         default=argparse.SUPPRESS,
     )
-    _add_hardware(run)
+    add_serial_port(run)
+    add_camera(run)
     add_map(run)
     run.add_argument(
         "--host",
@@ -102,23 +104,6 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     _add_models(run)
     _add_start_pose(run)
     run.set_defaults(command=_run)
-
-
-def _add_hardware(run: argparse.ArgumentParser) -> None:
-    run.add_argument(
-        "--serial-port",
-        metavar="DEVICE",
-        default=argparse.SUPPRESS,
-        help="the Build HAT's serial port (default: that of this Pi)",
-    )
-    run.add_argument(
-        "--camera",
-        metavar="SOURCE",
-        dest="camera_source",
-        default=argparse.SUPPRESS,
-        help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
-        "(default: the first that delivers pictures)",
-    )
 
 
 def _add_start_pose(run: argparse.ArgumentParser) -> None:
@@ -170,17 +155,26 @@ def _run(parsed: argparse.Namespace) -> int:
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = settle_robot(config_from(parsed))
-    listening = listen(config.host, config.port)
-    if missing:
-        say(f"The kinematic robot drives, with perfect wheels: {missing}")
-    program = assemble(config, RealTime())
-    host, port = listening.getsockname()[:2]
-    if host in ("0.0.0.0", "::"):
-        host = socket.gethostname()  # nobody can open "all addresses"
-    shown = f"[{host}]" if ":" in host else host
-    say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
-    serve(program, listening)
+    _refuse_without_effect(parsed, config)
+    with listen(config.host, config.port) as listening:
+        if missing:
+            say(f"The kinematic robot drives, with perfect wheels: {missing}")
+        program = assemble(config, RealTime())
+        host, port = listening.getsockname()[:2]
+        if host in ("0.0.0.0", "::"):
+            host = socket.gethostname()  # nobody can open "all addresses"
+        shown = f"[{host}]" if ":" in host else host
+        say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
+        serve(program, listening)
     return 0
+
+
+def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
+    for name, option in (("serial_port", "--serial-port"), ("camera_source", "--camera")):
+        if name in vars(parsed) and config.robot != "buildhat":
+            raise SettingError(
+                f"{option} has no effect with --robot {config.robot}; valid is buildhat"
+            )
 
 
 def _bench(parsed: argparse.Namespace) -> int:

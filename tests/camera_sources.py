@@ -365,3 +365,25 @@ KINDS = {
     "pi": PiRibbon,
     "emulator": Emulator,
 }
+
+
+class AtRest:
+    """A source's device alone, without its thread, at a standing clock; mixed in before it."""
+
+    NOW = 5000.0
+
+    def __init__(self, folder=None, settings=None, **world):
+        self.lens = lens()
+        self.size = (self.lens.width, self.lens.height)
+        self.settings = settings or CameraSourceSettings()
+        for name, value in world.items():
+            setattr(self, name, value)
+        self.make(folder)
+
+    def grabber(self, device):
+        return None
+
+    def open(self):
+        device = self.device(clock=lambda: self.NOW)
+        device.open()
+        return device

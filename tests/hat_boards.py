@@ -13,6 +13,37 @@ from sim.hat.emulated_board import EmulatedBoard
 LARGE = 0x4C
 COMBINED = "combi 0 1 0 2 0 3 0;select 0;selrate 10"
 
+LISTED_BLOCK = """P0: connected to active ID 4C
+type 4C
+  nmodes =5
+  nview  =3
+  baud   =115200
+  hwver  =00000004
+  swver  =10000000
+  M0 POWER SI = PCT
+    format count=1 type=0 chars=4 dp=0
+    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
+  M1 SPEED SI = PCT
+    format count=1 type=0 chars=4 dp=0
+    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
+  M2 POS SI = DEG
+    format count=1 type=2 chars=11 dp=0
+    RAW: 00000000 00000168    PCT: 00000000 00000064    SI: 00000000 00000168
+  M3 APOS SI = DEG
+    format count=1 type=1 chars=3 dp=0
+    RAW: 00000000 000000B3    PCT: 00000000 000000C8    SI: 00000000 000000B3
+  M4 CALIB SI = CAL
+    format count=2 type=1 chars=5 dp=0
+    RAW: 00000000 00000E10    PCT: 00000000 00000064    SI: 00000000 00000E10
+  M5 STATS SI = MIN
+    format count=14 type=1 chars=5 dp=0
+    RAW: 00000000 0000FFFF    PCT: 00000000 00000064    SI: 00000000 0000FFFF
+  C0: M1+M2+M3
+     speed PID: 00000BB8 00000064 00002328 00000438
+  position PID: 00002EE0 000003E8 00013880 00000000
+"""
+"""What ``list`` prints of a large angular motor at port A, with LF for CR LF."""
+
 
 class Bench:
     """A board with free motors; large motors are plugged into the first ports."""

@@ -3,41 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hat_boards import Bench
-
-MEDIUM_BLOCK = """\
-P0: connected to active ID 4C
-type 4C
-  nmodes =5
-  nview  =3
-  baud   =115200
-  hwver  =00000004
-  swver  =10000000
-  M0 POWER SI = PCT
-    format count=1 type=0 chars=4 dp=0
-    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
-  M1 SPEED SI = PCT
-    format count=1 type=0 chars=4 dp=0
-    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
-  M2 POS SI = DEG
-    format count=1 type=2 chars=11 dp=0
-    RAW: 00000000 00000168    PCT: 00000000 00000064    SI: 00000000 00000168
-  M3 APOS SI = DEG
-    format count=1 type=1 chars=3 dp=0
-    RAW: 00000000 000000B3    PCT: 00000000 000000C8    SI: 00000000 000000B3
-  M4 CALIB SI = CAL
-    format count=2 type=1 chars=5 dp=0
-    RAW: 00000000 00000E10    PCT: 00000000 00000064    SI: 00000000 00000E10
-  M5 STATS SI = MIN
-    format count=14 type=1 chars=5 dp=0
-    RAW: 00000000 0000FFFF    PCT: 00000000 00000064    SI: 00000000 0000FFFF
-  C0: M1+M2+M3
-     speed PID: 00000BB8 00000064 00002328 00000438
-  position PID: 00002EE0 000003E8 00013880 00000000
-P1: no device detected
-P2: no device detected
-P3: no device detected
-"""
+from hat_boards import LISTED_BLOCK, Bench
 
 
 def test_an_unknown_word_is_an_error() -> None:
@@ -103,7 +69,9 @@ def test_unplugging_freezes_the_data_for_half_a_second() -> None:
 
 
 def test_the_listing_has_the_whole_block_of_a_motor() -> None:
-    assert Bench().say("list", 0.3).decode() == "\r\n" + MEDIUM_BLOCK.replace("\n", "\r\n")
+    empty = "".join(f"P{port}: no device detected\n" for port in (1, 2, 3))
+    listed = "\n" + LISTED_BLOCK + empty
+    assert Bench().say("list", 0.3).decode() == listed.replace("\n", "\r\n")
 
 
 def test_a_controller_traces_its_terms() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from serving import drive_until, serving, until
 
+from app.command_line import main
 from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.hat.serial_line import drive
 from robot.description.spec import RobotSpec
@@ -68,6 +69,17 @@ def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, 
             }
         picture = httpx.get(f"{server.url}/camera.jpg")
         assert picture.headers["content-type"] == "image/jpeg"
+
+
+@pytest.mark.parametrize("option", ["--serial-port", "--camera"])
+def test_options_of_the_real_robot_are_refused_with_another(option, capsys):
+    assert main(["run", "--robot", "kinematic", option, "x"]) == 2
+    assert f"{option} has no effect with --robot kinematic" in capsys.readouterr().err
+
+
+def test_a_camera_that_can_never_be_is_refused_at_the_start(capsys):
+    assert main(["run", "--robot", "buildhat", "--port", "0", "--camera", "nothing"]) == 1
+    assert "valid are" in capsys.readouterr().err
 
 
 def test_the_paper_s_recovery_through_the_serial_line():

@@ -6,6 +6,7 @@ import math
 from itertools import pairwise
 
 import pytest
+from hat_boards import LISTED_BLOCK
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,36 +14,6 @@ from sim.hat.devices.device import Device, DeviceError, ValueType
 from sim.hat.devices.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
 from sim.hat.devices.motor_kinds import MOTOR_KINDS, KindError
 from sim.hat.devices.passive import LIGHT, PassiveDevice
-
-LISTING = """P0: connected to active ID 4C
-type 4C
-  nmodes =5
-  nview  =3
-  baud   =115200
-  hwver  =00000004
-  swver  =10000000
-  M0 POWER SI = PCT
-    format count=1 type=0 chars=4 dp=0
-    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
-  M1 SPEED SI = PCT
-    format count=1 type=0 chars=4 dp=0
-    RAW: 00000000 00000064    PCT: 00000000 00000064    SI: 00000000 00000064
-  M2 POS SI = DEG
-    format count=1 type=2 chars=11 dp=0
-    RAW: 00000000 00000168    PCT: 00000000 00000064    SI: 00000000 00000168
-  M3 APOS SI = DEG
-    format count=1 type=1 chars=3 dp=0
-    RAW: 00000000 000000B3    PCT: 00000000 000000C8    SI: 00000000 000000B3
-  M4 CALIB SI = CAL
-    format count=2 type=1 chars=5 dp=0
-    RAW: 00000000 00000E10    PCT: 00000000 00000064    SI: 00000000 00000E10
-  M5 STATS SI = MIN
-    format count=14 type=1 chars=5 dp=0
-    RAW: 00000000 0000FFFF    PCT: 00000000 00000064    SI: 00000000 0000FFFF
-  C0: M1+M2+M3
-     speed PID: 00000BB8 00000064 00002328 00000438
-  position PID: 00002EE0 000003E8 00013880 00000000
-"""
 
 
 class Shaft:
@@ -73,7 +44,7 @@ def told(motor: LegoMotor, mode: int) -> int:
 
 def test_the_listing_is_the_firmwares_to_the_byte() -> None:
     motor = LegoMotor(0x4C, Shaft())
-    assert motor.description(0) == LISTING.replace("\n", "\r\n")
+    assert motor.description(0) == LISTED_BLOCK.replace("\n", "\r\n")
 
 
 @pytest.mark.parametrize("type_id", sorted(MOTOR_KINDS))

@@ -4,7 +4,17 @@ import time
 
 import numpy as np
 import pytest
-from camera_sources import IMX219_MODES, READOUT, WHOLE, PiRibbon, lens, mode, picture, until
+from camera_sources import (
+    IMX219_MODES,
+    READOUT,
+    WHOLE,
+    AtRest,
+    PiRibbon,
+    lens,
+    mode,
+    picture,
+    until,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,27 +23,12 @@ from robot.cameras.pi_camera import PiCamera
 from robot.cameras.settings import CameraSourceSettings
 from robot.cameras.stamps import middle_of_exposure, on_monotonic, time_asleep
 
-NOW = 5000.0
+NOW = AtRest.NOW
 
 
-class Bench(PiRibbon):
-    """The device alone, without its thread, at a standing clock."""
-
+class Bench(AtRest, PiRibbon):
     def __init__(self, settings=None, **world):
-        self.lens = lens()
-        self.size = (self.lens.width, self.lens.height)
-        self.settings = settings or CameraSourceSettings()
-        for name, value in world.items():
-            setattr(self, name, value)
-        self.make(None)
-
-    def grabber(self, device):
-        return None
-
-    def open(self):
-        device = self.device(clock=lambda: NOW)
-        device.open()
-        return device
+        super().__init__(None, settings, **world)
 
     def stamp_of(self, **told):
         self.sent.put((picture(0, *self.size), told))

@@ -4,34 +4,16 @@ import os
 
 import cv2
 import pytest
-from camera_sources import READOUT, Webcam, lens, picture
+from camera_sources import READOUT, AtRest, Webcam, lens, picture
 
 from robot.cameras.camera import PictureError
 from robot.cameras.settings import CameraSourceSettings
 from robot.cameras.v4l2 import V4l2Device, video_nodes
 
-NOW = 5000.0
+NOW = AtRest.NOW
 
 
-class Bench(Webcam):
-    """The device alone, without its thread, at a standing clock."""
-
-    def __init__(self, tmp_path, settings=None, **world):
-        self.lens = lens()
-        self.size = (self.lens.width, self.lens.height)
-        self.settings = settings or CameraSourceSettings()
-        for name, value in world.items():
-            setattr(self, name, value)
-        self.make(tmp_path)
-
-    def grabber(self, device):
-        return None
-
-    def open(self):
-        device = self.device(clock=lambda: NOW)
-        device.open()
-        return device
-
+class Bench(AtRest, Webcam):
     def stamp_of(self, told):
         self.sent.put((picture(0, *self.size), told))
         return self.open().grab(1.0).stamp

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
 
 from app.config import ROBOTS
-from app.evaluation.options import add_config
-
-Commands = Any
-"""What ``add_subparsers`` returns."""
+from app.options import Commands, add_camera, add_config, add_serial_port
 
 
 def add_doctor(commands: Commands) -> None:
@@ -24,13 +20,8 @@ def add_doctor(commands: Commands) -> None:
         allow_abbrev=False,
     )
     command.add_argument("--robot", choices=ROBOTS, help="which robot is to work here")
-    _add_serial_port(command)
-    command.add_argument(
-        "--camera",
-        metavar="SOURCE",
-        dest="camera_source",
-        help="the robot's camera, as for run (default: the first that delivers pictures)",
-    )
+    add_serial_port(command)
+    add_camera(command)
     add_config(command)
     command.set_defaults(command=_doctor)
     stop = commands.add_parser(
@@ -39,16 +30,8 @@ def add_doctor(commands: Commands) -> None:
         argument_default=argparse.SUPPRESS,
         allow_abbrev=False,
     )
-    _add_serial_port(stop)
+    add_serial_port(stop)
     stop.set_defaults(command=_stop)
-
-
-def _add_serial_port(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--serial-port",
-        metavar="DEVICE",
-        help="the Build HAT's serial port (default: that of this Pi)",
-    )
 
 
 def _doctor(parsed: argparse.Namespace) -> int:

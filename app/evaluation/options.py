@@ -6,11 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from app.config import Config
+from app.options import Commands, add_config, add_map
 from robot.settings import SettingError
-
-Commands = Any
-"""What ``add_subparsers`` returns."""
 
 SIMULATED = ("map", "first_seed", "config", "workers", "cluster", "seeds", "world")
 """Options that go with a simulation; there is more for the experiment and for the models."""
@@ -55,27 +52,6 @@ def add_evaluate(commands: Commands) -> None:
     add_workers(command)
     _add_recording(command)
     command.set_defaults(command=_evaluate)
-
-
-def add_map(command: argparse.ArgumentParser) -> None:
-    """Which field."""
-    command.add_argument(
-        "--map",
-        metavar="NAME|FILE",
-        default=argparse.SUPPRESS,
-        help=f"a field of maps/, or an .svg or .yaml file (default: {Config().map})",
-    )
-
-
-def add_config(command: argparse.ArgumentParser) -> None:
-    """Settings from a file."""
-    command.add_argument(
-        "--config",
-        type=Path,
-        metavar="FILE.toml",
-        default=argparse.SUPPRESS,
-        help="settings (docs/configuration.md); options win over them",
-    )
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from app.config import Config
-from app.evaluation.options import add_config, add_map
-
-Commands = Any
-"""What ``add_subparsers`` returns."""
+from app.options import Commands, add_config, add_map
 
 WORLDS = ("sim", "free")
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from app.evaluation.options import Commands, add_config, add_workers
+from app.evaluation.options import add_workers
+from app.options import Commands, add_config
 
 EXAMPLE = """\
 A sweep file names settings by their path (docs/configuration.md) and their values:
