@@ -107,6 +107,20 @@ def test_what_comes_within_10_ms_of_the_start_is_dropped() -> None:
     assert b"".join(out).endswith(b"BHBL> z")
 
 
+def test_it_is_deaf_after_its_start_for_no_more_than_its_input_ring_holds() -> None:
+    out: list[bytes] = []
+    bootloader = Bootloader(out.append)
+    for _ in range(20_000):
+        bootloader.receive(ord("x"))
+    for _ in range(4095):
+        bootloader.tick(0.01)
+    bootloader.receive(ord("y"))
+    for _ in range(2):
+        bootloader.tick(0.01)
+    bootloader.receive(ord("z"))
+    assert b"".join(out).endswith(b"BHBL> z")
+
+
 def test_version_is_echoed_answered_and_prompted(terminal: Terminal) -> None:
     assert terminal.send("version\r") == (
         f"version\r\nBuildHAT bootloader version {VERSION}\r\nBHBL> "

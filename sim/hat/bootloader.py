@@ -23,6 +23,9 @@ MAX_LINE = 256
 START_UP = 0.01
 """After the start, a byte that came meanwhile is dropped every so often, until none is left [s]."""
 
+RING = 4096
+"""Size of its input ring; one place of it always stays empty."""
+
 BEFORE_JUMP = 0.1
 """Time between ``Rebooting...`` and the first instruction of the firmware [s]."""
 
@@ -85,7 +88,7 @@ class Bootloader:
     def receive(self, byte: int) -> None:
         """One byte has come over the line."""
         if self._starting:
-            self._spurious += 1
+            self._spurious = min(self._spurious + 1, RING - 1)
         elif self._upload is not None:
             self._upload.receive(byte)
             self._look_at_upload(self._upload)
