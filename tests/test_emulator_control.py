@@ -170,6 +170,15 @@ def test_noise_on_the_wire_changes_what_is_heard(bench: Bench) -> None:
     assert bench.ask("garble 2").startswith("error")
 
 
+def test_noise_on_the_way_in_changes_what_the_board_does(bench: Bench) -> None:
+    assert bench.ask("garble-in 1") == "ok"
+    assert "V" not in bench.say("vin\r")
+    assert bench.ask("garble-in 0") == "ok"
+    bench.say("\r")
+    assert bench.say("vin\r") == "\r\n8.00 V\r\n"
+    assert bench.ask("garble-in 2").startswith("error")
+
+
 def test_bytes_are_lost_on_the_way_in(bench: Bench) -> None:
     assert bench.ask("lose 1") == "ok"
     assert bench.say("vin\r") == ""
@@ -278,8 +287,9 @@ def test_help_names_every_command_and_state_every_port(bench: Bench) -> None:
 
 
 WORDS = (
-    "unplug plug slow stall free load mute setup errors fault supply silent garble late firmware "
-    "reset place truth duty state help A B C D E on off motor port 0 1 -1 nan 1e9 silence"
+    "unplug plug slow stall free load mute setup errors fault supply silent garble garble-in lose "
+    "late firmware reset place truth duty state help A B C D E on off motor port 0 1 -1 nan 1e9 "
+    "silence"
 )
 WORD = st.sampled_from(WORDS.split()) | st.text(max_size=3)
 

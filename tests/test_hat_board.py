@@ -208,9 +208,9 @@ def test_a_board_that_is_reset_is_started_again_and_drives_on(bricks):
     assert np.abs(bricks.speeds()).min() > 250
 
 
-@pytest.mark.parametrize("kind", ["garble", "loss"])
+@pytest.mark.parametrize("kind", ["garble", "garble_in", "loss"])
 def test_a_noisy_wire_costs_no_more_than_a_moment(bricks, kind):
-    """A byte in 500 is wrong on the way from the board, or lost on the way to it."""
+    """A byte in 500 is wrong on the way from the board or to it, or lost on the way to it."""
     setattr(bricks.emulated, kind, 0.002)
     rows = bricks.run(10.0)
     speeds = np.abs(rows[:, 1:3])

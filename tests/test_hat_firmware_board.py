@@ -72,6 +72,22 @@ def test_a_bad_wire_spoils_bytes_the_same_way_for_the_same_seed() -> None:
         bench.board.garble = 2.0
 
 
+def test_a_bad_wire_spoils_what_comes_in_as_what_goes_out() -> None:
+    heard = []
+    for seed in (1, 1, 2):
+        bench = Bench(motors=0, seed=seed)
+        bench.say("echo 1")
+        bench.board.garble_in = 0.05
+        bench.board.receive((b"#" + b"ab" * 100 + b"\r") * 20)
+        heard.append(bench.board.advance(1.0))
+    assert heard[0] == heard[1] != heard[2]
+    assert b"\0" in heard[0], "zeroed"
+    assert set(heard[0]) > set(b"#ab\0\r\n"), "changed by a bit"
+    assert b"aa" in heard[0] or b"bb" in heard[0], "lost or doubled"
+    with pytest.raises(BoardError, match="0 to 1"):
+        bench.board.garble_in = 2.0
+
+
 def test_a_line_that_loses_bytes_on_the_way_in_makes_an_upload_time_out() -> None:
     bench = Bench(motors=0, warm=False)
     bench.board.advance(0.1)

@@ -56,6 +56,7 @@ TROUBLES = (
     Trouble("silent board", "silent on", "silent off"),
     Trouble("board restarts", "reset", None),
     Trouble("noise from the board", "garble 0.003", "garble 0", stops=False),
+    Trouble("garbled bytes to the board", "garble-in 0.0005", "garble-in 0", stops=False),
     Trouble("bytes lost to the board", "lose 0.001", "lose 0", stops=False),
     Trouble("slow main loop", "late 20", None, stops=False),
 )

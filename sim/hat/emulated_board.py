@@ -45,7 +45,7 @@ class EmulatedBoard:
             warm: its firmware runs and knows the devices; otherwise its bootloader waits.
             version: of the firmware that runs.
             supply_v: [V].
-            seed: for ``garble``.
+            seed: for ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
             BoardError: a port outside 0..3.
@@ -57,6 +57,7 @@ class EmulatedBoard:
         self._receiver = Receiver()
         self._noise = Noise(seed)
         self._loss = Noise(seed + 1, kinds=1)
+        self._noise_in = Noise(seed + 2)
         self._power = Power()
         self.supply_v = supply_v
         self.silent = False
@@ -110,6 +111,15 @@ class EmulatedBoard:
     @garble.setter
     def garble(self, probability: float) -> None:
         self._noise.probability = _probability("garble", probability)
+
+    @property
+    def garble_in(self) -> float:
+        """Probability of the same for a byte on its way in."""
+        return self._noise_in.probability
+
+    @garble_in.setter
+    def garble_in(self, probability: float) -> None:
+        self._noise_in.probability = _probability("garble_in", probability)
 
     @property
     def loss(self) -> float:
@@ -236,7 +246,7 @@ class EmulatedBoard:
         self._plants.step(TICK)
         self._ticks += 1
         arrived = self._receiver.advance(TICK)
-        heard = b"" if self.silent else self._loss.over(arrived)
+        heard = b"" if self.silent else self._noise_in.over(self._loss.over(arrived))
         self._processor.passed(heard, self._ticks * TICK)
         self._drive()
         sent = self._transmitter.advance(TICK)

@@ -59,6 +59,7 @@ class Control:
             "supply": Command("VOLTS", (1,), self._supply),
             "silent": Command("on|off", (1,), self._silent),
             "garble": Command("PROBABILITY", (1,), self._garble),
+            "garble-in": Command("PROBABILITY", (1,), self._garble_in),
             "lose": Command("PROBABILITY", (1,), self._lose),
             "late": Command("MILLISECONDS", (1,), self._late),
             "firmware": Command("VERSION", (1,), self._firmware),
@@ -166,6 +167,10 @@ class Control:
 
     def _garble(self, words: list[str]) -> str:
         self._emulator.board.garble = _number(words[0], 0, 1)
+        return "ok"
+
+    def _garble_in(self, words: list[str]) -> str:
+        self._emulator.board.garble_in = _number(words[0], 0, 1)
         return "ok"
 
     def _lose(self, words: list[str]) -> str:
