@@ -13,6 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.description.spec import RobotSpec
+from robot.hat.protocol.decoder import Decoder
+from robot.hat.protocol.events import BusError, Event, QueueOverrun, Supply
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.hat.devices.motor_kinds import kind_named
 from sim.hat_emulator.control import Control
@@ -186,6 +188,30 @@ def test_bytes_are_lost_on_the_way_in(bench: Bench) -> None:
     assert bench.say("vin\r") == "\r\n8.00 V\r\n"
 
 
+@pytest.mark.parametrize(
+    ("text", "event"),
+    [
+        ("MQ overrun!", QueueOverrun()),
+        ("<I²C bus timeout>", BusError("<I²C bus timeout>")),
+        ("Attempting reset of I²C bus", BusError("Attempting reset of I²C bus")),
+    ],
+)
+def test_the_board_says_out_of_turn_what_it_is_told_to(
+    bench: Bench, text: str, event: Event
+) -> None:
+    assert bench.ask(f"say {text}") == "ok"
+    heard = Decoder().feed(bench.say("vin\r").encode())
+    assert event in heard
+    assert Supply(8.0) in heard
+    assert bench.ask("say") == "error: valid is: say TEXT"
+
+
+def test_an_error_of_the_inner_bus_ends_no_line(bench: Bench) -> None:
+    bench.ask("say <generic I²C bus error>")
+    bench.ask("say MQ overrun!")
+    assert bench.run(0.1) == "<generic I²C bus error>MQ overrun!\r\n"
+
+
 def test_a_late_pass_is_told(bench: Bench) -> None:
     assert bench.ask("late 30") == "ok"
     assert re.search(r"deltat=[0-9A-F]{8}", bench.run(0.2))
@@ -288,8 +314,8 @@ def test_help_names_every_command_and_state_every_port(bench: Bench) -> None:
 
 WORDS = (
     "unplug plug slow stall free load mute setup errors fault supply silent garble garble-in lose "
-    "late firmware reset place truth duty state help A B C D E on off motor port 0 1 -1 nan 1e9 "
-    "silence"
+    "late say firmware reset place truth duty state help A B C D E on off motor port 0 1 -1 nan "
+    "1e9 silence"
 )
 WORD = st.sampled_from(WORDS.split()) | st.text(max_size=3)
 

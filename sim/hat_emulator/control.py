@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -34,7 +35,7 @@ class Command:
 
     arguments: str
     """As ``help`` shows them."""
-    counts: tuple[int, ...]
+    counts: Collection[int]
     """How many arguments are valid."""
     do: Callable[[list[str]], str]
     """Does it and returns the answer."""
@@ -62,6 +63,7 @@ class Control:
             "garble-in": Command("PROBABILITY", (1,), self._garble_in),
             "lose": Command("PROBABILITY", (1,), self._lose),
             "late": Command("MILLISECONDS", (1,), self._late),
+            "say": Command("TEXT", range(1, sys.maxsize), self._say),
             "firmware": Command("VERSION", (1,), self._firmware),
             "reset": Command("", (0,), self._reset),
             "bootloader": Command("", (0,), self._reset),
@@ -179,6 +181,12 @@ class Control:
 
     def _late(self, words: list[str]) -> str:
         self._emulator.board.late(round(_number(words[0], 1, 1000)))
+        return "ok"
+
+    def _say(self, words: list[str]) -> str:
+        """Errors of the inner bus, ``<like this>``, end no line."""
+        text = " ".join(words)
+        self._emulator.board.interject(text if text.endswith(">") else f"{text}\r\n")
         return "ok"
 
     def _firmware(self, words: list[str]) -> str:
