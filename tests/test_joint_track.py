@@ -62,7 +62,6 @@ def test_a_lost_digit_is_not_believed(count, absolute):
     track = JointTrack()
     track.report(0.0, 12345, marked(12345))
     assert not track.report(DT, count, absolute)
-    assert track.refused == 1
     assert track.report(2 * DT, 12347, marked(12347))
     assert track.angle == 2
 

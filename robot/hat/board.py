@@ -34,7 +34,14 @@ COMMAND_S = 0.2
 """A command of the program ends after this time [s]."""
 
 SILENT_S = 0.6
-"""The board is asked for its voltage all the time; silent for so long, it is gone [s]."""
+"""The board is asked for its voltage all the time; without an answer for so long it is gone, or
+does not hear [s]."""
+
+LIST_S = 3.0
+"""How often it is asked for its devices while one is missing [s]."""
+
+OLDEST_S = 0.05
+"""A motor that has fallen silent keeps the others' positions back by no more than this [s]."""
 
 STOP_AGAIN_S = 0.3
 """How often the motors are told to stop while something is wrong [s]."""
@@ -85,8 +92,9 @@ class Board:
         self._sent: dict[int, int] = {}
         """Duties that the firmware has, in steps."""
         self._sent_at = -math.inf
-        self._set_up_at = -math.inf
-        self._heard = -math.inf
+        self._set_up_at = self._listed = -math.inf
+        self._answered = self._ready_at = -math.inf
+        """When the board last told its voltage, and when it was found to be ready [s]."""
         self._begun = -math.inf
         self._open = False
         self._lost: str | None = None
@@ -126,13 +134,13 @@ class Board:
     def receive(self, data: bytes, now: float) -> bytes:
         """Bytes came; returns what to answer."""
         with self._lock:
-            self._heard = now
             found = self._decoder.feed(data)
             answer = b""
             if self.bring_up.ready and any(map(_is_restart, found)):
                 answer = self._begin(now)
             if not self.bring_up.ready:
                 answer += self.bring_up.receive(found, now)
+                self._ready_at = self._listed = now
             return answer + b"".join(self._take(event, now) for event in found)
 
     def tick(self, now: float) -> bytes:
@@ -140,13 +148,14 @@ class Board:
         with self._lock:
             if not self.bring_up.ready:
                 return self.bring_up.tick(now)
-            if now - self._heard > SILENT_S:
+            if now - max(self._answered, self._ready_at) > SILENT_S:
                 return self._begin(now)
-            return self._set_up(now) + self._supply.ask(now) + self._drive(now)
+            return self._list(now) + self._set_up(now) + self._supply.ask(now) + self._drive(now)
 
     def farewell(self) -> bytes:
         """What stops the motors for good."""
-        return commands.stop(self._by_port)
+        # Twice: a byte that is lost in the first can leave a motor at the old set-point.
+        return 2 * commands.stop(self._by_port)
 
     # What the program calls.
 
@@ -165,7 +174,8 @@ class Board:
             ready = self._is_ready(now)
             stamp = now - LINE_TIME - self._settings.encoder_delay
             if ready:
-                stamp = min(motor.track.newest_stamp for motor in self.motors)
+                oldest = min(motor.track.newest_stamp for motor in self.motors)
+                stamp = max(oldest, stamp - OLDEST_S)
             return BoardState(
                 stamp,
                 np.array([motor.angle(stamp) for motor in self.motors]),
@@ -179,7 +189,7 @@ class Board:
 
     def _begin(self, now: float) -> bytes:
         self._forget()
-        self._heard = self._begun = now
+        self._begun = now
         return self.bring_up.begin(now)
 
     def _forget(self) -> None:
@@ -191,6 +201,7 @@ class Board:
     def _take(self, event: events.Event, now: float) -> bytes:
         match event:
             case events.Supply(volts):
+                self._answered = now
                 self._supply.told(volts)
             case events.MotorPowerFault():
                 return self._supply.fault("motor", now)
@@ -209,11 +220,18 @@ class Board:
             return
         match event:
             case events.Connected(type_id=type_id) | events.Established(type_id=type_id):
-                motor.plugged(type_id)
+                motor.plugged(type_id, now)
             case events.Disconnected() | events.NoDevice() | events.ConnectionFailed():
                 motor.unplugged()
             case events.CombiData(slot=0, values=values):
                 motor.report(values, now)
+
+    def _list(self, now: float) -> bytes:
+        """Ask what is plugged in while a motor is missing: its arrival may not have been heard."""
+        if all(motor.usable for motor in self.motors) or now - self._listed < LIST_S:
+            return b""
+        self._listed = now
+        return commands.devices()
 
     def _set_up(self, now: float) -> bytes:
         """The next motor's set-up, one a tick: it takes 9 ms of wire."""
@@ -221,7 +239,7 @@ class Board:
             line = motor.set_up(now)
             if line:
                 self._set_up_at = now
-                self._sent.clear()
+                self._sent, self._sent_at = {}, -math.inf
                 return line
         return b""
 
@@ -257,6 +275,9 @@ class Board:
         if duties == self._sent and not due:
             return b""
         self._sent, self._sent_at = duties, now
+        if resting:
+            # Not pulses of zero: a bit that flips in one of them would be a wheel that turns.
+            return commands.stop(self._by_port)
         return commands.pulses({port: duty / DUTY_STEPS for port, duty in duties.items()}, PULSE_S)
 
     def _stop(self, now: float) -> bytes:

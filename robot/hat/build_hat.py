@@ -80,10 +80,10 @@ class BuildHat:
         Raises:
             ValueError: there can never be such a camera.
         """
-        eyes = open_camera(camera, spec.lens, pictures)
         board = Board(spec.joints, settings, BringUp(FirmwareImage.installed))
         device = find_device() if settings.serial_port == "auto" else settings.serial_port
-        return cls(spec, board, SerialLink(device, board, GpioResetLine().pulse), eyes)
+        link = SerialLink(device, board, GpioResetLine().pulse)
+        return cls(spec, board, link, open_camera(camera, spec.lens, pictures))
 
     def read(self) -> Reading:
         """Wait for the next fiftieth of a second, and tell where the joints and the camera are.

@@ -13,6 +13,9 @@ COUNTS = 2**32
 FASTEST = 1600.0
 """No motor turns faster [degree/s]: a report beyond that is a garbled one."""
 
+LONGEST_STALL = 1.0
+"""So long reports may have waited to be read [s]; a motor turns no farther meanwhile."""
+
 SLACK = 8.0
 """What a report may be off beside the fastest turn: counting and jitter of the stamps [degree]."""
 
@@ -52,8 +55,6 @@ class JointTrack:
         """Count minus absolute position, in one turn [degree]."""
         self._odd: list[int] = []
         """Counts that were refused, newest last."""
-        self.refused = 0
-        """Reports that could not be believed, since the start."""
 
     @property
     def newest(self) -> Sample | None:
@@ -92,8 +93,13 @@ class JointTrack:
         passed = max(stamp - self._samples[-1].stamp, 0.0)
         # Not the count itself: where that wraps, 256 degrees of a turn are missing.
         apart = (self._count + turned - int(absolute) - self._mark + 180) % 360 - 180
-        if abs(turned) > FASTEST * passed + SLACK or abs(apart) > MARK_SLACK:
-            return self._refuse(now, believable=True) and self._start(stamp, now, mark)
+        too_far = abs(turned) > FASTEST * passed + SLACK
+        if abs(apart) > MARK_SLACK or too_far:
+            if not self._refuse(now, believable=True):
+                return False
+            if abs(apart) > MARK_SLACK or abs(turned) > FASTEST * LONGEST_STALL:
+                return self._start(stamp, now, mark)
+            # Reports that waited while the program did not come to read them have one stamp.
         self._count, self._odd = self._count + turned, []
         self._add(stamp, self._samples[-1].angle + turned)
         return True
@@ -123,17 +129,12 @@ class JointTrack:
         return (last.angle - first.angle) / passed if passed > 0 else 0.0
 
     def _start(self, stamp: float, count: int, mark: int) -> bool:
-        angle = self.angle
-        if not self._samples:
-            # The mark is where the motor's zero is; a first angle of zero is as good as any.
-            angle = 0.0
         self._count, self._mark, self._odd = count, mark, []
-        self._add(stamp, angle)
+        self._add(stamp, self.angle)
         return True
 
     def _refuse(self, count: int, *, believable: bool) -> bool:
-        """Count it; true when enough of them agree that it is the past that is wrong."""
-        self.refused += 1
+        """Remember it; true when enough of them agree that it is the past that is wrong."""
         if not believable:
             return False
         if self._odd and abs(count - self._odd[-1]) > FASTEST * 0.02 + SLACK:

@@ -48,8 +48,15 @@ class Motor:
         self._asked = 0
         """How often it was set up since it came."""
 
-    def plugged(self, type_id: int) -> None:
-        """A device said what it is; it has to be set up anew, whatever it was before."""
+    @property
+    def usable(self) -> bool:
+        """Whether the right kind of motor is plugged in."""
+        return self._loop is not None
+
+    def plugged(self, type_id: int, now: float) -> None:
+        """A device said what it is; it has to be set up anew, unless it is known and at work."""
+        if type_id == self._type and now - self._heard < QUIET_S:
+            return
         self._type = type_id
         kind = KINDS.get(type_id)
         fits = kind is not None and self.wiring.motor in (None, kind.kind)

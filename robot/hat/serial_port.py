@@ -102,8 +102,11 @@ class SerialPort:
         while self._waiting and self._clock() < end:
             self.exchange(min(end - self._clock(), 0.01))
         while not self._waiting and self._clock() < end:
-            if not self._port.out_waiting:
-                return True
+            try:
+                if not self._port.out_waiting:
+                    return True
+            except OSError as error:
+                raise PortError(f"{self.device} is gone: {error.strerror}") from error
             select.select([], [], [], 0.001)
         return False
 

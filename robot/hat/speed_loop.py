@@ -40,7 +40,7 @@ LARGEST_LAG = 25.0
 HELD_S = 0.2
 HELD_TRAVEL = 5.0
 """A shaft that stays on one degree for so long [s], while it should have turned so far [degree],
-is blocked, or its cable is pulled out: the board repeats the last position for half a second."""
+is blocked."""
 
 TURNING_SPAN = 0.03
 """Over which it is seen whether a wheel still turns when it is asked to turn again [s]."""

@@ -21,7 +21,8 @@ def stop_motors(device: str) -> None:
     port = SerialPort(device)
     try:
         # Who was killed may have left half a line; its end keeps the stop from being a part of it.
-        if not port.finish(b"\r" + commands.stop(), PATIENCE_S):
+        # Twice: a byte that is lost in the first can leave a motor at the old set-point.
+        if not port.finish(b"\r" + 2 * commands.stop(), PATIENCE_S):
             raise PortError(f"{device} takes no bytes; is what is behind it stopped?")
     finally:
         port.close()

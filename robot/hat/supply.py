@@ -12,6 +12,9 @@ POLL_S = 0.1
 USB_V = 5.5
 """Below this the board lives on what comes over USB, which does not reach the motors [V]."""
 
+LOWEST_V, HIGHEST_V = 3.0, 20.0
+"""Any supply that a board can tell of [V]."""
+
 HYSTERESIS_V = 0.3
 """A supply that sagged under load is good again this much higher [V]."""
 
@@ -47,7 +50,12 @@ class Supply:
         return commands.supply()
 
     def told(self, volts: float) -> None:
-        """A voltage came [V]. Low counts from the second time on: a start takes it down briefly."""
+        """A voltage came [V]. Low counts from the second time on: a start takes it down briefly.
+
+        What the board cannot live on was garbled on the way.
+        """
+        if not LOWEST_V <= volts <= HIGHEST_V:
+            return
         self.volts = volts
         limit = self._low_v + (HYSTERESIS_V if self._low else 0.0)
         low = volts < limit

@@ -83,8 +83,6 @@ def set_up_motor(
     port: int,
     report_ms: int,
     limit: float,
-    threshold: float = 0.0,
-    smallest: float = 0.0,
 ) -> bytes:
     """Make a motor stand, and let it report speed, position and absolute position.
 
@@ -96,13 +94,11 @@ def set_up_motor(
         port: 0 to 3.
         report_ms: report period [ms].
         limit: highest duty, 0 to 1.
-        threshold: duty below which whole 10 ms pulses are sent instead, 0 to 1.
-        smallest: duty below which nothing is sent, 0 to 1.
     """
     return line(
         f"port {_port(port)};pwm;off",
         f"port_plimit {fixed(limit, 3)}",
-        f"pwmparams {fixed(threshold, 3)} {fixed(smallest, 3)}",
+        "pwmparams 0 0",  # an even duty, however small; no whole 10 ms pulses instead
         "combi 0 1 0 2 0 3 0;select 0",
         f"selrate {report_ms}",
     )

@@ -82,7 +82,7 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
     (rb"P([0-3]): ramp done", lambda f: RampDone(int(f[0]))),
     (rb"P([0-3]): connecting to active device", lambda f: Connecting(int(f[0]))),
     (
-        rb"P([0-3]): connected to active ID ([0-9A-F]{1,2})",
+        rb"P([0-3]): connected to active ID ([0-9A-F]{2})",
         lambda f: Connected(int(f[0]), int(f[1], 16), False),
     ),
     (
@@ -90,7 +90,7 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
         lambda f: Connected(int(f[0]), int(f[1]), True),
     ),
     (
-        rb"P([0-3]): established serial communication with active ID ([0-9A-F]{1,2})",
+        rb"P([0-3]): established serial communication with active ID ([0-9A-F]{2})",
         lambda f: Established(int(f[0]), int(f[1], 16)),
     ),
     (rb"P([0-3]): no device detected", lambda f: NoDevice(int(f[0]))),

@@ -24,8 +24,13 @@ from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage, Firm
 from robot.hat.start.stage import Stage
 from robot.hat.start.upload import TRIES, Upload
 
-ASK_S = 1.0
-"""Between two questions to a board that does not answer; it is asked for ever."""
+ASK_S = 1.2
+"""Between two questions to a board that does not answer; it is asked for ever. More than a second:
+so long a bootloader waits for the next byte of an image that an earlier program left unfinished,
+and it would take a question for a part of it."""
+STOP_EVERY = 5
+"""One of so many questions has the motors' stop with it. The bootloader takes 10 ms for each byte
+that waited while it started; always asking in full would keep it deaf."""
 SILENT_S = 3.0
 """Without an answer: say so."""
 LIST_S = 1.0
@@ -40,8 +45,8 @@ AGAIN_S = 10.0
 class BringUp:
     """Asks, uploads, resets and lists, until the board is ready; again if it restarts.
 
-    The motors are told to stop with every question, so a board that was left running stands as
-    soon as it hears one.
+    The motors are told to stop with the first question and with the answer to it, so a board that
+    was left running stands as soon as it hears one.
     """
 
     def __init__(self, image: Callable[[], FirmwareImage] = FirmwareImage.installed) -> None:
@@ -62,6 +67,9 @@ class BringUp:
         self._heard = False
         self._listed: set[int] = set()
         self._lists = 0
+        self._asked = 0
+        self._wrong_version: int | None = None
+        """What it answered last, if that was not the right one."""
 
     def begin(self, now: float) -> bytes:
         """The port has been opened, or the board has fallen silent: find out what is there."""
@@ -139,6 +147,11 @@ class BringUp:
             self._lists = 0
             self._listed = set()
             return commands.stop() + commands.echo_off_and_quiet() + self._list(now)
+        if version != self._wrong_version:
+            # A digit may have been garbled, and a reset costs eight seconds: ask once more.
+            self._wrong_version = version
+            return self._ask(now)
+        self._wrong_version = None
         self.trouble = troubles.wrong_version(version)
         self.wants_reset = True
         self._enter(Stage.RESETTING, now)
@@ -182,12 +195,15 @@ class BringUp:
         self._silent_since = now
         self._strange = None
         self._heard = False
+        self._asked = 0
         return self._ask(now)
 
     def _ask(self, now: float) -> bytes:
         """First end a line that an earlier program may have left half sent."""
         self._enter(Stage.ASKING, now)
-        return commands.line() + commands.stop() + commands.version()
+        stop = b"" if self._asked % STOP_EVERY else commands.stop()
+        self._asked += 1
+        return commands.line() + stop + commands.version()
 
     def _list(self, now: float) -> bytes:
         self._lists += 1

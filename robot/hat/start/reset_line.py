@@ -47,10 +47,9 @@ class GpioResetLine:
         except ImportError as error:
             raise ResetError(f"the reset pin needs gpiozero and lgpio. {CURE}") from error
         try:
-            with warnings.catch_warnings():
-                # One for each way to the pins that is not there; the last one is an error.
-                warnings.simplefilter("ignore")
-                self._pulse(gpiozero.DigitalOutputDevice)
+            # One for each way to the pins that is not there; the last one is an error.
+            warnings.filterwarnings("ignore", module="gpiozero")
+            self._pulse(gpiozero.DigitalOutputDevice)
         except gpiozero.GPIOZeroError as error:
             raise ResetError(f"no pin to reset the board: {error} {CURE}") from error
         # What gpiozero drives the pins with has errors of its own.

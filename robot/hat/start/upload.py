@@ -27,7 +27,7 @@ QUIET_S = 1.5
 LIMITS_S = {
     Stage.CLEARING: 2.0,
     # The bytes alone take 4.5 s.
-    Stage.LOADING: 12.0,
+    Stage.LOADING: 7.0,
     Stage.SIGNING: 3.0,
     Stage.REBOOTING: 5.0,
     # A board that never falls silent runs its firmware after all.
@@ -76,6 +76,9 @@ class Upload:
         match self.stage, event:
             case Stage.CLEARING, BootloaderPrompt():
                 self._prompted = True
+            case Stage.LOADING, BootloaderPrompt() if now - self._since > SETTLE_S:
+                # It listens to commands again: its complaint was lost on the way.
+                return self._fail(FAILURES[UploadTimeout], now)
             case Stage.LOADING, ChecksumOk():
                 signature = self._image.signature
                 self._announce(Stage.SIGNING, signature, now)
