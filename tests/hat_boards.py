@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from sim.hat.devices.device import Device
 from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_kinds import kind_named
+from sim.hat.devices.motor_figures import figures_named
 from sim.hat.devices.plants import FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
 
@@ -55,7 +55,7 @@ class Bench:
         others: Mapping[int, Device] | None = None,
         seed: int = 0,
     ) -> None:
-        self.plants = FreeMotors({port: kind_named("large") for port in range(4)})
+        self.plants = FreeMotors({port: figures_named("large") for port in range(4)})
         self.motors = [LegoMotor(LARGE, self.plants.plant(port)) for port in range(motors)]
         devices: dict[int, Device] = dict(enumerate(self.motors))
         self.board = EmulatedBoard(self.plants, devices | dict(others or {}), warm=warm, seed=seed)

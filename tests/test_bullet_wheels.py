@@ -10,12 +10,12 @@ import pytest
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
 from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
-from sim.hat.devices.motor_kinds import kind_named
+from sim.hat.devices.motor_figures import figures_named
 from sim.hat.devices.plants import FreeMotor, PlantError
 from sim.hat_emulator.bullet_wheels import BulletWheels
 
 SPEC = RobotSpec.load()
-MEDIUM = kind_named("medium")
+MEDIUM = figures_named("medium")
 LEFT, RIGHT = 0, 1
 FORWARD = {LEFT: SPEC.joints[0].direction, RIGHT: SPEC.joints[1].direction}
 

@@ -16,7 +16,7 @@ from robot.description.spec import RobotSpec
 from robot.hat.protocol.decoder import Decoder
 from robot.hat.protocol.events import BusError, Event, QueueOverrun, Supply
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
-from sim.hat.devices.motor_kinds import kind_named
+from sim.hat.devices.motor_figures import figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Beginning, Emulator
 from sim.hat_emulator.line_server import LONGEST_LINE, Lines, LineServer, TypedLines
@@ -24,7 +24,7 @@ from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.real_time import LONGEST_LAG
 from sim.hat_emulator.surroundings import RobotOnField, Surroundings, Table
 
-MEDIUM = kind_named("medium")
+MEDIUM = figures_named("medium")
 A, B, C, D = range(4)
 START = 50.0
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from sim.hat.devices.device import Device, DeviceError, ValueType
 from sim.hat.devices.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
-from sim.hat.devices.motor_kinds import MOTOR_KINDS, KindError
+from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
 from sim.hat.devices.passive import LIGHT, PassiveDevice
 
 
@@ -47,7 +47,7 @@ def test_the_listing_is_the_firmwares_to_the_byte() -> None:
     assert motor.description(0) == LISTED_BLOCK.replace("\n", "\r\n")
 
 
-@pytest.mark.parametrize("type_id", sorted(MOTOR_KINDS))
+@pytest.mark.parametrize("type_id", sorted(MOTOR_FIGURES))
 def test_the_listing_names_port_and_type(type_id: int) -> None:
     lines = LegoMotor(type_id, Shaft()).description(3).split("\r\n")
     assert lines[0] == f"P3: connected to active ID {type_id:02X}"

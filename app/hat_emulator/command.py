@@ -22,7 +22,7 @@ from robot.geometry import Twist2
 from robot.settings import SettingError
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
-from sim.hat.devices.motor_kinds import KindError, MotorKind, kind_described, kind_named
+from sim.hat.devices.motor_figures import KindError, MotorFigures, figures_described, figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Beginning, Emulator
 from sim.hat_emulator.line_server import LineServer, TypedLines
@@ -67,7 +67,7 @@ def _run(
     config: Config,
     spec: RobotSpec,
     world: str,
-    motors: Mapping[int, MotorKind],
+    motors: Mapping[int, MotorFigures],
 ) -> None:
     around: Surroundings
     if world == "sim":
@@ -146,17 +146,17 @@ def _usual_world() -> str:
     return "sim"
 
 
-def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorKind]:
+def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorFigures]:
     """Kinds of motors by port, from A=large,B=large."""
     if text is None:
-        return {PORTS.index(joint.port): kind_described(joint.motor) for joint in spec.joints}
+        return {PORTS.index(joint.port): figures_described(joint.motor) for joint in spec.joints}
     motors = {}
     for part in text.split(",") if text else ():
         port, _, name = part.strip().partition("=")
         if port not in PORTS:
             raise SettingError(f"--motors: no port {port!r}; valid are {', '.join(PORTS)}")
         try:
-            motors[PORTS.index(port)] = kind_named(name)
+            motors[PORTS.index(port)] = figures_named(name)
         except KindError as error:
             raise SettingError(f"--motors: {error}") from error
     return motors

@@ -15,7 +15,7 @@ from benchmarks.result import Result
 from robot.geometry import Array
 from robot.hat.protocol import commands
 from sim.hat.bricks import MEDIUM, Bricks
-from sim.hat.devices.motor_kinds import MOTOR_KINDS
+from sim.hat.devices.motor_figures import MOTOR_FIGURES
 from sim.hat.devices.plants import FreeMotors
 
 SPEED = 500.0
@@ -128,11 +128,11 @@ def freed(name: str | None = None) -> float:
 
 def bricks_with(gain: float, phase_ms: int) -> Bricks:
     """Two motors that are faster than usual by a factor, with the same acceleration."""
-    kind = MOTOR_KINDS[MEDIUM]
+    figures = MOTOR_FIGURES[MEDIUM]
     fast = replace(
-        kind,
-        no_load_speed=gain * kind.no_load_speed,
-        acceleration=gain * kind.acceleration,
+        figures,
+        no_load_speed=gain * figures.no_load_speed,
+        acceleration=gain * figures.acceleration,
     )
     return Bricks(plants=FreeMotors({0: fast, 1: fast}), phase_ms=phase_ms)
 

@@ -11,7 +11,7 @@ from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from sim.bullet import BulletWorld
 from sim.hat.devices.device import Plant
-from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_described
+from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_described
 from sim.hat.devices.plants import FreeMotors, PlantError
 
 BLOCKED = 100.0
@@ -27,8 +27,8 @@ class WheelMotor:
     which speeds up the wheel and the robot is worked out by the physics.
     """
 
-    def __init__(self, kind: MotorKind, direction: int) -> None:
-        self.kind = kind
+    def __init__(self, figures: MotorFigures, direction: int) -> None:
+        self.figures = figures
         self.angle = 0.0
         """[deg], clockwise is positive."""
         self.speed = 0.0
@@ -39,17 +39,17 @@ class WheelMotor:
         self.load = 0.0
         """Torque [N m] that turns the shaft anticlockwise."""
         self._direction = direction
-        self._gain = kind.gain * RAIL_V / SUPPLY_V
+        self._gain = figures.gain * RAIL_V / SUPPLY_V
 
     @property
     def inertia(self) -> float:
         """Of the rotor, as seen at the shaft [kg m^2]."""
-        return self.kind.time_constant / math.radians(self.kind.speed_per_torque)
+        return self.figures.time_constant / math.radians(self.figures.speed_per_torque)
 
     @property
     def friction(self) -> float:
         """Coulomb friction [N m]."""
-        return BLOCKED if self.stalled else self.kind.friction
+        return BLOCKED if self.stalled else self.figures.friction
 
     def drive(self, duty: float | None) -> None:
         """The driver puts out this part of its voltage from now on, -1..1; see ``Plant``.
@@ -66,7 +66,7 @@ class WheelMotor:
         torque = -self.load
         if self.duty is not None:
             free_speed = self._gain * supply_v * self.duty
-            torque += (free_speed - self.speed) / self.kind.speed_per_torque
+            torque += (free_speed - self.speed) / self.figures.speed_per_torque
         return self._direction * torque
 
     def follow(self, position: float, velocity: float) -> None:
@@ -89,27 +89,27 @@ class BulletWheels:
         self,
         world: BulletWorld,
         spec: RobotSpec,
-        kinds: Mapping[int, MotorKind] | None = None,
+        figures: Mapping[int, MotorFigures] | None = None,
         watch: Callable[[float], None] = unwatched,
     ) -> None:
         """Put motors on a world that was made from ``spec``.
 
         Args:
-            kinds: of the motors by port, 0 to 3; where none is given, what ``spec`` names.
+            figures: of the motors by port, 0 to 3; where none is given, what ``spec`` names.
             watch: called with the time that has passed [s] after each step of the physics.
         """
-        kinds = dict(kinds or {})
+        figures = dict(figures or {})
         for joint in spec.joints:
-            kinds.setdefault(PORTS.index(joint.port), kind_described(joint.motor))
+            figures.setdefault(PORTS.index(joint.port), figures_described(joint.motor))
         self.now = 0.0
         """Time that has passed for the physics [s]."""
         self._world = world
         self._watch = watch
         self._due = 0.0
         self._supply_v = SUPPLY_V
-        self._free = FreeMotors(kinds)
+        self._free = FreeMotors(figures)
         self._wheels = [
-            WheelMotor(kinds[PORTS.index(joint.port)], joint.direction) for joint in spec.joints
+            WheelMotor(figures[PORTS.index(joint.port)], joint.direction) for joint in spec.joints
         ]
         self._by_port = {
             PORTS.index(joint.port): wheel

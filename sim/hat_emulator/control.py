@@ -11,7 +11,7 @@ from typing import Protocol, runtime_checkable
 from robot.description.wiring import PORTS
 from robot.geometry import Pose2
 from sim.hat.devices.device import Device
-from sim.hat.devices.motor_kinds import MOTOR_KINDS, kind_named
+from sim.hat.devices.motor_figures import MOTOR_FIGURES, figures_named
 from sim.hat_emulator.emulator import Emulator
 
 
@@ -48,7 +48,7 @@ class Control:
         self._emulator = emulator
         self._commands = {
             "unplug": Command("PORT", (1,), self._unplug),
-            "plug": Command("PORT [KIND]", (1, 2), self._plug),
+            "plug": Command("PORT [MOTOR]", (1, 2), self._plug),
             "slow": Command("PORT SECONDS", (2,), self._slow),
             "stall": Command("PORT", (1,), self._stall),
             "free": Command("PORT", (1,), self._free),
@@ -103,12 +103,12 @@ class Control:
         emulator, port = self._emulator, _port(words[0])
         device: Device
         if len(words) == 2:
-            device = emulator.motor(port, kind_named(words[1]))
+            device = emulator.motor(port, figures_named(words[1]))
         elif port in emulator.unplugged:
             device = emulator.unplugged[port]
         else:
-            kinds = ", ".join(kind.name for kind in MOTOR_KINDS.values())
-            raise ControlError(f"nothing was unplugged at {PORTS[port]}; say what, of {kinds}")
+            names = ", ".join(figures.name for figures in MOTOR_FIGURES.values())
+            raise ControlError(f"nothing was unplugged at {PORTS[port]}; say what, of {names}")
         emulator.board.plug(port, device)
         return "ok"
 

@@ -11,7 +11,7 @@ import numpy as np
 from robot.description.wiring import PORTS
 from sim.hat.devices.device import Device
 from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_kinds import MotorKind
+from sim.hat.devices.motor_figures import MotorFigures
 from sim.hat.emulated_board import EmulatedBoard
 from sim.hat.processor import VERSION
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
@@ -44,7 +44,7 @@ class Emulator:
     def __init__(
         self,
         surroundings: Surroundings,
-        motors: Mapping[int, MotorKind],
+        motors: Mapping[int, MotorFigures],
         terminal: PseudoTerminal,
         beginning: Beginning | None = None,
         clock: Callable[[], float] = time.monotonic,
@@ -58,7 +58,7 @@ class Emulator:
         self._phases = rng.uniform(0, 0.01, len(PORTS)).tolist()
         self._drifts = rng.uniform(-LARGEST_DRIFT, LARGEST_DRIFT, len(PORTS)).tolist()
         self._started = 0.0
-        devices = {port: self.motor(port, kind) for port, kind in motors.items()}
+        devices = {port: self.motor(port, figures) for port, figures in motors.items()}
         self.board = self._new_board(devices, self._beginning.version, self._beginning.warm)
         if not self._beginning.warm:
             self.board.advance(GREETING)
@@ -66,11 +66,11 @@ class Emulator:
         self.unplugged: dict[int, Device] = {}
         """What was taken away last, by port."""
 
-    def motor(self, port: int, kind: MotorKind) -> LegoMotor:
+    def motor(self, port: int, figures: MotorFigures) -> LegoMotor:
         """A motor that turns what is at a port; each port's has a mark at another angle."""
         plant = self.surroundings.plants.plant(port)
         return LegoMotor(
-            kind.type_id,
+            figures.type_id,
             plant,
             mark=self._marks[port],
             phase=self._phases[port],

@@ -10,7 +10,7 @@ from robot.geometry import Pose2
 from sim.bullet import BulletWorld
 from sim.floor_camera import CameraSettings
 from sim.hat.devices.device import Plants
-from sim.hat.devices.motor_kinds import MotorKind
+from sim.hat.devices.motor_figures import MotorFigures
 from sim.hat.devices.plants import FreeMotors
 from sim.hat_emulator.bullet_wheels import BulletWheels
 from sim.hat_emulator.camera_feed import CameraFeed
@@ -55,9 +55,9 @@ class Surroundings(Protocol):
 class Table:
     """Motors that turn freely; no robot."""
 
-    def __init__(self, kinds: Mapping[int, MotorKind]) -> None:
+    def __init__(self, figures: Mapping[int, MotorFigures]) -> None:
         """Kinds of motors by port, 0 to 3."""
-        self.plants = FreeMotors(kinds)
+        self.plants = FreeMotors(figures)
 
     @property
     def truth(self) -> Pose2:
@@ -76,10 +76,10 @@ class RobotOnField:
     """A robot that stands on the floor on its wheels, and may have a camera."""
 
     def __init__(
-        self, world: BulletWorld, spec: RobotSpec, kinds: Mapping[int, MotorKind] | None = None
+        self, world: BulletWorld, spec: RobotSpec, figures: Mapping[int, MotorFigures] | None = None
     ) -> None:
-        """``spec`` is what the world was made from; it names the motors where ``kinds`` do not."""
-        self.plants = BulletWheels(world, spec, kinds, self._look)
+        """``spec`` is what the world was made from; without ``figures`` it names the motor."""
+        self.plants = BulletWheels(world, spec, figures, self._look)
         self._world = world
         self._feed: CameraFeed | None = None
 

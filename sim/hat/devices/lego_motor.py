@@ -13,7 +13,7 @@ from sim.hat.devices.device import (
     Plant,
     ValueType,
 )
-from sim.hat.devices.motor_kinds import MOTOR_KINDS, KindError
+from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
 
 POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
 
@@ -56,7 +56,7 @@ class LegoMotor:
         drift: float = 0.0,
         connect_seconds: float = CONNECT_SECONDS,
     ) -> None:
-        """A motor of a kind of ``MOTOR_KINDS`` on a plant's shaft.
+        """One of the motors of ``MOTOR_FIGURES`` on a plant's shaft.
 
         Args:
             mark: the absolute angle at which the plant's angle is 0 [deg].
@@ -67,8 +67,8 @@ class LegoMotor:
         Raises:
             KindError: no angular motor has this type number.
         """
-        if type_id not in MOTOR_KINDS:
-            valid = ", ".join(f"{number:02X} ({kind.name})" for number, kind in MOTOR_KINDS.items())
+        if type_id not in MOTOR_FIGURES:
+            valid = ", ".join(f"{number:02X} ({one.name})" for number, one in MOTOR_FIGURES.items())
             raise KindError(f"no angular motor has type {type_id:02X}; valid are {valid}")
         self.type_id = type_id
         self.connect_seconds = connect_seconds

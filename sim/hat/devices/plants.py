@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sim.hat.devices.motor_kinds import RAIL_V, SUPPLY_V, MotorKind, kind_named
+from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
 
 PORTS = 4
 
@@ -23,16 +23,16 @@ class FreeMotor:
     until more than the breakaway torque pushes it. A step is solved exactly, turning points too.
     """
 
-    def __init__(self, kind: MotorKind, supply_v: float = SUPPLY_V) -> None:
-        self.kind = kind
+    def __init__(self, figures: MotorFigures, supply_v: float = SUPPLY_V) -> None:
+        self.figures = figures
         self.angle = 0.0
         self.speed = 0.0
         self.stalled = False
         """Something blocks the shaft."""
-        self._tau = kind.time_constant
-        self._gain = kind.gain * RAIL_V / SUPPLY_V
-        self._friction = kind.friction * kind.speed_per_torque
-        self._breakaway = kind.breakaway * kind.speed_per_torque
+        self._tau = figures.time_constant
+        self._gain = figures.gain * RAIL_V / SUPPLY_V
+        self._friction = figures.friction * figures.speed_per_torque
+        self._breakaway = figures.breakaway * figures.speed_per_torque
         self._load = 0.0
         self._duty: float | None = None
         self._pull = 0.0
@@ -57,13 +57,13 @@ class FreeMotor:
     @property
     def load(self) -> float:
         """Torque [N m] that turns the shaft anticlockwise, like a weight that hangs on it."""
-        return self._load / self.kind.speed_per_torque
+        return self._load / self.figures.speed_per_torque
 
     @load.setter
     def load(self, torque: float) -> None:
         if not math.isfinite(torque):
             raise PlantError(f"load is {torque}; valid is a torque [N m]")
-        self._load = torque * self.kind.speed_per_torque
+        self._load = torque * self.figures.speed_per_torque
 
     @property
     def supply_v(self) -> float:
@@ -128,18 +128,18 @@ class FreeMotors:
     """A free motor at each of the four ports."""
 
     def __init__(
-        self, kinds: Mapping[int, MotorKind] | None = None, supply_v: float = SUPPLY_V
+        self, figures: Mapping[int, MotorFigures] | None = None, supply_v: float = SUPPLY_V
     ) -> None:
         """Kinds by port; where none is given, a medium one turns.
 
         Raises:
             PlantError: a port outside 0..3.
         """
-        kinds = {} if kinds is None else kinds
-        for port in kinds:
+        figures = {} if figures is None else figures
+        for port in figures:
             _check(port)
         self._motors = tuple(
-            FreeMotor(kinds.get(port, kind_named("medium")), supply_v) for port in range(PORTS)
+            FreeMotor(figures.get(port, figures_named("medium")), supply_v) for port in range(PORTS)
         )
 
     @property

@@ -11,14 +11,17 @@ SUPPLY_V = 8.0
 RAIL_V = 7.2
 """What reaches the motors then [V]; with another supply in proportion."""
 
+USUAL = "medium angular"
+"""What drives a joint whose description leaves it open."""
+
 
 class KindError(ValueError):
     """No motor of that kind is known."""
 
 
 @dataclass(frozen=True, slots=True)
-class MotorKind:
-    """One kind of motor, as measured at ``volts``; torques at the shaft.
+class MotorFigures:
+    """Of one kind of motor, as measured at ``volts``; torques at the shaft.
 
     Speeds, stall torques, friction and accelerations are those of Pybricks' ``motor_data.py`` and
     motor models. LEGO's own sheets give 10 to 17 % more speed and, for the large motor, 40 % less
@@ -26,6 +29,9 @@ class MotorKind:
     """
 
     name: str
+    """What commands call it: one word."""
+    kind: str
+    """What a robot's description calls it."""
     type_id: int
     volts: float
     """At which the figures were measured [V]."""
@@ -65,33 +71,42 @@ _MEDIUM = (7.2, 951.0, 0.138, 0.021, 0.022, 26_300.0)
 _LARGE = (7.2, 951.0, 0.42, 0.023, 0.045, 20_000.0)
 _SMALL = (6.0, 762.0, 0.053, 0.009, 0.010, 22_000.0)
 
-MOTOR_KINDS: Mapping[int, MotorKind] = {
-    kind.type_id: kind
-    for kind in (
-        MotorKind("medium", 0x30, *_MEDIUM),
-        MotorKind("large", 0x31, *_LARGE),
-        MotorKind("small", 0x41, *_SMALL),
-        MotorKind("medium-grey", 0x4B, *_MEDIUM),
-        MotorKind("large-grey", 0x4C, *_LARGE),
+MOTOR_FIGURES: Mapping[int, MotorFigures] = {
+    one.type_id: one
+    for one in (
+        MotorFigures("medium", "medium angular", 0x30, *_MEDIUM),
+        MotorFigures("large", "large angular", 0x31, *_LARGE),
+        MotorFigures("small", "small angular", 0x41, *_SMALL),
+        MotorFigures("medium-grey", "medium angular", 0x4B, *_MEDIUM),
+        MotorFigures("large-grey", "large angular", 0x4C, *_LARGE),
     )
 }
 """By LEGO's type number. Breakaway is chosen so that a free motor starts at 10 % of full drive
 (large) and 14 % (medium, small); what is known is 8 to 15 %."""
 
 
-def kind_described(motor: str | None) -> MotorKind:
-    """What a robot's description calls a joint's motor; a medium one where it leaves that open."""
-    return kind_named((motor or "medium angular").split()[0])
-
-
-def kind_named(name: str) -> MotorKind:
-    """The kind of motor of that name.
+def figures_described(kind: str | None) -> MotorFigures:
+    """Of what a robot's description calls a joint's motor; a medium one where it leaves that open.
 
     Raises:
         KindError: there is none; names those there are.
     """
-    for kind in MOTOR_KINDS.values():
-        if kind.name == name:
-            return kind
-    valid = ", ".join(kind.name for kind in MOTOR_KINDS.values())
-    raise KindError(f"no motor is called {name!r}; valid are {valid}")
+    return _first("kind", kind or USUAL)
+
+
+def figures_named(name: str) -> MotorFigures:
+    """Of the motor that commands call so.
+
+    Raises:
+        KindError: there is none; names those there are.
+    """
+    return _first("name", name)
+
+
+def _first(field: str, wanted: str) -> MotorFigures:
+    known: dict[str, MotorFigures] = {}
+    for figures in MOTOR_FIGURES.values():
+        known.setdefault(getattr(figures, field), figures)
+    if wanted not in known:
+        raise KindError(f"no motor is called {wanted!r}; valid are {', '.join(known)}")
+    return known[wanted]
