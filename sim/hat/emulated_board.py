@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.device import Device, Plants
+from sim.hat.devices.device import PORTS, Device, Plants
 from sim.hat.firmware.bridge import STEPS
 from sim.hat.firmware.connection import SetupFault
-from sim.hat.firmware.main_loop import PORTS, Firmware
+from sim.hat.firmware.main_loop import Firmware
 from sim.hat.firmware.power import ORANGE, Power
 from sim.hat.noise import Noise
 from sim.hat.processor import VERSION, Processor

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
+PORTS = 4
+"""That a board has, A to D; on the wire 0 to 3."""
+
 SAMPLE_PERIOD = 0.01
 """Time between two data messages of an active device [s]."""
 

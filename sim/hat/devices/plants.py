@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from sim.hat.devices.device import PORTS
 from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
-
-PORTS = 4
 
 
 class PlantError(ValueError):

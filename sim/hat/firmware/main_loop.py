@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
-from sim.hat.devices.device import Device
+from sim.hat.devices.device import PORTS, Device
 from sim.hat.firmware.connection import Connection, SetupFault
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.power import FaultWatch, Power, light
@@ -13,7 +13,6 @@ from sim.hat.firmware.reports import Writer
 from sim.hat.language.session import TRACE_CONTROLLERS, TRACE_PAYLOADS, Session
 from sim.hat.language.terminal import Terminal
 
-PORTS = 4
 DRIVE_PERIOD = 10
 """Between two runs of the controllers; those of all ports run together [ms]."""
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from sim.hat.devices.device import PORTS
+
 CONVERTER = 4095
 """Largest number of the analogue converter; 0 to 3.3 V behind a divider by 5.7."""
 
@@ -16,8 +18,6 @@ DEBOUNCE = 10
 
 REPEAT = 1000
 """Time after which a lasting fault is told again [ms]; a motor fault needs ``DEBOUNCE`` more."""
-
-PORTS = 4
 
 
 @dataclass(slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from sim.hat.devices.device import PORTS
 from sim.hat.firmware.bridge import fixed_point
 from sim.hat.firmware.controllers import Control
 from sim.hat.firmware.variables import MODES, Variable
@@ -9,7 +10,6 @@ from sim.hat.firmware.waveforms import Shape
 from sim.hat.language.session import Session
 from sim.hat.language.words import CommandError, Words
 
-PORTS = 4
 LAST_OFFSET = 127
 SHAPES = {shape.value: shape for shape in Shape}
 SHAPE_NAMES = tuple(SHAPES)
