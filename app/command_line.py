@@ -149,12 +149,13 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _run(parsed: argparse.Namespace) -> int:
+    wanted = config_from(parsed)
     # Imported here, so that a wrong argument is answered at once.
     from app.assembly import assemble, settle_robot  # noqa: PLC0415
     from app.web.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
-    config, missing = settle_robot(config_from(parsed))
+    config, missing = settle_robot(wanted)
     _refuse_without_effect(parsed, config)
     with listen(config.host, config.port) as listening:
         if missing:

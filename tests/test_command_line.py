@@ -6,6 +6,9 @@ import socket
 import subprocess
 import sys
 import urllib.request
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from functools import partial
 
 import pytest
 from serving import ROOT, ask, serving, telemetry
@@ -25,33 +28,60 @@ def brickpose(*arguments, code=None):
     )
 
 
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (["fly"], "invalid choice: 'fly'"),
-        ([], "required"),
-        (["run", "--robot", "tank"], "choose from"),
-        (["run", "--port", "http"], "invalid int value"),
-        (["run", "--port", "70000"], "port is 70000; valid is 0 to 65535"),
-        (["run", "--seed", "-1"], "seed is -1"),
-        (["run", "--config", "nowhere.toml"], "nowhere.toml cannot be read"),
-        (["run", "--sensor-model", "mine"], r"'mine' is no model; valid is FILE\.py:CLASS"),
-        (["run", "--motion-model", "nowhere.py:Mine"], "there is no file .*nowhere.py"),
-        (["run", "--models", "nowhere"], "there is no folder .*nowhere"),
-        (["bench", "nothing"], "valid are .*loop"),
-    ],
-)
-def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(arguments, told):
-    done = brickpose(*arguments)
+WRONG = [
+    (("fly",), "invalid choice: 'fly'"),
+    ((), "required"),
+    (("run", "--robot", "tank"), "choose from"),
+    (("run", "--port", "http"), "invalid int value"),
+    (("run", "--port", "70000"), "port is 70000; valid is 0 to 65535"),
+    (("run", "--seed", "-1"), "seed is -1"),
+    (("run", "--config", "nowhere.toml"), "nowhere.toml cannot be read"),
+    (("run", "--sensor-model", "mine"), r"'mine' is no model; valid is FILE\.py:CLASS"),
+    (("run", "--motion-model", "nowhere.py:Mine"), "there is no file .*nowhere.py"),
+    (("run", "--models", "nowhere"), "there is no folder .*nowhere"),
+    (("bench", "nothing"), "valid are .*loop"),
+    (("run", "--map", "moon", "--port", "0"), "valid are square, .*town"),
+]
+
+
+HELP = ("run", "--help")
+WITHOUT_PYBULLET = """
+import sys; sys.modules['pybullet'] = None
+from app.assembly import settle_robot; from app.config import Config
+config, why = settle_robot(Config()); print(config.robot, why)
+"""
+PHYSICS_WITHOUT_PYBULLET = """
+import sys; sys.modules['pybullet'] = None
+from app.command_line import main
+sys.exit(main(['run', '--robot', 'sim', '--port', '0']))
+"""
+
+
+@pytest.fixture(scope="module")
+def ended():
+    """Programs that end by themselves: two run at a time, for most of each is Python's start."""
+    pool = ThreadPoolExecutor(2)
+    typed = [*(arguments for arguments, _ in WRONG), HELP]
+    codes = [WITHOUT_PYBULLET, PHYSICS_WITHOUT_PYBULLET]
+    yield {one: pool.submit(brickpose, *one) for one in typed} | {
+        one: pool.submit(brickpose, code=one) for one in codes
+    }
+    pool.shutdown(cancel_futures=True)
+
+
+@pytest.fixture(scope="module")
+def servers():
+    """Servers for those who end one: the next one starts while a test has its own."""
+    with ExitStack() as running, ThreadPoolExecutor(2) as pool:
+        start = partial(serving, "--robot", "kinematic")
+        yield iter([pool.submit(lambda: running.enter_context(start())) for _ in range(3)])
+
+
+@pytest.mark.parametrize(("arguments", "told"), WRONG)
+def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(ended, arguments, told):
+    done = ended[arguments].result()
     assert done.returncode == 2
     assert re.search(told, done.stderr)
-    assert "Traceback" not in done.stderr
-
-
-def test_an_unknown_field_ends_with_2_and_lists_the_known_ones():
-    done = brickpose("run", "--map", "moon", "--port", "0")
-    assert done.returncode == 2
-    assert re.search("valid are square, .*town", done.stderr)
     assert "Traceback" not in done.stderr
 
 
@@ -63,32 +93,32 @@ def test_a_port_in_use_ends_with_1_and_says_how_to_choose_another():
     assert "--port" in done.stderr
 
 
-def test_help_shows_units_and_defaults():
-    done = brickpose("run", "--help")
+def test_help_shows_units_and_defaults(ended):
+    done = ended[HELP].result()
     assert done.returncode == 0
     assert "127.0.0.1" in done.stdout
     assert "8080" in done.stdout
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_stops_the_robot_and_ends_with_0(sent):
-    with serving("--robot", "kinematic") as server:
-        with server.live() as live:
-            ask(live, type="drive", v=0.1, omega=0)
-            telemetry(live)
-            server.process.send_signal(sent)
-            _, err = server.process.communicate(timeout=15)
-        assert server.process.returncode == 0
-        assert "Traceback" not in err
+def test_a_signal_stops_the_robot_and_ends_with_0(servers, sent):
+    server = next(servers).result()
+    with server.live() as live:
+        ask(live, type="drive", v=0.1, omega=0)
+        telemetry(live)
+        server.process.send_signal(sent)
+        _, err = server.process.communicate(timeout=15)
+    assert server.process.returncode == 0
+    assert "Traceback" not in err
 
 
-def test_an_open_stream_does_not_hold_up_the_end():
-    with serving("--robot", "kinematic") as server:
-        stream = urllib.request.urlopen(f"{server.url}/camera.mjpg", timeout=20)
-        with stream:
-            assert stream.read(100)
-            server.process.send_signal(signal.SIGTERM)
-            _, err = server.process.communicate(timeout=15)
+def test_an_open_stream_does_not_hold_up_the_end(servers):
+    server = next(servers).result()
+    stream = urllib.request.urlopen(f"{server.url}/camera.mjpg", timeout=20)
+    with stream:
+        assert stream.read(100)
+        server.process.send_signal(signal.SIGTERM)
+        _, err = server.process.communicate(timeout=15)
     assert (server.process.returncode, err) == (0, "")
 
 
@@ -104,31 +134,21 @@ def test_a_signal_while_it_starts_ends_it_with_0(sent):
             starting.kill()
 
 
-def test_without_pybullet_the_kinematic_robot_drives_and_says_why():
-    code = (
-        "import sys; sys.modules['pybullet'] = None\n"
-        "from app.assembly import settle_robot; from app.config import Config\n"
-        "config, why = settle_robot(Config()); print(config.robot, why)"
-    )
-    done = brickpose(code=code)
+def test_without_pybullet_the_kinematic_robot_drives_and_says_why(ended):
+    done = ended[WITHOUT_PYBULLET].result()
     assert done.stdout.startswith("kinematic pybullet")
     assert "pip install" in done.stdout
 
 
-def test_asked_for_physics_without_pybullet_it_says_what_to_do():
-    code = (
-        "import sys; sys.modules['pybullet'] = None\n"
-        "from app.command_line import main\n"
-        "sys.exit(main(['run', '--robot', 'sim', '--port', '0']))"
-    )
-    done = brickpose(code=code)
+def test_asked_for_physics_without_pybullet_it_says_what_to_do(ended):
+    done = ended[PHYSICS_WITHOUT_PYBULLET].result()
     assert done.returncode == 1
     assert "pip install pybullet" in done.stderr
     assert "Traceback" not in done.stderr
 
 
 def test_main_can_be_called(capsys):
-    with pytest.raises(SystemExit) as ended:
+    with pytest.raises(SystemExit) as left:
         main(["--help"])
-    assert ended.value.code == 0
+    assert left.value.code == 0
     assert "run" in capsys.readouterr().out
