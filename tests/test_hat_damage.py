@@ -170,3 +170,11 @@ def test_few_wounds_of_the_last_line_before_a_death_let_a_wheel_turn_on():
         cured.receive(commands.stop((0, 1)))
         cured.advance(0.3)
         assert max(abs(plants.plant(port).speed) for port in (0, 1)) < 1, wound
+
+
+def test_a_board_that_restarts_in_the_middle_of_an_upload_is_started_all_the_same():
+    """It is deaf for as long as 10 ms for each byte that came meanwhile, so it is reset again."""
+    bricks = Bricks(warm=False)
+    bricks.run(3.0)
+    bricks.emulated.reset()
+    assert bricks.until(bricks.ready, 60) < 40

@@ -33,6 +33,9 @@ STOP_EVERY = 5
 that waited while it started; always asking in full would keep it deaf."""
 SILENT_S = 3.0
 """Without an answer: say so."""
+RESET_S = 8.0
+"""A board that has said nothing for so long is reset by its pin, once: a bootloader that was
+started in the middle of an upload is deaf for up to 41 s, and a firmware may hang."""
 LIST_S = 1.0
 """For an answer to list: 0.1 s for each motor."""
 LISTS = 3
@@ -68,6 +71,8 @@ class BringUp:
         self._listed: set[int] = set()
         self._lists = 0
         self._asked = 0
+        self._reset_in_vain = False
+        """Whether a board that said nothing has been reset."""
         self._wrong_version: int | None = None
         """What it answered last, if that was not the right one."""
 
@@ -77,6 +82,7 @@ class BringUp:
         self.wants_reset = False
         self.trouble = None
         self.version = None
+        self._reset_in_vain = False
         return self._ask_anew(now)
 
     def receive(self, events: Sequence[Event], now: float) -> bytes:
@@ -91,9 +97,7 @@ class BringUp:
         passed = now - self._since
         match self.stage:
             case Stage.ASKING if passed >= ASK_S:
-                if now - self._silent_since >= SILENT_S:
-                    self.trouble = self._diagnosis()
-                return self._ask(now)
+                return self._ask_in_vain(now)
             case Stage.LISTING if passed >= LIST_S:
                 return self._list_again(now)
             case Stage.RESETTING if not self.wants_reset and passed >= BOOT_S:
@@ -110,7 +114,21 @@ class BringUp:
     def cannot_reset(self, reason: str, now: float) -> None:
         """The pin could not be used; the board is asked again later."""
         self.wants_reset = False
+        if self.version is None:
+            self._enter(Stage.ASKING, now)
+            return
         self._fail(troubles.no_reset(self.version, reason), now)
+
+    def _ask_in_vain(self, now: float) -> bytes:
+        """Nothing has answered; ask again, and in the end reset the board."""
+        silent = now - self._silent_since
+        if silent >= SILENT_S:
+            self.trouble = self._diagnosis()
+        if silent < RESET_S or self._reset_in_vain:
+            return self._ask(now)
+        self._reset_in_vain = self.wants_reset = True
+        self._enter(Stage.RESETTING, now)
+        return b""
 
     def _hear(self, event: Event, now: float) -> bytes:
         if self._upload is not None:
