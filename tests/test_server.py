@@ -11,6 +11,7 @@ import websockets
 from serving import Server, telemetry
 from websockets.sync.client import connect
 
+from app.config import FRONTEND
 from app.messages.answers import (
     FieldMessage,
     HealthMessage,
@@ -112,6 +113,22 @@ def test_other_pages_cannot_hold_it_in_a_frame(server):
 def test_the_3d_page_is_not_sent_twice(server):
     tag = get(server, "/view/").headers["etag"]
     assert get(server, "/view/", **{"If-None-Match": tag}).status_code == 304
+
+
+def test_a_file_of_the_page_comes_whole_and_in_parts_and_is_not_sent_again(server):
+    path, content = "/static/main.js", (FRONTEND / "main.js").read_bytes()
+    whole = get(server, path)
+    assert (whole.status_code, whole.content) == (200, content)
+    assert whole.headers["content-length"] == str(len(content))
+    assert "javascript" in whole.headers["content-type"]
+    part = get(server, path, Range="bytes=10-19")
+    assert (part.status_code, part.content) == (206, content[10:20])
+    again = get(server, path, **{"If-None-Match": whole.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    for answer in (whole, part, again):
+        assert answer.headers["cache-control"] == "no-cache"
+    head = httpx.head(server.url + path, timeout=20, trust_env=False)
+    assert (head.headers["content-length"], head.content) == (str(len(content)), b"")
 
 
 @pytest.mark.parametrize(
