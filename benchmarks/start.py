@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import re
-import subprocess
-import sys
 import time
 import urllib.request
 
 import numpy as np
 
-from app.config import ROOT
+from benchmarks.programs import server
 from benchmarks.result import Result
 
 RUNS = 3
@@ -28,20 +25,11 @@ def measure() -> Result:
 
 def _start() -> tuple[float, float]:
     start = time.perf_counter()
-    command = [sys.executable, "-m", "app", "run", "--port", "0"]
-    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
-        try:
-            assert process.stdout is not None
-            line = process.stdout.readline()
-            found = re.search(r"http://\S+", line)
-            if found is None:
-                raise RuntimeError(f"the server did not start: {line!r}")
-            _wait_for(found[0] + "/")
-            page = time.perf_counter() - start
-            _wait_for(found[0] + "/api/state")
-            return page, time.perf_counter() - start
-        finally:
-            process.terminate()
+    with server() as running:
+        _wait_for(running.url + "/")
+        page = time.perf_counter() - start
+        _wait_for(running.url + "/api/state")
+        return page, time.perf_counter() - start
 
 
 def _wait_for(address: str) -> None:

@@ -2,86 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
-import re
 import subprocess
-import sys
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from contextlib import contextmanager
 
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
-ROOT = Path(__file__).resolve().parent.parent
+from app.config import ROOT
+from benchmarks.programs import ANSWER_S, START_S, Server, estimated, server, telemetry, until
 
-
-@dataclass(frozen=True)
-class Server:
-    process: subprocess.Popen[str]
-    address: str
-    """host:port"""
-
-    @property
-    def url(self) -> str:
-        return f"http://{self.address}"
-
-    def live(self) -> ClientConnection:
-        """A client that keeps reading, and so answering pings, while a test looks elsewhere."""
-        return connect(f"ws://{self.address}/api/live", max_size=None, max_queue=None)
+__all__ = ["ROOT", "Server", "ask", "drive_until", "serving", "telemetry", "until"]
 
 
-@contextlib.contextmanager
+@contextmanager
 def serving(*arguments: str) -> Iterator[Server]:
     """Start ``brickpose run``, wait for its address and its first tick; end it afterwards."""
-    command = [sys.executable, "-m", "app", "run", "--port", "0", *arguments]
-    process = subprocess.Popen(
-        command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    try:
-        assert process.stdout is not None
-        line = process.stdout.readline()
-        found = re.search(r"http://(\S+)", line)
-        assert found, f"no address in {line!r}"
-        server = Server(process, found[1])
-        wait_for_first_tick(server)
-        yield server
-    finally:
-        process.terminate()
-        try:
-            process.communicate(timeout=15)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.communicate()
-            raise
-
-
-def wait_for_first_tick(server: Server) -> None:
-    deadline = time.monotonic() + 90
-    while time.monotonic() < deadline:
-        with contextlib.suppress(OSError), server.live() as socket:
-            until(socket, lambda now: now["estimate"] is not None, 90)
-            return
-    raise TimeoutError("the server did not start")
-
-
-def telemetry(socket: ClientConnection) -> dict:
-    """The next telemetry message."""
-    while True:
-        message = json.loads(socket.recv(timeout=20))
-        if message["type"] == "telemetry":
-            return message
-
-
-def until(socket: ClientConnection, condition, seconds: float = 20.0) -> dict:
-    """Telemetry until a condition holds; fails after a time on the robot's clock."""
-    first = now = telemetry(socket)
-    while not condition(now):
-        brief = {name: now[name] for name in ("stamp", "truth", "twist", "mode", "filter")}
-        assert now["stamp"] - first["stamp"] < seconds, f"never happened; now {brief}"
-        now = telemetry(socket)
-    return now
+    with server(*arguments, stderr=subprocess.PIPE) as running:
+        with running.live() as socket:
+            until(socket, estimated, START_S)
+        yield running
 
 
 def drive_until(socket: ClientConnection, v: float, condition) -> dict:
@@ -98,6 +38,6 @@ def ask(socket: ClientConnection, **command) -> dict:
     """Send a command and wait for its answer."""
     socket.send(json.dumps(command))
     while True:
-        message = json.loads(socket.recv(timeout=20))
+        message = json.loads(socket.recv(timeout=ANSWER_S))
         if message["type"] in ("ack", "error"):
             return message

@@ -5,16 +5,12 @@ from __future__ import annotations
 import os
 import socket
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.config import ROOT
-
-END_TIMEOUT = 10.0
-"""[s]"""
+from benchmarks.programs import ANSWER_S, check_ended_well, started
 
 
 @dataclass(frozen=True)
@@ -34,7 +30,7 @@ class EmulatedHat:
             ValueError: it answers with an error.
         """
         with socket.socket(socket.AF_UNIX) as connection:
-            connection.settimeout(END_TIMEOUT)
+            connection.settimeout(ANSWER_S)
             connection.connect(str(self.control))
             connection.sendall(line.encode() + b"\n")
             answer = connection.makefile().readline().rstrip("\n")
@@ -56,25 +52,13 @@ class EmulatedHat:
 
 @contextmanager
 def emulated_hat(folder: Path, *options: str) -> Iterator[EmulatedHat]:
-    """Start one with its names in a folder, and end it as Ctrl-C does.
+    """Start one with its names in a folder, and end it as a service is ended.
 
     Raises:
         RuntimeError: it does not start, or does not end with 0.
     """
     device, control = folder / "hat", folder / "hands"
-    command = [sys.executable, "-m", "app", "emulate-hat", *options]
-    command += ["--link", str(device), "--control", str(control)]
-    with subprocess.Popen(
-        command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True
-    ) as process:
-        try:
-            assert process.stdout is not None
-            line = process.stdout.readline()
-            if not line.startswith("Build HAT at "):
-                raise RuntimeError(f"the emulator did not start: {line!r}")
-            yield EmulatedHat(device, control, process)
-        finally:
-            process.terminate()
-            ended = process.wait(END_TIMEOUT)
-    if ended != 0:
-        raise RuntimeError(f"the emulator ended with {ended}")
+    names = ("--link", str(device), "--control", str(control))
+    with started("emulate-hat", *options, *names, says="^(Build HAT) at ") as (process, _):
+        yield EmulatedHat(device, control, process)
+    check_ended_well(process)

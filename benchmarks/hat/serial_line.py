@@ -22,7 +22,8 @@ from app.trajectories.clock_offset import estimate_clock_offset
 from app.trajectories.metrics import ate_rmse
 from app.trajectories.trajectory import Trajectory
 from benchmarks.hat.emulated_hat import EmulatedHat
-from benchmarks.hat.programs import Program, robot_in_bricks, telemetry, wait_until
+from benchmarks.hat.programs import robot_in_bricks
+from benchmarks.programs import START_S, Server, connected, estimated, telemetry, until
 from benchmarks.result import Result
 from robot.geometry import Array, Pose2, wrap_angle
 
@@ -74,18 +75,18 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
     """One robot on the square, told a wrong pose at the start of the figure-eight."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        robot_in_bricks(Path(folder), seed) as (hat, program),
+        robot_in_bricks(Path(folder), seed) as (hat, server),
     ):
-        truth, told = _watch(hat, program, watched)
+        truth, told = _watch(hat, server, watched)
     return _judged(truth, told)
 
 
-def _watch(hat: EmulatedHat, program: Program, watched: float) -> tuple[Array, Array]:
+def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
     """True poses (n, 4) by the wall's clock, and (m, 7) estimates and odometry by the robot's."""
     truth, told = [], []
-    with program.live() as socket:
-        wait_until(socket, "connected")
-        begin = wait_until(socket, "estimate")["stamp"]
+    with server.live() as socket:
+        until(socket, connected, START_S)
+        begin = until(socket, estimated, START_S)["stamp"]
         x, y, theta = (float(word) for word in hat.ask("truth").split())
         wrong = {"x": x + WRONG.x, "y": y + WRONG.y, "theta": theta + WRONG.theta}
         _send(socket, type="set_pose", **wrong)

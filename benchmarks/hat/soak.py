@@ -18,7 +18,8 @@ import numpy as np
 from websockets.sync.connection import Connection
 
 from benchmarks.hat.emulated_hat import EmulatedHat
-from benchmarks.hat.programs import robot_in_bricks, telemetry, wait_until
+from benchmarks.hat.programs import robot_in_bricks
+from benchmarks.programs import START_S, connected, estimated, telemetry, until
 from benchmarks.result import Result
 
 MINUTES = 10.0
@@ -74,8 +75,8 @@ def soak(seconds: float) -> Result:
         robot_in_bricks(Path(folder), SEED) as (hat, program),
         program.live() as live,
     ):
-        wait_until(live, "connected")
-        wait_until(live, "estimate")
+        until(live, connected, START_S)
+        until(live, estimated, START_S)
         _drive_until_turning(live, hat)
         before = program.threads(), program.descriptors()
         stops, backs, counts = _trouble_it(live, hat, seconds)

@@ -1,0 +1,147 @@
+"""``brickpose`` programs in processes of their own, and what a running one tells of its robot."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from websockets.sync.client import ClientConnection, connect
+from websockets.sync.connection import Connection
+
+from app.config import ROOT
+
+START_S = 90.0
+END_S = 15.0
+ANSWER_S = 30.0
+
+Telemetry = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Server:
+    """A running ``brickpose run``."""
+
+    process: subprocess.Popen[str]
+    address: str
+    """host:port"""
+
+    @property
+    def url(self) -> str:
+        """Of its page."""
+        return f"http://{self.address}"
+
+    def live(self) -> ClientConnection:
+        """A new connection to what it tells and takes; it answers pings however rarely read."""
+        live = f"ws://{self.address}/api/live"
+        return connect(live, open_timeout=START_S, max_size=None, max_queue=None)
+
+    def threads(self) -> int:
+        """How many it has."""
+        return len(list(Path(f"/proc/{self.process.pid}/task").iterdir()))
+
+    def descriptors(self) -> int:
+        """How many it holds open."""
+        return len(list(Path(f"/proc/{self.process.pid}/fd").iterdir()))
+
+
+@contextmanager
+def started(
+    *words: str, says: str, stderr: int | None = None
+) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Start ``brickpose`` with these words, and end it as a service is ended.
+
+    Yields the process and what the group in ``says``, an expression, matches in what it says first.
+
+    Raises:
+        RuntimeError: it ends without having said that.
+        subprocess.TimeoutExpired: it does not end; it is killed.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app", *words],
+        cwd=ROOT,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=stderr,
+        text=True,
+    )
+    try:
+        yield process, _said(process, says)
+    finally:
+        process.terminate()
+        try:
+            process.communicate(timeout=END_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+            raise
+
+
+def _said(process: subprocess.Popen[str], says: str) -> str:
+    assert process.stdout is not None
+    said = ""
+    while line := process.stdout.readline():
+        said += line
+        found = re.search(says, line)
+        if found is not None:
+            return found[1]
+    raise RuntimeError(f"the program did not start; it said {said!r}")
+
+
+def check_ended_well(process: subprocess.Popen[str]) -> None:
+    """Of a program that has ended.
+
+    Raises:
+        RuntimeError: not with 0.
+    """
+    if process.returncode != 0:
+        raise RuntimeError(f"the program ended with {process.returncode}")
+
+
+@contextmanager
+def server(*options: str, stderr: int | None = None) -> Iterator[Server]:
+    """Start ``brickpose run`` on a free port; see ``started``."""
+    says = r"http://([^\s/]+)"
+    with started("run", "--port", "0", *options, says=says, stderr=stderr) as (process, address):
+        yield Server(process, address)
+
+
+def telemetry(socket: Connection) -> Telemetry:
+    """The newest message that tells of the robot; answers to commands are passed over."""
+    message: Telemetry = {"type": ""}
+    while message["type"] != "telemetry":
+        message = json.loads(socket.recv(timeout=ANSWER_S))
+    return message
+
+
+def until(
+    socket: Connection, condition: Callable[[Telemetry], object], seconds: float = 20.0
+) -> Telemetry:
+    """Telemetry once a condition holds.
+
+    Raises:
+        TimeoutError: it did not for so many seconds of the robot's clock.
+    """
+    now = first = telemetry(socket)
+    while not condition(now):
+        if now["stamp"] - first["stamp"] >= seconds:
+            told = ("stamp", "truth", "twist", "mode", "filter", "problems")
+            raise TimeoutError(f"it never happened; now { {name: now[name] for name in told} }")
+        now = telemetry(socket)
+    return now
+
+
+def connected(now: Telemetry) -> bool:
+    """Whether the robot's joints follow commands."""
+    return bool(now["robot"]["connected"])
+
+
+def estimated(now: Telemetry) -> bool:
+    """Whether the filter tells where the robot is."""
+    return now["estimate"] is not None
