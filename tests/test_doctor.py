@@ -1,25 +1,15 @@
-"""``brickpose doctor`` on computers made of files: each thing amiss is a line with its cure."""
+"""``brickpose doctor`` on Pis made of files: each thing amiss is a line with its cure."""
 
 from __future__ import annotations
 
-import configparser
 import os
-import shutil
-import socket
-import subprocess
 from pathlib import Path
 
-import cv2
-import numpy as np
 import pytest
 
-from app.command_line import _parser, config_from
-from app.config import ROOT, Config
-from app.doctor import computer, eye, pi, wire
+from app.doctor import pi, wire
 from app.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
 from app.doctor.machine import Machine, output_of
-from robot.cameras.settings import CameraSourceSettings
-from robot.description.spec import RobotSpec
 
 PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
 PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"
@@ -224,109 +214,3 @@ def test_a_tool_that_fails_or_is_missing_says_nothing() -> None:
     assert output_of(["true"]) == ""
     assert output_of(["false"]) is None
     assert output_of(["a-tool-that-nobody-has"]) is None
-
-
-def test_an_old_python_is_a_problem() -> None:
-    assert computer.python_version((3, 10, 12)).level == PROBLEM
-    assert computer.python_version((3, 13, 0)).level == OK
-
-
-def test_the_versions_here_are_those_that_were_tested() -> None:
-    tested = computer.tested_versions(computer.CONSTRAINTS)
-    assert tested["numpy"] == np.__version__
-    assert computer.packages(tested).level == OK
-    found = computer.packages(tested | {"numpy": "1.24.2"})
-    assert (found.level, f"numpy {np.__version__} (1.24.2)" in found.what) == (WARNING, True)
-
-
-def test_an_installation_without_the_list_of_versions_is_fine(tmp_path: Path) -> None:
-    assert computer.packages(computer.tested_versions(tmp_path / "none.txt")).level == OK
-
-
-def test_code_that_is_not_compiled_yet_is_a_warning(tmp_path: Path) -> None:
-    assert computer.compiled_code(str(tmp_path)).level == WARNING
-    assert computer.compiled_code(None).level == WARNING
-    (tmp_path / "filter.nbi").touch()
-    assert computer.compiled_code(str(tmp_path)).level == OK
-
-
-def test_a_taken_web_port_is_a_warning() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        found = computer.web_port("127.0.0.1", taken.getsockname()[1])
-    assert (found.level, "--port" in found.cure) == (WARNING, True)
-    assert computer.web_port("127.0.0.1", 0).level == OK
-
-
-def test_physics_is_missed_only_by_the_robot_that_needs_it(monkeypatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "pybullet", None)
-    levels = {robot: computer.simulator(robot).level for robot in ("sim", "auto", "buildhat")}
-    assert levels == {"sim": PROBLEM, "auto": WARNING, "buildhat": OK}
-
-
-@pytest.fixture
-def spec() -> RobotSpec:
-    return RobotSpec.load()
-
-
-def test_a_camera_is_told_with_its_size_rate_and_age(tmp_path: Path, spec: RobotSpec) -> None:
-    picture = np.full((spec.lens.height, spec.lens.width), 128, np.uint8)
-    for number in range(3):
-        cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
-    found = list(eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings()))
-    assert [one.level for one in found] == [OK, OK]
-    assert "640 x 480" in found[0].what
-
-
-def test_pictures_of_another_size_are_a_problem(tmp_path: Path, spec: RobotSpec) -> None:
-    cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
-    (found,) = eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings(), 0.1)
-    assert (found.level, "640" in found.what) == (PROBLEM, True)
-
-
-def test_a_camera_that_can_never_be_is_a_problem(spec: RobotSpec) -> None:
-    (found,) = eye.check_camera("/nowhere/at/all", spec.lens, CameraSourceSettings())
-    assert (found.level, "valid are" in found.what) == (PROBLEM, True)
-
-
-def test_few_or_old_pictures_are_warnings_and_pictures_of_the_future_a_problem(spec) -> None:
-    assert eye.pictures("the camera", spec.lens, 12, 30).level == WARNING
-    assert eye.pictures("the camera", spec.lens, 29, 30).level == OK
-    assert [eye.age(seconds).level for seconds in (0.05, 0.4, -3)] == [OK, WARNING, PROBLEM]
-
-
-def test_without_a_robot_only_the_computer_is_looked_at() -> None:
-    found = list(computer.check_computer(Config(robot="kinematic", port=0)))
-    assert [one.level for one in found if one.level == PROBLEM] == []
-    assert len(found) == 5
-
-
-def test_the_service_stops_the_motors_however_it_ends() -> None:
-    unit = configparser.ConfigParser(strict=False)
-    unit.optionxform = str  # type: ignore[assignment,method-assign]
-    unit.read(ROOT / "docs/brickpose.service")
-    service = unit["Service"]
-    assert service["ExecStopPost"].endswith("brickpose stop-motors")
-    assert service["KillSignal"] == "SIGTERM"
-    assert service["Restart"] == "on-failure"
-    command = service["ExecStart"].split()
-    assert config_from(_parser().parse_args(command[1:])).robot == "buildhat"
-
-
-@pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="there is no systemd")
-def test_systemd_takes_the_service(tmp_path: Path) -> None:
-    unit = (
-        (ROOT / "docs/brickpose.service").read_text().replace("/home/pi/brickpose", str(tmp_path))
-    )
-    program = tmp_path / ".venv/bin/brickpose"
-    program.parent.mkdir(parents=True)
-    program.write_text("#!/bin/sh\n")
-    program.chmod(0o755)
-    (tmp_path / "brickpose.service").write_text(unit.replace("User=pi", "User=root"))
-    said = subprocess.run(
-        ["systemd-analyze", "verify", str(tmp_path / "brickpose.service")],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert said.returncode == 0, said.stderr
-    assert "brickpose" not in said.stderr
