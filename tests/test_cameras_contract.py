@@ -4,12 +4,21 @@ import threading
 
 import numpy as np
 import pytest
-from camera_sources import KINDS, grey, until
+from camera_sources import Emulator, Folder, Video, grey, until
+from fake_picamera2 import PiRibbon
+from fake_v4l2 import Webcam
 
 from robot.cameras.camera import Camera
 from robot.cameras.settings import CameraSourceSettings
 from robot.settings import SettingError
 
+KINDS = {
+    "folder": Folder,
+    "video": Video,
+    "webcam": Webcam,
+    "pi": PiRibbon,
+    "emulator": Emulator,
+}
 WITH_A_THREAD = ("webcam", "pi", "emulator")
 
 

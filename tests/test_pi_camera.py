@@ -4,17 +4,8 @@ import time
 
 import numpy as np
 import pytest
-from camera_sources import (
-    IMX219_MODES,
-    READOUT,
-    WHOLE,
-    AtRest,
-    PiRibbon,
-    lens,
-    mode,
-    picture,
-    until,
-)
+from camera_sources import READOUT, AtRest, lens, picture, until
+from fake_picamera2 import IMX219_MODES, WHOLE, PiRibbon, mode
 from hypothesis import given
 from hypothesis import strategies as st
 

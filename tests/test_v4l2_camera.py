@@ -4,7 +4,8 @@ import os
 
 import cv2
 import pytest
-from camera_sources import READOUT, AtRest, Webcam, lens, picture
+from camera_sources import READOUT, AtRest, lens, picture
+from fake_v4l2 import Webcam
 
 from robot.cameras.camera import PictureError
 from robot.cameras.settings import CameraSourceSettings
