@@ -8,7 +8,6 @@ from robot.hat.motor_kinds import KINDS, MotorKind
 from sim.hat.devices.motor_figures import MOTOR_FIGURES, RAIL_V, MotorFigures
 
 BOTH = [pytest.param(KINDS[one], MOTOR_FIGURES[one], id=f"{one:02X}") for one in KINDS]
-SMALL = 0x41
 
 
 def free_speed(figures: MotorFigures) -> float:
@@ -31,11 +30,8 @@ def test_the_driver_expects_the_free_speed_of_the_motor(
 
 @pytest.mark.parametrize(("known", "figures"), BOTH)
 def test_the_driver_expects_the_share_of_the_duty_that_friction_takes(
-    known: MotorKind, figures: MotorFigures, request: pytest.FixtureRequest
+    known: MotorKind, figures: MotorFigures
 ) -> None:
-    if known.type_id == SMALL:
-        why = "the driver takes the small motor's share at 6 V for that at 7.2 V, 0.12"
-        request.applymarker(pytest.mark.xfail(reason=why, strict=True))
     lost = figures.friction * figures.speed_per_torque
     assert known.friction == pytest.approx(lost / free_speed(figures), rel=0.1)
 

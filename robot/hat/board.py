@@ -87,6 +87,7 @@ class Board:
         self._supply = Supply(settings.low_supply)
         self._decoder = Decoder()
         self._lock = threading.Lock()
+        self._limits = np.array([wiring.max_velocity for wiring in wirings])
         self._wanted = np.zeros(len(wirings))
         self._wanted_until = -math.inf
         self._sent: dict[int, int] = {}
@@ -161,10 +162,9 @@ class Board:
 
     def command(self, velocities: Array, now: float) -> Array:
         """Ask for joint velocities (j,) [rad/s]; returns those that the joints will go for."""
-        limits = np.array([motor.wiring.max_velocity for motor in self.motors])
         with self._lock:
-            able = self._is_ready(now)
-            self._wanted = np.clip(velocities, -limits, limits) if able else 0 * limits
+            limits = self._limits if self._is_ready(now) else 0 * self._limits
+            self._wanted = np.clip(velocities, -limits, limits)
             self._wanted_until = now + COMMAND_S
             return self._wanted.copy()
 

@@ -30,7 +30,7 @@ class MotorKind:
 KINDS = {
     one.type_id: one
     for one in (
-        MotorKind(0x41, "small angular", "45607", 1070.0, 0.035, 0.14, 0.15),
+        MotorKind(0x41, "small angular", "45607", 1070.0, 0.035, 0.12, 0.135),
         MotorKind(0x30, "medium angular", "45603", 1100.0, 0.036, 0.13, 0.145),
         MotorKind(0x31, "large angular", "45602", 1000.0, 0.048, 0.055, 0.105),
         MotorKind(0x4B, "medium angular", "88018", 1100.0, 0.036, 0.13, 0.145),

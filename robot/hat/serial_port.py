@@ -15,6 +15,10 @@ from pathlib import Path
 import serial  # type: ignore[import-untyped, unused-ignore]
 
 BAUD = 115_200
+TOGETHER_S = 0.003
+"""A line of 21 bytes takes 2 ms to arrive; all of it is waited for [s]. To be woken for each of its
+parts would take as much of the processor again."""
+
 STUCK_S = 3.0
 """A port that takes no byte for so long is given up."""
 
@@ -79,6 +83,8 @@ class SerialPort:
                 self._write()  # usually there is room, and no need to wait for it
             writing = [self._fd] if self._waiting else []
             readable, _, _ = select.select([self._fd], writing, [], max(0.0, seconds))
+            if readable:
+                select.select([], [], [], TOGETHER_S)
             data = os.read(self._fd, 4096) if readable else b""
         except BlockingIOError:
             return b""

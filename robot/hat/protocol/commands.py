@@ -50,8 +50,10 @@ def fixed(value: float, places: int) -> str:
     text = f"{value:.{places}f}"
     if "." in text:
         text = text.rstrip("0").rstrip(".")
-    text = re.sub(r"^(-?)0\.", r"\1.", text)
-    return "0" if text == "-0" else text
+    sign, size = ("-", text[1:]) if text[0] == "-" else ("", text)
+    if size == "0":
+        return "0"
+    return sign + size.removeprefix("0") if size.startswith("0.") else text
 
 
 def version() -> bytes:

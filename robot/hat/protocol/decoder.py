@@ -74,15 +74,21 @@ class Decoder:
         """Append what a line says, and what is glued to it."""
         # A break on the wire is heard as NUL, and comes before what is said next.
         line = line.lstrip(NUL)
+        if b">" in line:
+            line = self._unglued(line, events)
+        if line or even_empty:
+            events.append(self._meaning(line))
+
+    def _unglued(self, line: bytes, events: list[Event]) -> bytes:
+        """A line without errors of the bus and prompts, which end no line of their own."""
         for error in GLUED_ERROR.findall(line):
             events.append(BusError(error.decode("utf-8", "replace")))
         line = GLUED_ERROR.sub(b"", line)
         prompts = FIRMWARE_PROMPTS.match(line)
-        if prompts:
-            line = line[prompts.end() :]
-            self._echoes = True
-        if line or even_empty:
-            events.append(self._meaning(line))
+        if prompts is None:
+            return line
+        self._echoes = True
+        return line[prompts.end() :]
 
     def _meaning(self, line: bytes) -> Event:
         """An echo is what follows a prompt, unless it is something that only the board says."""
