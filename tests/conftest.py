@@ -1,6 +1,7 @@
 """What all tests share."""
 
 import os
+import signal
 import textwrap
 from functools import partial
 
@@ -16,6 +17,13 @@ settings.load_profile("brickpose")
 def state_home(tmp_path_factory):
     """Programs under test, and those they start, keep their poses here and not in the home."""
     os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def interrupts():
+    """Programs under test hear Ctrl-C, even where a shell runs the tests in its background."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
