@@ -1,7 +1,7 @@
 """Ten minutes of random trouble: does the robot stop each time, and come back by itself?
 
 The program drives on the emulated board while plugs are pulled, wheels blocked, supplies sag, the
-wire garbles, the board falls silent or restarts, and the camera goes away.
+wire garbles, and the board falls silent or restarts.
 """
 
 from __future__ import annotations
