@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -45,6 +46,15 @@ class Server:
     def threads(self) -> int:
         """How many it has."""
         return len(list(Path(f"/proc/{self.process.pid}/task").iterdir()))
+
+    def thread_seconds(self, name: str) -> float:
+        """Processor time that the threads of that name in the system have used [s]."""
+        ticks = 0
+        for thread in Path(f"/proc/{self.process.pid}/task").iterdir():
+            if (thread / "comm").read_text().rstrip("\n") == name:
+                fields = (thread / "stat").read_text().rpartition(")")[2].split()
+                ticks += int(fields[11]) + int(fields[12])
+        return ticks / os.sysconf("SC_CLK_TCK")
 
     def descriptors(self) -> int:
         """How many it holds open."""
