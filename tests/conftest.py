@@ -3,6 +3,8 @@
 import os
 import signal
 import textwrap
+import threading
+from contextlib import closing
 from functools import partial
 
 import pytest
@@ -88,3 +90,23 @@ def browser(chromium):
     started = chromium(NO_GL)
     yield started
     started.close()
+
+
+@pytest.fixture
+def nothing_is_left():
+    """No test at a serial port may leave a thread or a descriptor behind."""
+    from pseudo_terminals import FDS
+
+    before = set(FDS.iterdir())
+    yield
+    assert not [thread for thread in threading.enumerate() if thread.name == "build hat"]
+    assert set(FDS.iterdir()) <= before
+
+
+@pytest.fixture
+def pty(nothing_is_left):
+    """Both ends of a pseudo-terminal."""
+    from pseudo_terminals import Pty
+
+    with closing(Pty()) as made:
+        yield made

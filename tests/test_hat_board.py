@@ -260,3 +260,14 @@ def test_a_limit_of_power_is_kept():
     bricks.wanted = np.radians([700.0, 700.0])
     bricks.run(1.0)
     assert np.abs(bricks.speeds()).max() < 300
+
+
+def test_without_a_kind_in_the_description_any_motor_with_an_encoder_will_do():
+    wirings = [Wiring("wheel", "A", 1, None, 12.0), Wiring("arm", "B", 1, None, 12.0)]
+    bricks = Bricks(types=(LARGE, LARGE), wirings=wirings)
+    bricks.until(bricks.ready)
+    bricks.board.receive(b"P1: disconnected\r\nP1: connected to passive ID 2\r\n", bricks.now)
+    assert said(bricks) == (
+        "On port B (arm) is a train motor (88011): it has no encoder; "
+        "there should be a motor with an encoder."
+    )

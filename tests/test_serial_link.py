@@ -5,11 +5,13 @@ import threading
 from contextlib import closing, contextmanager
 
 import pytest
-from pseudo_terminals import FDS, PATIENCE, Pty
+from pseudo_terminals import PATIENCE, Pty
 
 from robot.hat import serial_link
 from robot.hat.serial_link import SerialLink
 from robot.hat.serial_port import PortError
+
+pytestmark = pytest.mark.usefixtures("nothing_is_left")
 
 
 class Listener:
@@ -57,21 +59,6 @@ class Listener:
 
     def next(self):
         return self.told.get(timeout=PATIENCE)
-
-
-@pytest.fixture
-def pty():
-    with closing(Pty()) as pty:
-        yield pty
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_left():
-    """No test may leave a thread or a descriptor behind."""
-    before = set(FDS.iterdir())
-    yield
-    assert not [thread for thread in threading.enumerate() if thread.name == "build hat"]
-    assert set(FDS.iterdir()) <= before
 
 
 @contextmanager

@@ -7,25 +7,12 @@ from contextlib import closing
 
 import pytest
 import serial
-from pseudo_terminals import FDS, PATIENCE, Pty
+from pseudo_terminals import PATIENCE
 
 from robot.hat import serial_port
 from robot.hat.serial_port import PortError, SerialPort, find_device
 
-
-@pytest.fixture
-def pty():
-    with closing(Pty()) as pty:
-        yield pty
-
-
-@pytest.fixture(autouse=True)
-def nothing_is_left():
-    """No test may leave a thread or a descriptor behind."""
-    before = set(FDS.iterdir())
-    yield
-    assert not [thread for thread in threading.enumerate() if thread.name == "build hat"]
-    assert set(FDS.iterdir()) <= before
+pytestmark = pytest.mark.usefixtures("nothing_is_left")
 
 
 def test_a_board_that_wakes_up_hears_the_farewell_on_a_line_of_its_own(pty):

@@ -153,10 +153,9 @@ class Engine:
             self._measure(reading.frame, reading.stamp)
         last = self._frame.stamp if self._frame else 0.0
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
-        silent = overdue and not reading.faults  # a fault says it better
-        self._problems.report(
-            "camera", reading.stamp, "The camera sends no pictures." if silent else None
-        )
+        # A fault says it better.
+        silent = "The camera sends no pictures." if overdue and not reading.faults else None
+        self._problems.report("camera", reading.stamp, silent)
 
     def _measure(self, frame: Frame, now: float) -> None:
         try:

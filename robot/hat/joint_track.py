@@ -85,7 +85,7 @@ class JointTrack:
             absolute: position against the motor's mark, -180 to 179 [degree].
         """
         if not (float(count).is_integer() and float(absolute).is_integer()):
-            return self._refuse(0, believable=False)
+            return False
         now, mark = int(count), (int(count) - int(absolute)) % 360
         if self._count is None or not self._samples:
             return self._start(stamp, now, mark)
@@ -95,7 +95,7 @@ class JointTrack:
         apart = (self._count + turned - int(absolute) - self._mark + 180) % 360 - 180
         too_far = abs(turned) > FASTEST * passed + SLACK
         if abs(apart) > MARK_SLACK or too_far:
-            if not self._refuse(now, believable=True):
+            if not self._has_enough_like(now):
                 return False
             if abs(apart) > MARK_SLACK or abs(turned) > FASTEST * LONGEST_STALL:
                 return self._start(stamp, now, mark)
@@ -133,10 +133,8 @@ class JointTrack:
         self._add(stamp, self.angle)
         return True
 
-    def _refuse(self, count: int, *, believable: bool) -> bool:
-        """Remember it; true when enough of them agree that it is the past that is wrong."""
-        if not believable:
-            return False
+    def _has_enough_like(self, count: int) -> bool:
+        """Remember an odd count; true when enough agree that it is the past that is wrong."""
         if self._odd and abs(count - self._odd[-1]) > FASTEST * 0.02 + SLACK:
             self._odd.clear()
         self._odd.append(count)

@@ -109,8 +109,8 @@ class Motor:
                 "right after the start it takes up to ten seconds."
             )
         if self._loop is None:
-            wanted = self.wiring.motor or "motor with an encoder"
-            return f"On {where} is a {described(self._type)}; there should be a {wanted} motor."
+            wanted = f"{self.wiring.motor} motor" if self.wiring.motor else "motor with an encoder"
+            return f"On {where} is a {described(self._type)}; there should be a {wanted}."
         if now < self._held_until:
             return f"The motor on {where} does not turn: is the wheel blocked, or the plug loose?"
         if self._asked > 1 and not self.is_ready(now):

@@ -42,7 +42,7 @@ class Talker(Protocol):
         ...
 
     def tick(self, now: float) -> bytes:
-        """A period is over; returns what to send."""
+        """About a period is over; returns what to send."""
         ...
 
     def lost(self, reason: str, now: float) -> None:
