@@ -6,13 +6,14 @@ import json
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
+from urllib.request import urlopen
 
 from websockets.sync.client import ClientConnection
 
 from app.config import ROOT
 from benchmarks.programs import ANSWER_S, START_S, Server, estimated, server, telemetry, until
 
-__all__ = ["ROOT", "Server", "ask", "drive_until", "serving", "telemetry", "until"]
+__all__ = ["ROOT", "Server", "ask", "drive_until", "serving", "stamp_now", "telemetry", "until"]
 
 
 @contextmanager
@@ -22,6 +23,12 @@ def serving(*arguments: str) -> Iterator[Server]:
         with running.live() as socket:
             until(socket, estimated, START_S)
         yield running
+
+
+def stamp_now(server: Server) -> float:
+    """The robot's clock now [s]; a live connection may still hold what was told before."""
+    with urlopen(f"{server.url}/api/state", timeout=ANSWER_S) as answer:
+        return float(json.load(answer)["stamp"])
 
 
 def drive_until(socket: ClientConnection, v: float, condition) -> dict:
