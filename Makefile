@@ -7,9 +7,10 @@ PEER := $(shell sed -n 's/^peers = \["\(.*\)"\].*/\1/p' pyproject.toml)
 # A Pi's camera library, picamera2, comes with the system; the environment has to see it.
 HAS_CAMERA := -c 'from importlib.util import find_spec; exit(find_spec("picamera2") is None)'
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+NPM_CI := npm ci --prefix .venv --ignore-scripts --no-audit --no-fund --loglevel=error
 
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format bench browser peers official-library
+.PHONY: help run install test check format bench browser peers node-peers official-library
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-17s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -19,7 +20,7 @@ run: install ## set up, then serve the dashboard (PORT=9000 make run for another
 
 install: .venv/installed ## set up the virtual environment
 
-test: .venv/installed-dev browser ## run every test
+test: .venv/installed-dev browser node-peers ## run every test
 	$(BIN)/python -m pytest
 
 check: .venv/installed-dev ## lint and types
@@ -44,6 +45,13 @@ peers: .venv/installed-dev
 	    --dest .venv/peers '$(PEER)' && \
 	  $(BIN)/python -m benchmarks.nav2_amcl .venv/peers/$(subst ==,-,$(PEER)).tar.gz; } || \
 	echo "Measuring without nav2_amcl: it needs a C++ compiler and PyPI." >&2
+
+node-peers: .venv/bin/python ## npm's clients and readers, which the tests run against ours
+	@cmp -s tests/node/package-lock.json .venv/package-lock.json && [ -d .venv/node_modules ] || { \
+	  command -v npm >/dev/null && echo "Setting up npm packages for tests (once) ..." && \
+	  cp tests/node/package.json tests/node/package-lock.json .venv/ && $(NPM_CI) >/dev/null; } || { \
+	  rm -rf .venv/node_modules .venv/package-lock.json; \
+	  echo "Tests with clients from npm are skipped: they need node 20, npm and its registry." >&2; }
 
 browser:
 	@command -v chromium chromium-browser google-chrome >/dev/null || \
