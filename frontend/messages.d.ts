@@ -6,6 +6,8 @@ export type Command =
   | PauseCommand
   | PingCommand
   | PlaceCommand
+  | RecordCommand
+  | ReplayCommand
   | ResetCommand
   | ResumeCommand
   | ScatterCommand
@@ -219,6 +221,54 @@ export interface ProfileMessage {
   why: string;
 }
 
+/** Begin a recording, or end the one that runs. */
+export interface RecordCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "record";
+  on: boolean;
+}
+
+/** What is being recorded, or was until it ended by itself. */
+export interface RecordingMessage {
+  /** Its name; ``/api/recordings`` has it. */
+  file: string;
+  running: boolean;
+  duration_s: number;
+  size_bytes: number;
+  /** Why it ended by itself, or what is missing in it; null when all is well. */
+  message: string | null;
+}
+
+/** Change how a recording is replayed; what is left out stays. */
+export interface ReplayCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "replay";
+  paused?: boolean | null;
+  /** Seconds of the recording a second. */
+  speed?: number | null;
+  /** Go to a time since the beginning of the recording. */
+  position_s?: number | null;
+  /** Go so many pictures on, or back, and pause. */
+  step?: number | null;
+}
+
+/** Where in a recording the program is. */
+export interface ReplayMessage {
+  file: string;
+  /** Since its beginning. */
+  position_s: number;
+  duration_s: number;
+  /** Seconds of the recording a second. */
+  speed: number;
+  paused: boolean;
+  /** How far it is on its way to a place that was asked for, 0 to 1; null when it is there. */
+  catching_up: number | null;
+  /** What was estimated when it was recorded. */
+  estimate_then: PoseMessage | null;
+}
+
 /** The filter's parameters as configured at the start, and the cloud at the start pose. */
 export interface ResetCommand {
   /** Repeated in the answer. */
@@ -339,6 +389,9 @@ export interface TelemetryMessage {
   problems: string[];
   /** Problems since the start; ``/api/problems`` lists them. */
   error_count: number;
+  recording?: RecordingMessage | null;
+  /** Null with a robot that is there now. */
+  replay?: ReplayMessage | null;
   /** Layers of the 3D view that are switched off, for all viewers; null where there is none. */
   hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth")[] | null;
 }

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import gc
 import itertools
-import queue
 import threading
 import time
-from dataclasses import replace
 
 import numpy as np
 
+from app.engine.broadcast import Broadcast
+from app.engine.command_queue import CommandQueue
 from app.engine.driving import Driving
 from app.engine.latest import Latest
 from app.engine.localization import Localization, changed_with_own
@@ -48,9 +48,6 @@ from robot.settings import SettingError
 FRAME_OVERDUE = 0.5
 """Without a new picture for so long [s] (or three usual periods), the camera has stalled."""
 
-MOST_COMMANDS = 100
-"""Taken in one tick, so that a flood of commands does not hold the robot up."""
-
 LOADED = 500
 """Ticks after which compiled code has been loaded: objects by the hundred thousand that live as
 long as the program. To go over them takes the garbage collector 0.1 s, in which nothing steps."""
@@ -69,7 +66,8 @@ class Engine:
     ) -> None:
         self.robot = robot
         self.latest: Latest[Snapshot] = Latest()
-        self.commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
+        self.every: Broadcast[Snapshot] = Broadcast()
+        self.commands = CommandQueue()
         self._odometry = odometry
         self._localization = localization
         self._driving = driving
@@ -97,14 +95,15 @@ class Engine:
         self._meter.begin()
         odometry = self._odometry.update(reading)
         self._mind_own_models(reading.stamp)
-        self._take_commands(reading.stamp, odometry)
+        taken = self._take_commands(reading.stamp, odometry)
         self._localize(reading)
         self._stand_while_faulty(reading)
         twist = self._driving.update(reading.stamp)
         wheels = self.robot.write(self._kinematics.wheels(twist))
         applied = self._kinematics.twist(wheels)
-        snapshot = self._snapshot(reading, odometry, applied)
+        snapshot = self._snapshot(reading, taken, odometry, applied)
         self.latest.put(snapshot)
+        self.every.put(snapshot)
         return snapshot
 
     def run(self, stop: threading.Event) -> None:
@@ -167,13 +166,10 @@ class Engine:
         self._odom_from_scan = then.odom_from_robot
         self._localization.measure(frame, then)
 
-    def _take_commands(self, stamp: float, odometry: OdometryState) -> None:
+    def _take_commands(self, stamp: float, odometry: OdometryState) -> tuple[Command, ...]:
         self._localization.note(odometry.odom_from_robot)
-        for _ in range(MOST_COMMANDS):
-            try:
-                command = self.commands.get_nowait()
-            except queue.Empty:
-                return
+        taken = self.commands.take()
+        for command in taken:
             self._drive_command(command, stamp)
             self._filter_command(command, stamp)
             match command:
@@ -182,6 +178,7 @@ class Engine:
                 case ShowCommand():
                     shown = {command.layer} if command.visible else set()
                     self._layers = self._layers - {command.layer} | shown
+        return taken
 
     def _drive_command(self, command: Command, stamp: float) -> None:
         match command:
@@ -244,7 +241,13 @@ class Engine:
         # Dead reckoning goes on from the new place: the wheels did not turn on the way there.
         self._map_from_odom = pose @ odometry.odom_from_robot.inverse()
 
-    def _snapshot(self, reading: Reading, odometry: OdometryState, applied: Twist2) -> Snapshot:
+    def _snapshot(
+        self,
+        reading: Reading,
+        taken: tuple[Command, ...],
+        odometry: OdometryState,
+        applied: Twist2,
+    ) -> Snapshot:
         localization = self._localization
         belief = localization.belief
         scan = localization.line_scan
@@ -255,8 +258,11 @@ class Engine:
         return Snapshot(
             stamp=reading.stamp,
             published=time.monotonic(),
+            reading=reading,
+            commands=taken,
             truth=reading.truth,
             odometry=self._map_from_odom @ odometry.odom_from_robot,
+            odom_from_robot=odometry.odom_from_robot,
             pose=belief.pose(odometry.odom_from_robot) if belief else None,
             estimate=belief.estimate if belief else None,
             twist=applied,
@@ -285,15 +291,4 @@ class Engine:
         if last is None:
             return
         self._problems.report("engine", last.stamp, message)
-        self.latest.put(
-            replace(
-                last,
-                published=time.monotonic(),
-                twist=Twist2(),
-                mode="idle",
-                connected=False,
-                problems=self._problems.now,
-                problem_count=self._problems.count,
-                record=self._problems.record,
-            )
-        )
+        self.latest.put(last.failed(self._problems))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import time
+from dataclasses import dataclass, field, replace
 from typing import get_args
 
 from app.engine.driving import Mode
-from app.engine.problems import Problem
+from app.engine.problems import Problem, Problems
+from app.messages.commands import Command
 from app.messages.message import Layer
 from app.own_models.own_models import OwnChoice
 from robot.geometry import Array, Pose2, Twist2
-from robot.interface import Frame
+from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
@@ -40,9 +42,15 @@ class Snapshot:
     """The robot's clock [s]."""
     published: float
     """The computer's monotonic clock when this was made [s]."""
+    reading: Reading = field(repr=False)
+    """What the robot answered in this tick."""
+    commands: tuple[Command, ...]
+    """Taken in this tick, in their order."""
     truth: Pose2 | None
     odometry: Pose2
     """Dead reckoning since the start or the last place, in the map."""
+    odom_from_robot: Pose2
+    """Dead reckoning alone: it never jumps."""
     pose: Pose2 | None
     """The estimate, carried forward to the stamp; None before the first measurement."""
     estimate: Estimate | None
@@ -72,6 +80,19 @@ class Snapshot:
     record: tuple[Problem, ...] = field(repr=False)
     layers: frozenset[Layer]
     """What the 3D view shows."""
+
+    def failed(self, problems: Problems) -> Snapshot:
+        """The same place, with the engine at an end: nothing moves and nothing answers."""
+        return replace(
+            self,
+            published=time.monotonic(),
+            twist=Twist2(),
+            mode="idle",
+            connected=False,
+            problems=problems.now,
+            problem_count=problems.count,
+            record=problems.record,
+        )
 
     def hypotheses(self) -> list[tuple[Pose2, float, Array]]:
         """Where the robot may be now: pose, weight and covariance of each, heaviest first."""

@@ -132,6 +132,26 @@ class ShowCommand(CommandMessage):
     visible: bool
 
 
+class RecordCommand(CommandMessage):
+    """Begin a recording, or end the one that runs."""
+
+    type: Literal["record"]
+    on: bool
+
+
+class ReplayCommand(CommandMessage):
+    """Change how a recording is replayed; what is left out stays."""
+
+    type: Literal["replay"]
+    paused: bool | None = None
+    speed: Annotated[float, Field(ge=0.05, le=50)] | None = None
+    """Seconds of the recording a second."""
+    position_s: Annotated[float, Field(ge=0)] | None = None
+    """Go to a time since the beginning of the recording."""
+    step: Annotated[int, Field(ge=-1000, le=1000)] | None = None
+    """Go so many pictures on, or back, and pause."""
+
+
 class PingCommand(CommandMessage):
     """Do nothing; the answer's stamp lines up the clocks."""
 
@@ -152,6 +172,8 @@ Command = Annotated[
     | ResetCommand
     | SetParametersCommand
     | ShowCommand
+    | RecordCommand
+    | ReplayCommand
     | PingCommand,
     Field(discriminator="type"),
 ]

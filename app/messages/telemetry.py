@@ -108,6 +108,34 @@ class FilterMessage(Message):
     still and the filter pauses until it is mended."""
 
 
+class RecordingMessage(Message):
+    """What is being recorded, or was until it ended by itself."""
+
+    file: str
+    """Its name; ``/api/recordings`` has it."""
+    running: bool
+    duration_s: float
+    size_bytes: int
+    message: str | None
+    """Why it ended by itself, or what is missing in it; null when all is well."""
+
+
+class ReplayMessage(Message):
+    """Where in a recording the program is."""
+
+    file: str
+    position_s: float
+    """Since its beginning."""
+    duration_s: float
+    speed: float
+    """Seconds of the recording a second."""
+    paused: bool
+    catching_up: float | None
+    """How far it is on its way to a place that was asked for, 0 to 1; null when it is there."""
+    estimate_then: PoseMessage | None
+    """What was estimated when it was recorded."""
+
+
 class TelemetryMessage(Message):
     """Everything that one tick shows."""
 
@@ -130,5 +158,8 @@ class TelemetryMessage(Message):
     """What is wrong now, in plain words; empty when all is well."""
     error_count: int
     """Problems since the start; ``/api/problems`` lists them."""
+    recording: RecordingMessage | None = None
+    replay: ReplayMessage | None = None
+    """Null with a robot that is there now."""
     hidden_layers: list[Layer] | None = None
     """Layers of the 3D view that are switched off, for all viewers; null where there is none."""
