@@ -1,12 +1,12 @@
 """The fields that come with the program."""
 
 import math
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+from costs import processor_seconds
 
 from robot.fields.edges import lengths
 from robot.fields.svg_field import load_svg
@@ -89,11 +89,5 @@ def test_the_floor_goes_on_beyond_the_tape(name):
 @pytest.mark.parametrize(("name", "seconds"), [("square", 0.3), ("town", 1.0)])
 def test_loading_is_quick(name, seconds):
     load_svg(MAPS / "square.svg")
-    best = min(timed(lambda: load_svg(MAPS / f"{name}.svg")) for _ in range(3))
+    best = min(processor_seconds(lambda: load_svg(MAPS / f"{name}.svg")) for _ in range(3))
     assert best < seconds
-
-
-def timed(work):
-    start = time.perf_counter()
-    work()
-    return time.perf_counter() - start
