@@ -11,7 +11,7 @@ from browsing import SOFTWARE_GL, opened
 from playwright.sync_api import Page, expect
 from serving import ask, serving, stamp_now, telemetry, until
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.real_time]
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.hat.serial_line import drive
 from robot.description.spec import RobotSpec
 
+pytestmark = pytest.mark.real_time
+
 FOLDER_RATE = 25
 
 

@@ -14,6 +14,8 @@ from serving import ask, stamp_now, telemetry, until
 
 from app.messages.telemetry import TelemetryMessage
 
+pytestmark = pytest.mark.real_time
+
 
 def test_telemetry_comes_newest_first_and_is_valid(live):
     stamps = [TelemetryMessage.model_validate(telemetry(live)).stamp for _ in range(20)]

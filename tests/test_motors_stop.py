@@ -14,6 +14,8 @@ from serving import drive_until, serving, until
 
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 
+pytestmark = pytest.mark.real_time
+
 STOP_S = 0.5
 SPEED = 0.2
 """How fast the robot drives [m/s]."""

@@ -13,6 +13,8 @@ from benchmarks.hat.emulated_hat import emulated_hat
 from benchmarks.hat.official_library import VALID, checked, session, wrong
 from benchmarks.hat.official_session import PARTS
 
+pytestmark = pytest.mark.real_time
+
 
 def upload(folder):
     """A start on a board without firmware, and one after it."""

@@ -9,7 +9,7 @@ from browsing import opened
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.real_time]
 
 MINE = """
 import numpy as np
