@@ -1,0 +1,143 @@
+"""The one list of commands that come by topic or by service, and what each means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.messages.commands import (
+    Command,
+    DriveCommand,
+    ScatterCommand,
+    SetPoseCommand,
+    UpdateCommand,
+)
+from app.ros2.making.frames import SECOND_NS
+from app.ros2.message_types import Message, MessageError
+from app.ros2.source import TopicSource
+
+TWIST = "geometry_msgs/msg/Twist"
+STAMPED_TWIST = "geometry_msgs/msg/TwistStamped"
+POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
+
+LEVEL = 0.1
+"""A pose on the floor leans by no more [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class IncomingTopic:
+    """A topic that is listened to."""
+
+    name: str
+    """Without slash."""
+    type: str
+    command: Callable[[TopicSource, Message], Command]
+    """What a message means.
+
+    Raises:
+        MessageError, ValueError: it means nothing that may be done; says why.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """A service that is offered; its answer is empty."""
+
+    name: str
+    type: str
+    """As ``std_srvs/srv/Empty``."""
+    command: Callable[[TopicSource, Message], Command]
+    """What a request means; raises as that of a topic."""
+
+
+def drive(source: TopicSource, message: Message) -> DriveCommand:
+    """A geometry_msgs/Twist as it is; beyond the limits it is limited."""
+    parts = {
+        "linear.x": message.linear.x,
+        "linear.y": message.linear.y,
+        "linear.z": message.linear.z,
+        "angular.x": message.angular.x,
+        "angular.y": message.angular.y,
+        "angular.z": message.angular.z,
+    }
+    for name, value in parts.items():
+        if not math.isfinite(value):
+            raise MessageError(f"cmd_vel: {name} is {value}; valid is a number")
+        if value and name not in ("linear.x", "angular.z"):
+            raise MessageError(
+                f"cmd_vel: {name} is {value:g}; a robot on two wheels can do linear.x and angular.z"
+            )
+    return DriveCommand(type="drive", v=parts["linear.x"], omega=parts["angular.z"])
+
+
+def drive_in_time(source: TopicSource, message: Message) -> DriveCommand:
+    """A TwistStamped that is not too old; a stamp of zero is now (diff_drive_controller)."""
+    stamp = message.header.stamp
+    sent = stamp.sec * SECOND_NS + stamp.nanosec
+    age = source.clock.age(sent)
+    if sent and abs(age) > source.timeout:
+        raise MessageError(
+            f"cmd_vel: its stamp is {abs(age):.3g} s {'old' if age > 0 else 'ahead'}; valid is "
+            f"{source.timeout:g} s, by this computer's clock (are the clocks set alike?), or zero"
+        )
+    return drive(source, message.twist)
+
+
+def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
+    """A PoseWithCovarianceStamped in the map, as RViz sends it."""
+    frame, wanted = message.header.frame_id.lstrip("/"), source.settings.global_frame_id
+    if frame not in ("", wanted):
+        raise MessageError(f"initialpose: its frame is {frame!r}; valid is {wanted!r}")
+    at, turn = message.pose.pose.position, message.pose.pose.orientation
+    whole = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
+    flat = whole[np.ix_([0, 1, 5], [0, 1, 5])]
+    numbers = [at.x, at.y, turn.x, turn.y, turn.z, turn.w, *flat.ravel().tolist()]
+    if not all(math.isfinite(value) for value in numbers):
+        raise MessageError("initialpose has numbers that are not finite")
+    return SetPoseCommand(
+        type="set_pose",
+        x=at.x,
+        y=at.y,
+        theta=_heading(turn),
+        # Nothing said of how sure it is: as sure as is usual.
+        covariance=flat.ravel().tolist() if flat.any() else None,
+    )
+
+
+def _heading(turn: Message) -> float:
+    """The heading of a quaternion that turns about z [rad]."""
+    length = math.hypot(turn.x, turn.y, turn.z, turn.w)
+    if length < 0.5:
+        raise MessageError("initialpose: its orientation is no quaternion of length 1")
+    if 2 * math.asin(min(1.0, math.hypot(turn.x, turn.y) / length)) > LEVEL:
+        raise MessageError("initialpose: its orientation leans; valid is a turn about z")
+    return math.remainder(2 * math.atan2(turn.z, turn.w), 2 * math.pi)
+
+
+def _scatter(source: TopicSource, request: Message) -> ScatterCommand:
+    return ScatterCommand(type="scatter")
+
+
+def _update(source: TopicSource, request: Message) -> UpdateCommand:
+    return UpdateCommand(type="update")
+
+
+def _told_pose(source: TopicSource, request: Message) -> SetPoseCommand:
+    return set_pose(source, request.pose)
+
+
+INCOMING: tuple[IncomingTopic, ...] = (
+    IncomingTopic("cmd_vel", STAMPED_TWIST, drive_in_time),
+    IncomingTopic("cmd_vel", TWIST, drive),
+    IncomingTopic("initialpose", POSE, set_pose),
+)
+"""Of cmd_vel, the setting chooses one."""
+
+SERVICES: tuple[Service, ...] = (
+    Service("reinitialize_global_localization", "std_srvs/srv/Empty", _scatter),
+    Service("request_nomotion_update", "std_srvs/srv/Empty", _update),
+    Service("set_initial_pose", "nav2_msgs/srv/SetInitialPose", _told_pose),
+)

@@ -1,0 +1,1 @@
+"""From a snapshot to the messages of the topics."""

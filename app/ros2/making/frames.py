@@ -1,0 +1,106 @@
+"""Headers, poses and transforms: what most messages consist of."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.ros2.message_types import Message, new
+from app.ros2.source import TopicSource
+from robot.geometry import Array, Pose2
+
+SECOND_NS = 1_000_000_000
+
+
+def time(time_ns: int) -> Message:
+    """Nanoseconds since 1970 as builtin_interfaces/Time."""
+    seconds, nanoseconds = divmod(time_ns, SECOND_NS)
+    return new("builtin_interfaces/msg/Time", sec=seconds, nanosec=nanoseconds)
+
+
+def header(source: TopicSource, stamp: float, frame_id: str) -> Message:
+    """A header of the robot's time [s]."""
+    return new("std_msgs/msg/Header", stamp=time(source.clock.ns(stamp)), frame_id=frame_id)
+
+
+def vector(x: float, y: float = 0.0, z: float = 0.0) -> Message:
+    """geometry_msgs/Vector3"""
+    return new("geometry_msgs/msg/Vector3", x=float(x), y=float(y), z=float(z))
+
+
+def turned(theta: float) -> Message:
+    """A heading [rad] as a quaternion about z."""
+    z, w = math.sin(theta / 2), math.cos(theta / 2)
+    return new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=z, w=w)
+
+
+def pose(at: Pose2) -> Message:
+    """geometry_msgs/Pose on the floor."""
+    position = new("geometry_msgs/msg/Point", x=float(at.x), y=float(at.y), z=0.0)
+    return new("geometry_msgs/msg/Pose", position=position, orientation=turned(at.theta))
+
+
+def pose_with_covariance(at: Pose2, covariance: Array) -> Message:
+    """geometry_msgs/PoseWithCovariance of a covariance (3, 3) [m, m, rad]."""
+    return new(
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose(at), covariance=in_space(covariance)
+    )
+
+
+def in_space(covariance: Array) -> Array:
+    """36 numbers by rows over (x, y, z, about x, about y, about z), from (3, 3) on the floor."""
+    whole = np.zeros((6, 6))
+    whole[np.ix_([0, 1, 5], [0, 1, 5])] = covariance
+    return whole.ravel()
+
+
+def transform(source: TopicSource, stamp: float, parent: str, child: str, at: Pose2) -> Message:
+    """geometry_msgs/TransformStamped on the floor."""
+    return stamped_transform(source, stamp, parent, child, vector(at.x, at.y), turned(at.theta))
+
+
+def transform_in_space(
+    source: TopicSource, stamp: float, parent: str, child: str, parent_from_child: Array
+) -> Message:
+    """geometry_msgs/TransformStamped of a matrix (4, 4)."""
+    x, y, z, w = quaternion(parent_from_child[:3, :3])
+    orientation = new("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
+    place = vector(*parent_from_child[:3, 3])
+    return stamped_transform(source, stamp, parent, child, place, orientation)
+
+
+def stamped_transform(
+    source: TopicSource, stamp: float, parent: str, child: str, place: Message, turn: Message
+) -> Message:
+    """geometry_msgs/TransformStamped of its parts."""
+    return new(
+        "geometry_msgs/msg/TransformStamped",
+        header=header(source, stamp, parent),
+        child_frame_id=child,
+        transform=new("geometry_msgs/msg/Transform", translation=place, rotation=turn),
+    )
+
+
+def quaternion(rotation: Array) -> tuple[float, float, float, float]:
+    """x, y, z, w of a rotation matrix (3, 3), w not negative (Shepperd 1978)."""
+    trace = float(np.trace(rotation))
+    squares = np.append(np.diag(rotation), trace)
+    largest = int(np.argmax(squares))
+    if largest == 3:
+        xyz = (
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+        )
+        found = np.array([*xyz, 1 + trace])
+    else:
+        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
+        found = np.empty(4)
+        found[i] = 1 + 2 * rotation[i, i] - trace
+        found[j] = rotation[j, i] + rotation[i, j]
+        found[k] = rotation[k, i] + rotation[i, k]
+        found[3] = rotation[k, j] - rotation[j, k]
+    found /= np.linalg.norm(found)
+    x, y, z, w = (found if found[3] >= 0 else -found).tolist()
+    return x, y, z, w

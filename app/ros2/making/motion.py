@@ -1,0 +1,110 @@
+"""odom, tf, joint_states, cmd_vel: how the robot moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.engine.snapshot import Snapshot
+from app.ros2.links import turned_by
+from app.ros2.making.frames import (
+    header,
+    in_space,
+    pose_with_covariance,
+    transform,
+    transform_in_space,
+    vector,
+)
+from app.ros2.message_types import Message, new
+from app.ros2.source import TopicSource
+from app.ros2.topic import UNCHANGING
+from robot.geometry import Array, Twist2
+
+POSE_VARIANCE = (1e-3, 1e-3, 1e-2)
+"""Of odom [m^2, m^2, rad^2]: fixed figures, as diff_drive_controller has them, for users who need
+some. Odometry's true error grows with the way."""
+
+TWIST_VARIANCE = (1e-4, 1e-6, 1e-3)
+"""[m^2/s^2, m^2/s^2, rad^2/s^2]"""
+
+
+def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
+    """Dead reckoning, and the velocity that the wheels were measured at."""
+    settings = source.settings
+    twist = source.drive.twist(snapshot.reading.velocities)
+    return new(
+        "nav_msgs/msg/Odometry",
+        header=header(source, snapshot.stamp, settings.odom_frame_id),
+        child_frame_id=settings.base_frame_id,
+        pose=pose_with_covariance(snapshot.odom_from_robot, np.diag(POSE_VARIANCE)),
+        twist=new(
+            "geometry_msgs/msg/TwistWithCovariance",
+            twist=_twist(twist),
+            covariance=in_space(np.diag(TWIST_VARIANCE)),
+        ),
+    )
+
+
+def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
+    """map -> odom once the robot knows where it is, odom -> robot, and the wheels."""
+    stamp, settings = snapshot.stamp, source.settings
+    odom, base = settings.odom_frame_id, settings.base_frame_id
+    found = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
+    if snapshot.pose is not None:
+        map_from_odom = snapshot.pose @ snapshot.odom_from_robot.inverse()
+        found.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
+    angles: Array = snapshot.reading.positions
+    for wheel, angle in zip(source.links.wheels, angles.tolist(), strict=True):
+        turned = turned_by(wheel, angle)
+        found.append(transform_in_space(source, stamp, wheel.parent, wheel.child, turned))
+    return new("tf2_msgs/msg/TFMessage", transforms=found)
+
+
+def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
+    """Where everything sits that does not move on the robot."""
+    found = [
+        transform_in_space(source, snapshot.stamp, one.parent, one.child, one.parent_from_child)
+        for one in source.links.fixed
+    ]
+    return new("tf2_msgs/msg/TFMessage", transforms=found)
+
+
+def joint_states(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The wheels as the robot read them."""
+    reading = snapshot.reading
+    return new(
+        "sensor_msgs/msg/JointState",
+        header=header(source, reading.stamp, ""),
+        name=[joint.name for joint in source.spec.joints],
+        position=reading.positions,
+        velocity=reading.velocities,
+        effort=np.empty(0),
+    )
+
+
+def applied_velocity(source: TopicSource, snapshot: Snapshot) -> Message:
+    """What the robot was told in this tick, after limits."""
+    return new(
+        "geometry_msgs/msg/TwistStamped",
+        header=header(source, snapshot.stamp, source.settings.base_frame_id),
+        twist=_twist(snapshot.twist),
+    )
+
+
+def _twist(twist: Twist2) -> Message:
+    linear, angular = vector(twist.v), vector(0.0, 0.0, twist.omega)
+    return new("geometry_msgs/msg/Twist", linear=linear, angular=angular)
+
+
+def now(snapshot: Snapshot) -> float:
+    """The stamp of what each tick tells."""
+    return snapshot.stamp
+
+
+def each_second(snapshot: Snapshot) -> float:
+    """The stamp of what is told once a second."""
+    return float(np.floor(snapshot.stamp))
+
+
+def never_changes(snapshot: Snapshot) -> float:
+    """The stamp of what is told once."""
+    return UNCHANGING

@@ -1,0 +1,133 @@
+"""robot_description, battery_state, diagnostics: the robot itself; and what it was told."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+
+from app.engine.snapshot import Snapshot
+from app.messages.commands import PingCommand, SetPoseCommand
+from app.ros2.making.frames import header, pose_with_covariance
+from app.ros2.making.motion import each_second
+from app.ros2.message_types import Message, new
+from app.ros2.source import TopicSource
+from robot.geometry import Array, Pose2
+
+OK, WARN = 0, 1
+"""Levels of diagnostic_msgs/DiagnosticStatus."""
+
+UNMEASURED = ("temperature", "current", "charge", "capacity", "design_capacity", "percentage")
+"""Fields of sensor_msgs/BatteryState; what is not measured is NaN there."""
+
+
+def robot_description(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The URDF."""
+    return new("std_msgs/msg/String", data=source.spec.urdf)
+
+
+def battery_stamp(snapshot: Snapshot) -> float | None:
+    """Once a second, where the voltage is measured."""
+    return None if snapshot.battery_v is None else each_second(snapshot)
+
+
+def battery_state(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The supply voltage; all else is not measured."""
+    unknown = dict.fromkeys(UNMEASURED, math.nan)
+    assert snapshot.battery_v is not None  # else there is no stamp
+    return new(
+        "sensor_msgs/msg/BatteryState",
+        header=header(source, snapshot.stamp, source.settings.base_frame_id),
+        voltage=float(snapshot.battery_v),
+        **unknown,
+        power_supply_status=0,
+        power_supply_health=0,
+        power_supply_technology=0,
+        present=True,
+        cell_voltage=np.empty(0, dtype=np.float32),
+        cell_temperature=np.empty(0, dtype=np.float32),
+        location="",
+        serial_number="",
+    )
+
+
+def diagnostics(source: TopicSource, snapshot: Snapshot) -> Message:
+    """How the program keeps up, and what is wrong in plain words."""
+    loop = snapshot.loop
+    figures = {
+        "step_hz": f"{loop.step_hz:.1f}",
+        "step_ms": f"{loop.step_ms:.2f}",
+        "frame_hz": f"{loop.frame_hz:.1f}",
+        "latency_ms": f"{loop.latency_ms:.1f}",
+        "mode": snapshot.mode,
+        "connected": "true" if snapshot.connected else "false",
+    }
+    faults = " ".join(snapshot.reading.faults)
+    status = [
+        _status(source, "brickpose: program", " ".join(snapshot.problems), figures),
+        _status(source, "brickpose: robot", faults, {}),
+    ]
+    at = header(source, snapshot.stamp, "")
+    return new("diagnostic_msgs/msg/DiagnosticArray", header=at, status=status)
+
+
+def _status(source: TopicSource, name: str, wrong: str, figures: dict[str, str]) -> Message:
+    return new(
+        "diagnostic_msgs/msg/DiagnosticStatus",
+        level=WARN if wrong else OK,
+        name=name,
+        message=wrong or "All is well.",
+        hardware_id=source.robot_name,
+        values=[new("diagnostic_msgs/msg/KeyValue", key=k, value=v) for k, v in figures.items()],
+    )
+
+
+def told_stamp(snapshot: Snapshot) -> float | None:
+    """Now, if the robot or the filter was told anything."""
+    return snapshot.stamp if _told(snapshot) else None
+
+
+def told(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The tick's commands as a JSON list, oldest first."""
+    return new("std_msgs/msg/String", data=json.dumps(_told(snapshot)))
+
+
+def _told(snapshot: Snapshot) -> list[dict[str, object]]:
+    return [
+        one.model_dump(mode="json", exclude_none=True)
+        for one in snapshot.commands
+        if not isinstance(one, PingCommand)
+    ]
+
+
+def initial_pose_stamp(snapshot: Snapshot) -> float | None:
+    """Now, if a pose was told."""
+    return snapshot.stamp if _initial_pose(snapshot) else None
+
+
+def initial_pose(source: TopicSource, snapshot: Snapshot) -> Message:
+    """The last pose that was told, as RViz would have told it."""
+    command = _initial_pose(snapshot)
+    assert command is not None  # else there is no stamp
+    return new(
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        header=header(source, snapshot.stamp, source.settings.global_frame_id),
+        pose=pose_with_covariance(
+            Pose2(command.x, command.y, command.theta), _covariance(command, snapshot)
+        ),
+    )
+
+
+def _covariance(command: SetPoseCommand, snapshot: Snapshot) -> Array:
+    if command.covariance is not None:
+        return np.array(command.covariance).reshape(3, 3)
+    usual = np.sqrt(np.diag(snapshot.parameters.filter.initial_covariance))
+    xy = usual[0] if command.sd_xy is None else command.sd_xy
+    theta = usual[2] if command.sd_theta is None else command.sd_theta
+    return np.diag([xy**2, xy**2, theta**2])
+
+
+def _initial_pose(snapshot: Snapshot) -> SetPoseCommand | None:
+    poses = [one for one in snapshot.commands if isinstance(one, SetPoseCommand)]
+    return poses[-1] if poses else None

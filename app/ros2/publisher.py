@@ -1,0 +1,115 @@
+"""Makes each message once and hands it to the routes that want it."""
+
+from __future__ import annotations
+
+import threading
+
+from app.engine.broadcast import Broadcast
+from app.engine.problems import LOG
+from app.engine.snapshot import Snapshot
+from app.ros2.published import Published
+from app.ros2.route import Route
+from app.ros2.source import TopicSource
+from app.ros2.topic import Topic
+from app.ros2.topics import TOPICS
+
+MOST_WAITING = 500
+"""Ticks: ten seconds and less, in which this thread got no time at all."""
+
+LOOK_S = 0.2
+"""Between two looks at whether to end, while there are no ticks [s]."""
+
+JOIN_S = 2.0
+
+
+class TopicPublisher:
+    """A thread of its own, so that no message is made in the engine's; it runs while routes are."""
+
+    def __init__(self, source: TopicSource, every: Broadcast[Snapshot]) -> None:
+        self.source = source
+        self.lost = 0
+        """Ticks that came while too many waited already."""
+        self.failure: str | None = None
+        """Why a route ended, if one failed."""
+        self._every = every
+        self._routes: tuple[Route, ...] = ()
+        self._lock = threading.Lock()
+        self._thread: threading.Thread | None = None
+        self._stop = threading.Event()
+
+    def add(self, route: Route) -> None:
+        """Let a route have what it wants, from the next tick on."""
+        with self._lock:
+            self._routes = (*self._routes, route)
+            if self._thread is None:
+                self._stop = threading.Event()
+                self._thread = threading.Thread(
+                    target=self._run, args=(self._stop,), name="topics", daemon=True
+                )
+                self._thread.start()
+
+    def remove(self, route: Route) -> None:
+        """Let it have nothing more; the thread ends with the last route."""
+        with self._lock:
+            self._routes = tuple(one for one in self._routes if one is not route)
+            if not self._routes:
+                self._stop.set()
+                self._thread = None
+
+    def close(self) -> None:
+        """Let all routes go, and wait for the thread."""
+        with self._lock:
+            self._routes = ()
+            thread, self._thread = self._thread, None
+            self._stop.set()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(JOIN_S)
+            if thread.is_alive():
+                LOG.error("the topics' thread did not end within %g s", JOIN_S)
+
+    def _run(self, stop: threading.Event) -> None:
+        with self._every.subscribe(MOST_WAITING) as feed:
+            while not stop.is_set():
+                snapshot = feed.get(LOOK_S)
+                if snapshot is None:
+                    continue
+                self.lost = feed.lost
+                self.source.clock.follow(snapshot)
+                for topic in TOPICS:
+                    self.publish(topic, snapshot)
+
+    def publish(self, topic: Topic, snapshot: Snapshot) -> None:
+        """Hand a topic's message of a tick to all routes that want it now."""
+        try:
+            stamp = topic.stamp(snapshot)
+            takers = (
+                [] if stamp is None else [r for r in self._routes if self._asks(r, topic, stamp)]
+            )
+            if stamp is None or not takers:
+                return
+            published = Published(topic, stamp, self.source, snapshot)
+        except Exception as error:
+            self._complain(topic.name, error)
+            return
+        for route in takers:
+            try:
+                route.take(published)
+            except Exception as error:
+                self._end(route, error)
+
+    def _asks(self, route: Route, topic: Topic, stamp: float) -> bool:
+        try:
+            return route.wants(topic, stamp)
+        except Exception as error:
+            self._end(route, error)
+            return False
+
+    def _end(self, route: Route, error: Exception) -> None:
+        self.remove(route)
+        self._complain(route.name, error)
+
+    def _complain(self, what: str, error: Exception) -> None:
+        message = f"{what} failed: {error}"
+        if message != self.failure:
+            LOG.exception(message)
+        self.failure = message

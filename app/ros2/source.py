@@ -1,0 +1,50 @@
+"""What the makers of messages need besides a snapshot: all that does not change."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from app.assembly import Program
+from app.ros2.clock import RosClock
+from app.ros2.links import Links
+from app.ros2.settings import Ros2Settings
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.fields.field import Field
+from robot.scanning.line_scanner import LineScanner
+
+
+@dataclass(frozen=True)
+class TopicSource:
+    """One robot on one field, seen with some settings."""
+
+    robot_name: str
+    spec: RobotSpec
+    field: Field
+    scanner: LineScanner
+    drive: DifferentialDrive
+    settings: Ros2Settings
+    timeout: float
+    """A drive command holds for so long [s]."""
+    clock: RosClock
+
+    @classmethod
+    def of(cls, program: Program) -> TopicSource:
+        """Of a program."""
+        spec, config = program.robot.spec, program.config
+        return cls(
+            program.robot.name,
+            spec,
+            program.field,
+            program.scanner,
+            DifferentialDrive(spec, config.drive.multipliers),
+            config.ros2,
+            config.drive.cmd_vel_timeout,
+            RosClock(),
+        )
+
+    @cached_property
+    def links(self) -> Links:
+        """Where the robot's links are."""
+        return Links.of(self.spec, self.settings, self.scanner.settings.centre_x)

@@ -1,0 +1,121 @@
+"""The one list of topics; names, types and frames as nav2, diff_drive_controller and RViz want."""
+
+from __future__ import annotations
+
+from app.ros2.making import belief, motion, seeing, state
+from app.ros2.topic import LATCHED, Topic
+
+TOPICS: tuple[Topic, ...] = (
+    Topic("scan", "sensor_msgs/msg/LaserScan", seeing.scan_stamp, seeing.laser_scan),
+    Topic("odom", "nav_msgs/msg/Odometry", motion.now, motion.odometry, "publish_rate"),
+    Topic("tf", "tf2_msgs/msg/TFMessage", motion.now, motion.transforms, "publish_rate"),
+    Topic(
+        "tf_static",
+        "tf2_msgs/msg/TFMessage",
+        motion.never_changes,
+        motion.static_transforms,
+        quality=LATCHED,
+    ),
+    Topic(
+        "amcl_pose",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        belief.estimate_stamp,
+        belief.amcl_pose,
+        quality=LATCHED,
+    ),
+    Topic(
+        "particle_cloud",
+        "nav2_msgs/msg/ParticleCloud",
+        motion.now,
+        belief.particle_cloud,
+        "cloud_rate",
+    ),
+    Topic(
+        "particlecloud",
+        "geometry_msgs/msg/PoseArray",
+        motion.now,
+        belief.pose_array,
+        "cloud_rate",
+    ),
+    Topic(
+        "map",
+        "nav_msgs/msg/OccupancyGrid",
+        motion.never_changes,
+        seeing.occupancy_grid,
+        quality=LATCHED,
+    ),
+    Topic(
+        "joint_states",
+        "sensor_msgs/msg/JointState",
+        motion.now,
+        motion.joint_states,
+        "publish_rate",
+    ),
+    Topic(
+        "camera/image/compressed",
+        "sensor_msgs/msg/CompressedImage",
+        seeing.picture_stamp,
+        seeing.compressed_image,
+        "picture_rate",
+    ),
+    Topic(
+        "camera/camera_info",
+        "sensor_msgs/msg/CameraInfo",
+        seeing.picture_stamp,
+        seeing.camera_info,
+        "picture_rate",
+    ),
+    Topic(
+        "robot_description",
+        "std_msgs/msg/String",
+        motion.never_changes,
+        state.robot_description,
+        quality=LATCHED,
+    ),
+    Topic(
+        "battery_state",
+        "sensor_msgs/msg/BatteryState",
+        state.battery_stamp,
+        state.battery_state,
+    ),
+    Topic(
+        "diagnostics",
+        "diagnostic_msgs/msg/DiagnosticArray",
+        motion.each_second,
+        state.diagnostics,
+    ),
+    Topic(
+        "truth",
+        "geometry_msgs/msg/PoseStamped",
+        belief.truth_stamp,
+        belief.true_pose,
+        "publish_rate",
+    ),
+    Topic(
+        "cmd_vel",
+        "geometry_msgs/msg/TwistStamped",
+        motion.now,
+        motion.applied_velocity,
+        live=False,
+    ),
+    Topic(
+        "initialpose",
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        state.initial_pose_stamp,
+        state.initial_pose,
+        live=False,
+    ),
+    Topic("command", "std_msgs/msg/String", state.told_stamp, state.told, live=False),
+)
+
+
+def topic(name: str) -> Topic:
+    """A topic by its name.
+
+    Raises:
+        KeyError: there is none; lists those that are.
+    """
+    for one in TOPICS:
+        if one.name == name:
+            return one
+    raise KeyError(f"{name} is no topic; valid are {', '.join(one.name for one in TOPICS)}")
