@@ -1,0 +1,257 @@
+"""Recordings of anybody are read in order of time; what is none is refused in words."""
+
+import gzip
+import random
+import sqlite3
+
+import numpy as np
+import pytest
+import zstandard
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mcap.writer import CompressionType, IndexType, Writer
+from recordings import BEGIN_NS, TEXT, TICK_NS, make, text_cdr
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as RosbagsWriter
+
+from app.recording.mcap_reader import open_recording
+from app.recording.recorded import RecordingError
+from app.ros2.message_types import definition, typestore
+
+
+def write_foreign(path, times, *, encoding="cdr", **options):
+    """An MCAP file by the mcap package, with messages logged at the times [ns] in this order."""
+    with path.open("wb") as stream:
+        writer = Writer(stream, **options)
+        writer.start("ros2")
+        schema = writer.register_schema(TEXT, "ros2msg", definition(TEXT).encode())
+        channels = [writer.register_channel(f"/{name}", encoding, schema) for name in "ab"]
+        for count, time_ns in enumerate(times):
+            writer.add_message(channels[count % 2], time_ns, text_cdr(f"{count}"), time_ns)
+        writer.finish()
+    return path
+
+
+def told(path, *arguments):
+    return [(m.log_time_ns, m.topic, m.cdr) for m in open_recording(path).messages(*arguments)]
+
+
+SHUFFLED = random.Random(3).sample(range(1000), 1000)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"compression": CompressionType.LZ4},
+        {"compression": CompressionType.NONE, "enable_crcs": False},
+        {"use_chunking": False},
+        {"use_statistics": False, "use_summary_offsets": False},
+        {"index_types": IndexType.NONE},
+        {"index_types": IndexType.CHUNK},
+        {"repeat_schemas": False, "repeat_channels": False, "use_statistics": False},
+        {"chunk_size": 200},
+        {"chunk_size": 200, "index_types": IndexType.NONE},
+    ],
+)
+def test_all_ways_to_write_a_file_are_read_alike_and_in_order_of_time(tmp_path, options):
+    path = write_foreign(tmp_path / "theirs.mcap", SHUFFLED, **options)
+    found = told(path)
+    expected = [(t, "/a" if n % 2 == 0 else "/b", text_cdr(f"{n}")) for n, t in enumerate(SHUFFLED)]
+    assert found == sorted(expected)
+    assert told(path, {"/b"}) == [one for one in found if one[1] == "/b"]
+    assert told(path, {"/a"}, 700) == [one for one in found if one[1] == "/a" and one[0] >= 700]
+    assert told(path, (), 0) == []
+    reader = open_recording(path)
+    assert (reader.start_ns, reader.end_ns, reader.unfinished) == (0, 999, False)
+
+
+def test_messages_of_the_same_time_keep_their_order(tmp_path):
+    path = write_foreign(tmp_path / "theirs.mcap", [5] * 300, chunk_size=200)
+    assert [m.cdr for m in open_recording(path).messages()] == [
+        text_cdr(f"{n}") for n in range(300)
+    ]
+
+
+def test_several_files_in_a_folder_are_one_recording(tmp_path):
+    write_foreign(tmp_path / "x_0.mcap", range(0, 100, 2))
+    write_foreign(tmp_path / "x_1.mcap", range(1, 100, 2))
+    assert [time for time, _, _ in told(tmp_path)] == list(range(100))
+
+
+def test_what_rosbags_writes_is_read(tmp_path):
+    with RosbagsWriter(tmp_path / "bag", version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        scan = writer.add_connection("/scan", TEXT, typestore=typestore())
+        for tick in range(50):
+            writer.write(scan, BEGIN_NS + tick * TICK_NS, text_cdr(f"{tick}"))
+    reader = open_recording(tmp_path / "bag")
+    assert reader.topics == {"/scan": TEXT}
+    assert reader.duration == 49 * 0.02
+    assert [m.cdr for m in reader.messages()] == [text_cdr(f"{n}") for n in range(50)]
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9, 1.0])
+def test_a_file_that_was_cut_off_is_read_up_to_there(tmp_path, share):
+    path = make(tmp_path / "drive", ticks=1000)
+    whole = told(path)
+    last = open_recording(path).files[0]._index.pieces[-1]
+    path.write_bytes(path.read_bytes()[: int((last.offset + last.length) * share)])
+    reader = open_recording(path)
+    assert reader.unfinished
+    assert bool(reader.damage) is (share < 1)
+    part = told(path)
+    assert part == whole[: len(part)]
+    assert len(part) >= len(whole) * (share - 0.1)
+
+
+def test_a_file_that_ends_in_zeros_as_after_a_power_cut_is_read_up_to_there(tmp_path):
+    path = make(tmp_path / "drive", ticks=200, close=False)
+    whole = told(path)
+    path.write_bytes(path.read_bytes() + bytes(5000))
+    reader = open_recording(path)
+    assert reader.unfinished
+    assert "no record" in reader.damage
+    assert told(path) == whole
+
+
+def test_damage_in_the_middle_of_a_finished_file_is_told_when_it_is_met(tmp_path):
+    path = make(tmp_path / "drive", ticks=1000)
+    data = bytearray(path.read_bytes())
+    piece = open_recording(path).files[0]._index.pieces[20]
+    data[piece.offset + piece.length - 5] ^= 0xFF
+    path.write_bytes(data)
+    reader = open_recording(path)
+    with pytest.raises(RecordingError, match=r"drive_0.mcap is damaged: .*valid is"):
+        list(reader.messages())
+
+
+FOREIGN = {
+    "empty.mcap": (b"", "is empty; valid is an MCAP file"),
+    "text.mcap": (b"hello, world", "is no MCAP file"),
+    "start.mcap": (b"\x89MCAP0\r\n\x01", "ends at once"),
+    "magic.mcap": (b"\x89MCAP0\r\n" + b"\x05" * 40, "without its first record"),
+    "old.bag": (b"#ROSBAG V2.0\n", "is a ROS 1 bag"),
+    "packed.mcap.zstd": (zstandard.compress(b"x"), "compressed as a whole by zstd"),
+    "packed.mcap.gz": (gzip.compress(b"x"), "compressed as a whole by gzip"),
+    "packed.zip": (b"PK\x03\x04....", "is a zip archive"),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_other_files_are_told_by_what_they_are(tmp_path, name):
+    content, words = FOREIGN[name]
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(RecordingError, match=words):
+        open_recording(tmp_path / name)
+
+
+def test_an_older_bag_is_told_by_what_it_is(tmp_path):
+    base = sqlite3.connect(tmp_path / "bag.db3")
+    base.execute("CREATE TABLE messages(id)")
+    base.commit()
+    base.close()
+    with pytest.raises(RecordingError, match="SQLite"):
+        open_recording(tmp_path / "bag.db3")
+    with pytest.raises(RecordingError, match=r"has bag.db3; valid is a folder with an .mcap"):
+        open_recording(tmp_path)
+
+
+def test_what_is_not_there_or_has_nothing_is_told(tmp_path):
+    with pytest.raises(RecordingError, match="No such file"):
+        open_recording(tmp_path / "none.mcap")
+    with pytest.raises(RecordingError, match="is empty; valid is a folder"):
+        (tmp_path / "folder").mkdir()
+        open_recording(tmp_path / "folder")
+    with pytest.raises(RecordingError, match="has no message"):
+        open_recording(make(tmp_path / "drive", ticks=0))
+    with pytest.raises(RecordingError, match=r"has messages in json; valid are .* cdr"):
+        open_recording(write_foreign(tmp_path / "j.mcap", range(5), encoding="json"))
+
+
+def read_all(path):
+    reader = open_recording(path)
+    for _ in reader.messages():
+        pass
+    return dict(reader.attachments)
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("samples")
+    finished = make(folder / "finished", ticks=60).read_bytes()
+    cut = make(folder / "cut", ticks=60, close=False).read_bytes()
+    loose = write_foreign(folder / "loose.mcap", range(40), use_chunking=False).read_bytes()
+    plain = write_foreign(
+        folder / "plain.mcap", range(40), compression=CompressionType.NONE, enable_crcs=False
+    ).read_bytes()
+    lz4 = write_foreign(folder / "lz4.mcap", range(40), compression=CompressionType.LZ4)
+    return folder / "damaged.mcap", [finished, cut, loose, plain, lz4.read_bytes()]
+
+
+@settings(max_examples=600, deadline=None)
+@given(data=st.data())
+def test_damaged_bytes_never_raise_anything_else(samples, data):
+    path, files = samples
+    content = bytearray(data.draw(st.sampled_from(files)))
+    for _ in range(data.draw(st.integers(1, 4))):
+        place = data.draw(st.integers(0, len(content) - 1))
+        content[place : place + data.draw(st.sampled_from([0, 1, 1, 1, 8]))] = data.draw(
+            st.one_of(st.binary(max_size=9), st.sampled_from([b"\xff" * 8, bytes(8), b"\xff\xff"]))
+        )
+    path.write_bytes(content)
+    try:
+        read_all(path)
+    except RecordingError as error:
+        assert "valid" in str(error)
+
+
+@settings(max_examples=100, deadline=None)
+@given(rest=st.binary(max_size=200))
+def test_any_bytes_after_the_beginning_are_answered_by_words(samples, rest):
+    path, _ = samples
+    path.write_bytes(b"\x89MCAP0\r\n\x01" + rest)
+    with pytest.raises(RecordingError):
+        read_all(path)
+
+
+def test_a_chunk_that_claims_to_be_huge_takes_no_memory(tmp_path):
+    # 100 MB of zeros in 10 kB: the frame's own size is another than the chunk's.
+    path = make(tmp_path / "drive", ticks=30)
+    reader_of = open_recording(path).files[0]
+    piece = reader_of._index.pieces[0]
+    data = bytearray(path.read_bytes())
+    bomb = zstandard.compress(bytes(100_000_000))
+    head = piece.offset + 9 + 28 + 8
+    data[head : head + 8] = len(bomb).to_bytes(8, "little")
+    old = int.from_bytes(path.read_bytes()[head : head + 8], "little")
+    data[head + 8 : head + 8 + old] = bomb
+    data[piece.offset + 1 : piece.offset + 9] = (28 + 8 + 8 + len(bomb)).to_bytes(8, "little")
+    path.write_bytes(data)
+    with pytest.raises(RecordingError, match="has no message"):
+        open_recording(path)
+
+
+def test_seeking_reads_only_what_it_needs(tmp_path):
+    """By the bytes that are read: a seek into a long file must not go through all of it."""
+    noise = np.random.default_rng(1)
+    path = tmp_path / "long.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream, chunk_size=10_000)
+        writer.start("ros2")
+        schema = writer.register_schema(TEXT, "ros2msg", definition(TEXT).encode())
+        often = writer.register_channel("/often", "cdr", schema)
+        once = writer.register_channel("/once", "cdr", schema)
+        for time_ns in range(500):
+            writer.add_message(often, time_ns, noise.bytes(1000), time_ns)
+        writer.add_message(once, 500, text_cdr("x"), 500)
+        writer.finish()
+    data = bytearray(path.read_bytes())
+    reader = open_recording(path)
+    # Everything before is made unreadable: who touched it would notice.
+    cut = reader.files[0]._index.pieces[-5].offset
+    data[100:cut] = bytes(cut - 100)
+    path.write_bytes(data)
+    assert len(list(reader.messages({"/once"}))) == 1
+    assert len(list(reader.messages(None, 480))) == 21
+    with pytest.raises(RecordingError):
+        list(reader.messages())
