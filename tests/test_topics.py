@@ -1,0 +1,288 @@
+"""The messages of the topics, against the snapshots that they were made of."""
+
+import json
+import math
+
+import cv2
+import numpy as np
+import pytest
+from engine_runs import EIGHT, kinematic, run
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from app.messages.commands import PingCommand, SetPoseCommand
+from app.ros2.links import turned_by
+from app.ros2.making.frames import quaternion
+from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
+from app.ros2.published import Published
+from app.ros2.source import TopicSource
+from app.ros2.topic import UNCHANGING
+from app.ros2.topics import TOPICS, topic
+
+
+@pytest.fixture(scope="module")
+def program():
+    return kinematic()
+
+
+@pytest.fixture(scope="module")
+def source(program):
+    return TopicSource.of(program)
+
+
+@pytest.fixture(scope="module")
+def ticks(program, source):
+    """Two seconds of the figure-eight, with a pose that is told in the last tick but one."""
+    found = run(program, 2.0, EIGHT)
+    pose = SetPoseCommand(type="set_pose", x=0.1, y=-0.05, theta=0.3, sd_xy=0.02, sd_theta=0.1)
+    found += run(program, 0.02, PingCommand(type="ping"), pose)
+    found += run(program, 0.02, EIGHT)
+    source.clock.follow(found[0])
+    return found
+
+
+@pytest.fixture(scope="module")
+def said(source, ticks):
+    """The last message of a topic, its stamp, and the tick that it was made of."""
+
+    def last(name):
+        one = topic(name)
+        for tick in reversed(ticks):
+            stamp = one.stamp(tick)
+            if stamp is not None:
+                return Published(one, stamp, source, tick), tick
+        raise AssertionError(f"{name} has never been told")
+
+    return last
+
+
+def seconds(source, stamp) -> float:
+    """A ROS time as the robot's."""
+    return (stamp.sec * 10**9 + stamp.nanosec - source.clock.ns(0.0)) / 1e9
+
+
+def flat(pose) -> list[float]:
+    return [
+        pose.position.x,
+        pose.position.y,
+        2 * math.atan2(pose.orientation.z, pose.orientation.w),
+    ]
+
+
+SILENT = {"battery_state"}
+"""The kinematic robot measures no voltage."""
+
+
+@pytest.mark.parametrize("name", [one.name for one in TOPICS if one.name not in SILENT])
+def test_bytes_and_object_are_the_same_message(said, name):
+    published, _ = said(name)
+    kind = published.topic.type
+    assert isinstance(published.message, message_class(kind))
+    assert to_cdr(from_cdr(published.cdr, kind), kind) == published.cdr
+    assert to_cdr(published.message, kind) == published.cdr
+
+
+@pytest.mark.parametrize("one", TOPICS, ids=lambda one: one.name)
+def test_each_type_is_defined_for_who_does_not_know_it(one):
+    assert "MSG:" in definition(one.type) or one.type == "std_msgs/msg/String"
+
+
+def test_a_scan_is_where_the_scanner_found_tape(said, source):
+    published, tick = said("scan")
+    scan, told = tick.line_scan.scan, published.message
+    bearings = told.angle_min + told.angle_increment * np.arange(len(told.ranges))
+    np.testing.assert_allclose(bearings, scan.bearings, atol=1e-6)
+    np.testing.assert_allclose(told.ranges, scan.ranges, rtol=1e-6)
+    assert np.isinf(told.ranges).any() == np.isinf(scan.ranges).any()
+    assert seconds(source, told.header.stamp) == pytest.approx(scan.stamp, abs=1e-6)
+    assert told.header.frame_id == "base_scan"
+    within = told.ranges[np.isfinite(told.ranges)]
+    assert (within >= told.range_min).all() and (within <= told.range_max).all()
+
+
+def test_odometry_tells_pose_and_speed(said, source):
+    published, tick = said("odom")
+    told = published.message
+    np.testing.assert_allclose(flat(told.pose.pose), tick.odom_from_robot.to_array(), atol=1e-12)
+    measured = source.drive.twist(tick.reading.velocities)
+    assert told.twist.twist.linear.x == pytest.approx(measured.v)
+    assert told.twist.twist.angular.z == pytest.approx(measured.omega)
+    assert (told.header.frame_id, told.child_frame_id) == ("odom", "base_footprint")
+
+
+def test_transforms_lead_from_the_map_to_every_link(said, source):
+    published, tick = said("tf")
+    static, _ = said("tf_static")
+    found = {
+        t.child_frame_id: t for t in (*published.message.transforms, *static.message.transforms)
+    }
+    for frame in ("base_scan", source.links.camera, "left_wheel", "right_wheel"):
+        way = [frame]
+        while way[-1] in found:
+            way.append(found[way[-1]].header.frame_id)
+        assert way[-4:][-3:] == ["base_footprint", "odom", "map"]
+    map_from_odom, odom_from_robot = (found[name].transform for name in ("odom", "base_footprint"))
+
+    def matrix(one):
+        turn = one.rotation
+        whole = np.eye(4)
+        whole[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
+        whole[:3, 3] = one.translation.x, one.translation.y, one.translation.z
+        return whole
+
+    robot = matrix(map_from_odom) @ matrix(odom_from_robot)
+    np.testing.assert_allclose(robot[:2, 3], [tick.pose.x, tick.pose.y], atol=1e-9)
+    assert math.atan2(robot[1, 0], robot[0, 0]) == pytest.approx(tick.pose.theta, abs=1e-9)
+
+
+def test_the_camera_is_where_the_description_has_it(said, source):
+    static, _ = said("tf_static")
+    placed = {t.child_frame_id: t for t in static.message.transforms}
+    frame, way = source.links.camera, np.eye(4)
+    while frame != "base_footprint":
+        one = placed[frame]
+        turn, place = one.transform.rotation, one.transform.translation
+        step = np.eye(4)
+        step[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
+        step[:3, 3] = place.x, place.y, place.z
+        way, frame = step @ way, one.header.frame_id
+    np.testing.assert_allclose(way, source.spec.robot_from_camera, atol=1e-9)
+
+
+def test_wheels_turn_about_their_axes(source):
+    wheel = source.links.wheels[0]
+    turned = wheel.parent_from_child[:3, :3].T @ turned_by(wheel, 0.7)[:3, :3]
+    expected = Rotation.from_rotvec(0.7 * wheel.axis).as_matrix()
+    np.testing.assert_allclose(turned, expected, atol=1e-12)
+
+
+@given(st.lists(st.floats(-1, 1), min_size=4, max_size=4).filter(lambda q: np.linalg.norm(q) > 0.1))
+def test_a_rotation_matrix_gives_its_quaternion(values):
+    rotation = Rotation.from_quat(values)
+    found = Rotation.from_quat(quaternion(rotation.as_matrix()))
+    assert (found * rotation.inv()).magnitude() < 1e-7
+
+
+def test_joints_are_told_as_they_were_read(said, source):
+    published, tick = said("joint_states")
+    told = published.message
+    assert list(told.name) == [joint.name for joint in source.spec.joints]
+    np.testing.assert_array_equal(told.position, tick.reading.positions)
+    np.testing.assert_array_equal(told.velocity, tick.reading.velocities)
+
+
+def test_the_estimate_has_its_own_stamp_and_covariance(said, source):
+    published, tick = said("amcl_pose")
+    told = published.message
+    np.testing.assert_allclose(flat(told.pose.pose), tick.estimate.pose.to_array(), atol=1e-12)
+    whole = told.pose.covariance.reshape(6, 6)
+    np.testing.assert_array_equal(whole[np.ix_([0, 1, 5], [0, 1, 5])], tick.estimate.covariance)
+    assert seconds(source, told.header.stamp) == pytest.approx(tick.estimate.stamp, abs=1e-6)
+
+
+def test_clouds_are_a_fair_part_of_the_filters(said, source):
+    (weighted, tick), (plain, _) = said("particle_cloud"), said("particlecloud")
+    particles, poses = weighted.message.particles, plain.message.poses
+    assert len(particles) == len(poses) == source.settings.most_particles
+    assert sum(one.weight for one in particles) == pytest.approx(1)
+    np.testing.assert_array_equal(
+        [flat(one.pose) for one in particles], [flat(one) for one in poses]
+    )
+    mine = np.array([flat(one.pose) for one in particles])
+    of_filter = {tuple(np.round(pose, 9)) for pose in tick.cloud.poses[:, :2]}
+    assert all(tuple(np.round(pose[:2], 9)) in of_filter for pose in mine)
+
+
+def test_an_empty_frame_name_still_aligns_the_cloud(ticks, source):
+    from dataclasses import replace
+
+    for name in ("", "m", "ma", "map", "map_", "map__", "map___", "map____"):
+        named = replace(source, settings=replace(source.settings, global_frame_id=name))
+        published = Published(topic("particle_cloud"), 0.0, named, ticks[-1])
+        assert to_cdr(published.message, published.topic.type) == published.cdr
+
+
+def test_the_map_is_the_field(said, program, source):
+    published, _ = said("map")
+    told, grid = published.message, program.field.occupancy(source.settings.map_resolution)
+    assert (told.info.height, told.info.width) == grid.data.shape
+    np.testing.assert_array_equal(told.data, grid.data.ravel())
+    assert told.info.resolution == pytest.approx(grid.resolution)
+    np.testing.assert_allclose(flat(told.info.origin), grid.origin.to_array(), atol=1e-12)
+
+
+def test_a_picture_is_a_jpeg_of_the_frame_with_its_lens(said, source):
+    (picture, tick), (lens, _) = said("camera/image/compressed"), said("camera/camera_info")
+    shown = cv2.imdecode(np.asarray(picture.message.data), cv2.IMREAD_UNCHANGED)
+    assert shown.shape == tick.reading.frame.image.shape
+    assert np.abs(shown.astype(int) - tick.reading.frame.image).mean() < 3
+    assert picture.message.format.startswith("mono8; jpeg")
+    np.testing.assert_array_equal(lens.message.k.reshape(3, 3), source.spec.lens.matrix)
+    np.testing.assert_array_equal(lens.message.d, source.spec.lens.distortion)
+    assert lens.message.header.stamp == picture.message.header.stamp
+    assert seconds(source, picture.message.header.stamp) == pytest.approx(tick.reading.frame.stamp)
+
+
+def test_the_truth_and_the_description_are_told(said, source):
+    truth, tick = said("truth")
+    np.testing.assert_allclose(flat(truth.message.pose), tick.truth.to_array(), atol=1e-12)
+    assert said("robot_description")[0].message.data == source.spec.urdf
+
+
+def test_what_was_told_can_be_told_again(said):
+    commands, _ = said("initialpose")
+    told = commands.message
+    np.testing.assert_allclose(flat(told.pose.pose), [0.1, -0.05, 0.3], atol=1e-12)
+    np.testing.assert_allclose(told.pose.covariance[[0, 7, 35]], [4e-4, 4e-4, 1e-2])
+
+
+def test_commands_are_told_in_their_order_but_pings(ticks, source):
+    one = topic("command")
+    published = Published(one, one.stamp(ticks[-2]), source, ticks[-2])
+    assert [c["type"] for c in json.loads(published.message.data)] == ["set_pose"]
+
+
+def test_the_speed_is_what_was_applied(said):
+    published, tick = said("cmd_vel")
+    twist = published.message.twist
+    assert (twist.linear.x, twist.angular.z) == (tick.twist.v, tick.twist.omega)
+
+
+def test_diagnostics_say_what_is_wrong(ticks, source):
+    from dataclasses import replace
+
+    wrong = replace(ticks[-1], problems=("The camera sends no pictures.",))
+    published = Published(topic("diagnostics"), 0.0, source, wrong)
+    first = published.message.status[0]
+    assert (first.level, first.message) == (1, "The camera sends no pictures.")
+    assert published.message.status[1].level == 0
+
+
+def test_a_voltage_is_told_where_it_is_measured(ticks, source):
+    from dataclasses import replace
+
+    one = topic("battery_state")
+    assert one.stamp(ticks[-1]) is None
+    charged = replace(ticks[-1], battery_v=7.4)
+    published = Published(one, one.stamp(charged), source, charged)
+    assert published.message.voltage == pytest.approx(7.4)
+    assert math.isnan(published.message.current)
+    assert to_cdr(from_cdr(published.cdr, one.type), one.type) == published.cdr
+
+
+def test_only_what_others_publish_is_not_live():
+    assert {one.name for one in TOPICS if not one.live} == {"cmd_vel", "initialpose", "command"}
+
+
+def test_who_comes_late_gets_what_stays():
+    latched = {one.name for one in TOPICS if one.quality.latched}
+    assert latched == {"map", "tf_static", "amcl_pose", "robot_description"}
+    unchanging = {"map", "tf_static", "robot_description"}
+    assert {one.name for one in TOPICS if one.name in unchanging} == unchanging
+    assert all(topic(name).stamp(None) == UNCHANGING for name in unchanging)  # type: ignore[arg-type]
+
+
+def test_an_unknown_topic_is_answered_with_those_there_are():
+    with pytest.raises(KeyError, match="valid are scan, odom"):
+        topic("laser")
