@@ -91,20 +91,26 @@ class Engine:
         Raises:
             RobotError: the robot does not answer any more.
         """
+        snapshot = self._advance(self.commands.take())
+        self._publish(snapshot)
+        return snapshot
+
+    def _advance(self, commands: tuple[Command, ...]) -> Snapshot:
         reading = self.robot.read()
         self._meter.begin()
         odometry = self._odometry.update(reading)
         self._mind_own_models(reading.stamp)
-        taken = self._take_commands(reading.stamp, odometry)
+        self._take(commands, reading.stamp, odometry)
         self._localize(reading)
         self._stand_while_faulty(reading)
         twist = self._driving.update(reading.stamp)
         wheels = self.robot.write(self._kinematics.wheels(twist))
         applied = self._kinematics.twist(wheels)
-        snapshot = self._snapshot(reading, taken, odometry, applied)
+        return self._snapshot(reading, commands, odometry, applied)
+
+    def _publish(self, snapshot: Snapshot) -> None:
         self.latest.put(snapshot)
         self.every.put(snapshot)
-        return snapshot
 
     def run(self, stop: threading.Event) -> None:
         """Step until told to stop; the robot is closed whatever happens.
@@ -166,10 +172,9 @@ class Engine:
         self._odom_from_scan = then.odom_from_robot
         self._localization.measure(frame, then)
 
-    def _take_commands(self, stamp: float, odometry: OdometryState) -> tuple[Command, ...]:
+    def _take(self, commands: tuple[Command, ...], stamp: float, odometry: OdometryState) -> None:
         self._localization.note(odometry.odom_from_robot)
-        taken = self.commands.take()
-        for command in taken:
+        for command in commands:
             self._drive_command(command, stamp)
             self._filter_command(command, stamp)
             match command:
@@ -178,7 +183,6 @@ class Engine:
                 case ShowCommand():
                     shown = {command.layer} if command.visible else set()
                     self._layers = self._layers - {command.layer} | shown
-        return taken
 
     def _drive_command(self, command: Command, stamp: float) -> None:
         match command:

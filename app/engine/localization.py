@@ -51,7 +51,9 @@ class Localization:
         parameters: LocalizationParameters,
         rng: np.random.Generator,
         own: OwnModels | None = None,
+        entries: EntryField | None = None,
     ) -> None:
+        """``entries`` are made of the field where they are not given: that takes seconds."""
         self.scanner = scanner
         self.own = own or OwnModels(field)
         """Models in files of the user's own."""
@@ -66,7 +68,7 @@ class Localization:
         """Those of the start, which ``reset`` brings back."""
         self._field = field
         self._rng = rng
-        self._entries: EntryField | None = None
+        self._entries = entries
         self._once = False
         setup = self._setup()
         self._localizer = Localizer(

@@ -136,6 +136,14 @@ class OwnModels:
             self._found = self._folder.look()
         return any([self._sensor.saved(), self._motion.saved()])
 
+    def look_again(self) -> None:
+        """Let ``saved`` look at the files at once: the robot's clock stands, or was put back."""
+        self._polled = float("-inf")
+
+    def put_back(self, sensor: OwnSensor | None, motion: OwnMotion | None) -> None:
+        """Have models again that were in use before, with the same files."""
+        self._sensor.model, self._motion.model = sensor, motion
+
     def load(self, parameters: LocalizationParameters) -> None:
         """Read the chosen models' files anew and make the models; failures are in ``fault``."""
         self._made_with = parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,10 +14,23 @@ from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.setup import Setup
 
+
+@dataclass(frozen=True, slots=True)
+class ParticleTracks:
+    """Makes particle filters that draw from one generator.
+
+    No closure: what a filter holds can be kept and brought back, with the generator.
+    """
+
+    rng: np.random.Generator
+
+    def __call__(self, setup: Setup, share: float) -> ParticleFilter:
+        """One that keeps a share of the particles."""
+        return ParticleFilter.of(setup, self.rng, share)
+
+
 MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
-    "hypotheses": lambda setup, rng: MultiHypothesisFilter(
-        setup, lambda now, share: ParticleFilter.of(now, rng, share), rng
-    ),
+    "hypotheses": lambda setup, rng: MultiHypothesisFilter(setup, ParticleTracks(rng), rng),
     "particles": ParticleFilter.of,
     "kalman": KalmanFilter.of,
     "grid": lambda setup, _: GridFilter.of(setup),

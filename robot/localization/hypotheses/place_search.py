@@ -71,7 +71,10 @@ class PlaceSearch:
         self._ends = _ends(local.rays(COARSE_SCANS, COARSE_BEAMS))
         self._rays = local.rays(SCANS, BEAMS)
         self._past: Past = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
-        self._pieces = self._work(alive)
+        self._likely = alive
+        self._done = 0
+        """Pieces of the work."""
+        self._pieces: Iterator[bool] | None = self._work()
 
     @property
     def scans_lived(self) -> int:
@@ -84,9 +87,22 @@ class PlaceSearch:
 
     def advance(self) -> bool:
         """Do a piece of the work; true when all of it is done."""
+        if self._pieces is None:
+            self._catch_up()
+        self._done += 1
+        assert self._pieces is not None
         return next(self._pieces, True)
 
-    def _work(self, alive: list[Pose2]) -> Iterator[bool]:
+    def __getstate__(self) -> dict[str, object]:
+        """What can be kept: work that is half done cannot, and is done again when it goes on."""
+        return {**self.__dict__, "_pieces": None, "found": [], "alive": []}
+
+    def _catch_up(self) -> None:
+        self._pieces = self._work()
+        for _ in range(self._done):
+            next(self._pieces, True)
+
+    def _work(self) -> Iterator[bool]:
         grid = CoarseGrid.over(
             self._setup.field.roamed,
             self._parameters.search_step_xy,
@@ -111,7 +127,7 @@ class PlaceSearch:
         for some in _pieces(len(places), LIVES_A_PIECE):
             self.found += [self._live(place) for place in places[some]]
             yield False
-        self.alive = [self._live(self._fit(pose).pose) for pose in alive]
+        self.alive = [self._live(self._fit(pose).pose) for pose in self._likely]
         yield True
 
     def _hopeless_cost(self) -> float:
