@@ -17,6 +17,7 @@ from app.doctor.options import add_doctor
 from app.evaluation.options import add_evaluate
 from app.hat_emulator.options import add_emulate_hat
 from app.options import add_camera, add_config, add_map, add_serial_port
+from app.ros2.export.options import add_export
 from app.sweep.options import add_sweep
 from app.trajectories.trajectory import TrajectoryError
 from robot.fields.field import FieldError
@@ -60,6 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     add_sweep(commands)
     add_emulate_hat(commands)
     add_doctor(commands)
+    add_export(commands)
     _add_bench(commands)
     return parser
 

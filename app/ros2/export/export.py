@@ -1,0 +1,69 @@
+"""Writes the folder: everything in it comes from the robot's description and the settings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from app.batch.output import make_folder
+from app.config import MAPS, Config
+from app.ros2.export.controllers import controllers
+from app.ros2.export.nav2 import nav2
+from robot.description.spec import SPIKE, RobotSpec
+from robot.description.urdf import parse_xml
+from robot.fields.field_loading import load_field
+from robot.fields.grid_map import save_map_yaml
+
+MOCK = "mock_components/GenericSystem"
+"""ros2_control's own stand-in for hardware: wheels that do at once what they are told."""
+
+
+def export_ros2(folder: Path, config: Config, plugin: str = MOCK) -> list[Path]:
+    """Write description, parameters and map; returns the files.
+
+    Args:
+        folder: where they belong; made if it is not there.
+        config: whose settings and map they are of.
+        plugin: ros2_control's hardware for the wheels.
+
+    Raises:
+        SettingError: the folder cannot be one.
+        OSError: it cannot be written.
+    """
+    spec, field = RobotSpec.load(), load_field(config.map, MAPS)
+    for name in ("urdf", "config", "maps"):
+        make_folder(folder / name)
+    lens = SPIKE.parent / _lens_file(spec)
+    grid = field.grid or field.occupancy(config.ros2.map_resolution)
+    files = {
+        folder / "urdf" / "brickpose.urdf": with_plugin(spec.urdf, plugin),
+        folder / "urdf" / lens.name: lens.read_text(encoding="utf-8"),
+        folder / "config" / "controllers.yaml": _yaml(controllers(spec, config)),
+        folder / "config" / "nav2.yaml": _yaml(nav2(spec, config, field)),
+    }
+    for path, text in files.items():
+        path.write_text(text, encoding="utf-8")
+    chart = folder / "maps" / f"{field.name}.yaml"
+    save_map_yaml(grid, chart)
+    return [*files, chart, chart.with_suffix(".pgm")]
+
+
+def with_plugin(urdf: str, plugin: str) -> str:
+    """A description whose wheels are driven by another of ros2_control's hardware plugins."""
+    parse_xml(urdf)
+    before, tag, after = urdf.partition("<plugin>")
+    _, end, rest = after.partition("</plugin>")
+    return before + tag + plugin + end + rest
+
+
+def _lens_file(spec: RobotSpec) -> str:
+    named = parse_xml(spec.urdf).find("ros2_control/sensor/param[@name='camera_info']")
+    assert named is not None and named.text  # a robot without a camera has no RobotSpec
+    return named.text.strip()
+
+
+def _yaml(content: dict[str, Any]) -> str:
+    written: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=100)
+    return f"# By `brickpose export ros2`, from the robot's description and settings.\n{written}"
