@@ -1,8 +1,19 @@
-"""Recordings made by hand."""
+"""Recordings made by hand, and of programs that are stepped without a clock."""
 
+from datetime import datetime
+
+from engine_runs import run
+
+from app.recording.contents import contents_of
+from app.recording.recorder import Recorder
 from app.recording.recording_file import RecordingFile
+from app.recording.settings import RecordingSettings
 from app.ros2.message_types import new, to_cdr
+from app.ros2.publisher import TopicPublisher
+from app.ros2.source import TopicSource
 from app.ros2.topic import LATCHED, Quality
+from app.ros2.topics import TOPICS
+from sim.simulated import PERIOD
 
 BEGIN_NS = 1_800_000_000_000_000_000
 TICK_NS = 20_000_000
@@ -33,3 +44,53 @@ def make(folder, ticks=200, close=True):
     else:
         file.abandon()
     return file.path
+
+
+class InStep(TopicPublisher):
+    """Publishes each tick when it is told, in the caller's thread: nothing is ever late."""
+
+    def add(self, route):
+        self._routes = (*self._routes, route)
+
+    def remove(self, route):
+        self._routes = tuple(one for one in self._routes if one is not route)
+
+    def tick(self, snapshot):
+        self.source.clock.follow(snapshot)
+        for topic in TOPICS:
+            self.publish(topic, snapshot)
+        assert self.failure is None, self.failure
+
+
+def recorder_of(program, folder, publisher=InStep, **settings):
+    """A recorder of a program, with its publisher."""
+    publisher = publisher(TopicSource.of(program), program.engine.every)
+    recorder = Recorder(
+        publisher,
+        RecordingSettings(folder=str(folder), **settings),
+        lambda: contents_of(program),
+        lambda: datetime(2026, 11, 21, 22, 16, 28),
+    )
+    return recorder, publisher
+
+
+def begin(recorder, publisher):
+    """Start a recording, and wait until it takes messages."""
+    folder = recorder.start()
+    while not publisher._routes and recorder.status.running:
+        recorder._run._thread.join(0.001)
+    return folder
+
+
+def record(program, folder, seconds, *renewed, **settings):
+    """Drive and record; the recording's folder and the snapshots that it was made of."""
+    recorder, publisher = recorder_of(program, folder, **settings)
+    made = begin(recorder, publisher)
+    shown = []
+    for _ in range(round(seconds / PERIOD)):
+        shown += run(program, PERIOD, *renewed)
+        publisher.tick(shown[-1])
+    recorder.close()
+    assert recorder.failure is None
+    assert recorder.status.message is None
+    return made, shown, publisher.source

@@ -1,0 +1,129 @@
+"""What a replay needs besides the messages: settings, map, robot, models and versions.
+
+The names of the attachments are paths in a folder in which everything finds its neighbours:
+
+    settings.toml             all settings, as they were when the recording began
+    map/square.svg            or a ROS map: the YAML file and its picture
+    robot/robot.urdf          and the lens file that it names
+    models/my_model.py        models of the user's own that were in use
+    versions.json             of the program and of what it computes with
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import yaml
+
+from app.assembly import Program
+from app.batch.provenance import versions
+from app.config import MAPS, Config
+from app.own_models.own_models import OwnChoice
+from app.recording.settings_file import as_toml
+from robot.description.spec import SPIKE, RobotSpec
+from robot.description.urdf import parse_xml
+from robot.fields.map_files import read_map_yaml
+
+SETTINGS = "settings.toml"
+URDF = "robot/robot.urdf"
+VERSIONS = "versions.json"
+
+MEDIA_TYPES = {
+    ".toml": "application/toml",
+    ".json": "application/json",
+    ".svg": "image/svg+xml",
+    ".png": "image/png",
+    ".yaml": "application/yaml",
+    ".urdf": "application/xml",
+    ".py": "text/x-python",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Attachment:
+    """A file within a recording."""
+
+    name: str
+    """A path in the folder of all of them."""
+    data: bytes = field(repr=False)
+
+    @property
+    def media_type(self) -> str:
+        """By its ending."""
+        return MEDIA_TYPES.get(Path(self.name).suffix.lower(), "application/octet-stream")
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What a recording begins with."""
+
+    facts: dict[str, str]
+    """What is worth knowing at a glance."""
+    attachments: tuple[Attachment, ...] = ()
+
+
+def contents_of(program: Program) -> Contents:
+    """What a recording of a program begins with.
+
+    Raises:
+        OSError, ValueError: a file is not there any more.
+    """
+    latest = program.engine.latest.get()
+    config = program.config
+    if latest is not None:
+        config = replace(config, localization=latest.parameters)
+    known = versions()
+    map_files = list(_map_files(config.map))
+    facts = {
+        "robot": program.robot.name,
+        "robot_kind": config.robot,
+        "map": program.field.name,
+        "map_file": map_files[0].name,
+        "seed": str(config.seed),
+        "version": known["brickpose"],
+        "code": known["code"],
+    }
+    attachments = (
+        Attachment(SETTINGS, as_toml(config).encode()),
+        *map_files,
+        *_robot_files(program.robot.spec),
+        *_model_files(config, latest.own if latest else program.given),
+        Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
+    )
+    return Contents(facts, attachments)
+
+
+def _map_files(name: str) -> Iterator[Attachment]:
+    """The map's file first, then what it names."""
+    path = Path(name)
+    if path.name == name and not path.suffix:
+        path = MAPS / f"{name}.svg"
+    if path.suffix.lower() == ".svg":
+        yield Attachment(f"map/{path.name}", path.read_bytes())
+        return
+    content = read_map_yaml(path)
+    picture = path.parent / content.text("image")
+    # The picture may lie anywhere; in the recording it lies beside the map.
+    told = yaml.safe_dump({**content.content, "image": picture.name}, sort_keys=False)
+    yield Attachment(f"map/{path.name}", told.encode())
+    yield Attachment(f"map/{picture.name}", picture.read_bytes())
+
+
+def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
+    yield Attachment(URDF, spec.urdf.encode())
+    for one in parse_xml(spec.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
+        lens = Path((one.text or "").strip())
+        yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
+
+
+def _model_files(config: Config, own: OwnChoice) -> Iterator[Attachment]:
+    """The files of the models in use; ``own`` names them as ``my_model.py:MyModel``."""
+    given = [Path(one.rpartition(":")[0]) for one in (config.sensor_model, config.motion_model)]
+    names = {one.rpartition(":")[0] for one in (own.sensor, own.motion) if one}
+    for name in sorted(names):
+        places = [one for one in given if one.name == name]
+        path = places[0] if places else Path(config.models) / name
+        yield Attachment(f"models/{name}", path.read_bytes())
