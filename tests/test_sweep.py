@@ -9,6 +9,7 @@ from sweep_files import write
 
 from app.batch.workers import LocalWorkers, WorkerError
 from app.config import Config, with_settings
+from app.sweep.plots import plot_setting
 from app.sweep.sweep import sweep
 from app.sweep.sweep_file import load_sweep
 from app.sweep.work import MEASURES
@@ -188,3 +189,12 @@ def test_an_interrupted_sweep_leaves_no_table_of_before(tmp_path):
     with pytest.raises(KeyboardInterrupt):
         sweep(more, QUICK, Told(most=0), tmp_path / "out")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["points"]
+
+
+def test_a_figure_of_files_far_down_in_folders_tells_them_apart_by_their_ends(tmp_path):
+    models = [f"/{'far/' * 40}{name}.py:Model" for name in ("one", "other")]
+    rows = [{"world": "sim", "sensor_model": model, "ate_rmse_m": 0.01} for model in models]
+    plot_setting(tmp_path / "figure.svg", "sensor_model", rows, steady=False)
+    drawing = (tmp_path / "figure.svg").read_text(encoding="utf-8")
+    assert "/one.py:Model" in drawing
+    assert "/other.py:Model" in drawing

@@ -15,6 +15,8 @@ MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
 OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"
 FEW = 12
 """So many values at most have medians of their own: more are a random sample's."""
+WORD = 24
+"""Of longer values, as of a file far down in folders, so many letters at the end are shown."""
 MARKS = (("o", "#0072b2"), ("^", "#d55e00"), ("s", "#009e73"))
 """Worlds, by mark and colour (Okabe and Ito)."""
 
@@ -58,7 +60,7 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
             yscale="log" if shown else "linear",
         )  # fmt: skip
         if words:
-            axes.set_xticks(range(len(values)), [str(value) for value in values])
+            axes.set_xticks(range(len(values)), [_word(value) for value in values])
         elif _is_wide(values):
             axes.set_xscale("log")
         for axis in (axes.yaxis, axes.xaxis) if not words else (axes.yaxis,):
@@ -68,6 +70,12 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
         axes.legend(frameon=False)
     with file_written_whole(path) as new:
         new.write_text(done[0], encoding="utf-8")
+
+
+def _word(value: Any) -> str:
+    """Short enough to leave room for the figure."""
+    text = str(value)
+    return text if len(text) <= WORD else f"…{text[1 - WORD :]}"
 
 
 def _is_number(value: Any) -> bool:
