@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pydantic import ValidationError
+
 from app.assembly import Program
 from app.messages.commands import Command, StopCommand
 from app.ros2.incoming import INCOMING, SERVICES, STAMPED_TWIST, TWIST, IncomingTopic, Service
 from app.ros2.message_types import Message, MessageError, from_cdr
 from app.ros2.source import TopicSource
-from app.web.commands import check
+from app.web.commands import check, in_words
 
 
 class Inbox:
@@ -43,11 +45,15 @@ class Inbox:
             topic = self._topic(name, type_name)
             if isinstance(message, bytes | memoryview):
                 message = from_cdr(message, type_name)
-            return self._do(topic.command(self.source, message))
+            return self._do(topic, message)
         except ValueError:
-            if name == "cmd_vel":
-                self._program.engine.commands.put(StopCommand(type="stop"))
+            self.refuse(name)
             raise
+
+    def refuse(self, name: str) -> None:
+        """Stop the robot for what came on cmd_vel and could not even be read."""
+        if name == "cmd_vel":
+            self._program.engine.commands.put(StopCommand(type="stop"))
 
     def call(self, name: str, request: Message) -> Command:
         """Carry out a request to a service; returns the command that it was.
@@ -57,7 +63,7 @@ class Inbox:
         """
         for service in self.services():
             if service.name == name:
-                return self._do(service.command(self.source, request))
+                return self._do(service, request)
         valid = ", ".join(service.name for service in self.services())
         raise MessageError(f"{name} is no service; valid are {valid}")
 
@@ -69,7 +75,11 @@ class Inbox:
         listed = ", ".join(f"{topic.name} ({topic.type})" for topic in valid)
         raise MessageError(f"{name} ({type_name}) is not listened to; valid are {listed}")
 
-    def _do(self, command: Command) -> Command:
+    def _do(self, wanted: IncomingTopic | Service, message: Message) -> Command:
+        try:
+            command = wanted.command(self.source, message)
+        except ValidationError as error:
+            raise MessageError(f"{wanted.name}: {in_words(error)}") from error
         check(command, self._program)
         self._program.engine.commands.put(command)
         return command

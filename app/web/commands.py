@@ -54,7 +54,7 @@ def parse(text: str) -> Command:
     try:
         return COMMAND.validate_json(text)
     except ValidationError as error:
-        raise CommandError(_in_words(error)) from error
+        raise CommandError(in_words(error)) from error
 
 
 def check(command: Command, program: Program) -> None:
@@ -120,7 +120,8 @@ def _check_engine(command: Command, engine: Engine) -> None:
         raise CommandError(f"{MOST_WAITING} commands wait already; send fewer, or wait for answers")
 
 
-def _in_words(error: ValidationError) -> str:
+def in_words(error: ValidationError) -> str:
+    """What is wrong first, and where."""
     first = error.errors(include_url=False, include_input=False)[0]
     place = ".".join(str(part) for part in first["loc"])
     return f"{place}: {first['msg']}" if place else first["msg"]

@@ -1,0 +1,80 @@
+"""The fields of ROS types, as rosbags describes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from app.ros2.message_types import message_class, typestore
+
+FILLER = "structure_needs_at_least_one_member"
+"""What an empty type has in its bytes; no client ever sees it."""
+
+NUMBERS: dict[str, np.dtype[Any]] = {
+    **{f"int{bits}": np.dtype(f"int{bits}") for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": np.dtype(f"uint{bits}") for bits in (8, 16, 32, 64)},
+    "byte": np.dtype("int8"),  # as rosbags has it
+    "char": np.dtype("uint8"),
+    "bool": np.dtype("bool"),
+    "float32": np.dtype("float32"),
+    "float64": np.dtype("float64"),
+}
+"""Base types that are numbers, and numpy's for arrays of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What a field holds."""
+
+    name: str
+    """Of a base type, or of a message's."""
+    nested: bool
+    """It is a message."""
+    many: bool = False
+    """A list or array of them."""
+    length: int = 0
+    """Of an array; 0 is any."""
+
+    @property
+    def one(self) -> Kind:
+        """What such a list holds."""
+        return Kind(self.name, self.nested)
+
+
+@cache
+def fields(type_name: str) -> dict[str, Kind]:
+    """The fields of a message type, in their order.
+
+    Raises:
+        MessageError: the type is unknown.
+    """
+    message_class(type_name)
+    described = typestore().fielddefs[type_name][1]
+    return {name: _kind(what) for name, what in described if name != FILLER}
+
+
+def _kind(described: Any) -> Kind:
+    from rosbags.interfaces import Nodetype  # noqa: PLC0415 -- as for the type store
+
+    form, what = described
+    if form == Nodetype.NAME:
+        return Kind(what, nested=True)
+    if form == Nodetype.BASE:
+        return Kind(what[0], nested=False)
+    inner = _kind(what[0])
+    fixed = what[1] if form == Nodetype.ARRAY else 0
+    return Kind(inner.name, inner.nested, many=True, length=fixed)
+
+
+def full_type(name: str, between: str) -> str:
+    """A type's whole name, as ``geometry_msgs/msg/Twist`` of ROS 1's ``geometry_msgs/Twist``.
+
+    Args:
+        name: as a client gives it.
+        between: ``msg`` or ``srv``.
+    """
+    package, slash, rest = name.partition("/")
+    return name if not slash or "/" in rest else f"{package}/{between}/{rest}"

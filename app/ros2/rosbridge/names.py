@@ -1,0 +1,94 @@
+"""Which topic or service a client means."""
+
+from __future__ import annotations
+
+from app.ros2.inbox import Inbox
+from app.ros2.incoming import IncomingTopic, Service
+from app.ros2.message_types import MessageError
+from app.ros2.rosbridge.fields import full_type
+from app.ros2.settings import Ros2Settings
+from app.ros2.topic import Topic
+from app.ros2.topics import TOPICS
+
+
+class Names:
+    """Of one robot, with and without the first slash and the namespace."""
+
+    def __init__(self, inbox: Inbox) -> None:
+        self.settings = inbox.source.settings
+        self.incoming = {topic.name: topic for topic in inbox.incoming()}
+        self.outgoing = {topic.name: topic for topic in TOPICS if self._may_be_heard(topic)}
+        self.services = {service.name: service for service in inbox.services()}
+        self._plain = {
+            spelling: name
+            for name in (*self.incoming, *self.outgoing, *self.services)
+            for spelling in _spellings(name, self.settings)
+        }
+
+    def topic_types(self) -> dict[str, str]:
+        """The type of each topic, by its full name; sorted."""
+        types = {name: topic.type for name, topic in self.outgoing.items()}
+        types |= {name: topic.type for name, topic in self.incoming.items()}
+        return {self.settings.full_name(name): types[name] for name in sorted(types)}
+
+    def service_types(self) -> dict[str, str]:
+        """The type of each service, by its full name; sorted."""
+        full = self.settings.full_name
+        return {full(name): self.services[name].type for name in sorted(self.services)}
+
+    def heard(self, name: str, type_name: str | None) -> Topic:
+        """The topic to subscribe to.
+
+        Raises:
+            MessageError: there is none of that name and type.
+        """
+        topic = self.outgoing.get(self.plain(name))
+        if topic is None:
+            raise MessageError(f"{name} is no topic; valid are {self._listed(self.outgoing)}")
+        check_type(topic, type_name)
+        return topic
+
+    def told(self, name: str, type_name: str | None) -> IncomingTopic:
+        """The topic to publish on.
+
+        Raises:
+            MessageError: there is none of that name and type.
+        """
+        topic = self.incoming.get(self.plain(name))
+        if topic is None:
+            valid = self._listed(self.incoming)
+            raise MessageError(f"nobody listens to {name}; valid are {valid}")
+        check_type(topic, type_name)
+        return topic
+
+    def service(self, name: str) -> Service | None:
+        """The service of that name, if there is one."""
+        return self.services.get(self.plain(name))
+
+    def plain(self, name: str) -> str:
+        """Without slash and namespace; empty if it is none of ours."""
+        return self._plain.get(name, "")
+
+    def _listed(self, names: dict[str, Topic] | dict[str, IncomingTopic]) -> str:
+        return ", ".join(self.settings.full_name(name) for name in names)
+
+    def _may_be_heard(self, topic: Topic) -> bool:
+        """A name has one type: a Twist that is listened to is not told as a TwistStamped."""
+        told = self.incoming.get(topic.name)
+        return told is None or told.type == topic.type
+
+
+def check_type(topic: Topic | IncomingTopic | Service, type_name: str | None) -> None:
+    """Refuse another type than the topic's; None is any.
+
+    Raises:
+        MessageError: names the right one.
+    """
+    between = "srv" if isinstance(topic, Service) else "msg"
+    if type_name and full_type(type_name, between) != topic.type:
+        raise MessageError(f"{topic.name} has the type {topic.type}, not {type_name[:100]}")
+
+
+def _spellings(name: str, settings: Ros2Settings) -> set[str]:
+    full = settings.full_name(name)
+    return {name, f"/{name}", full, full[1:]}

@@ -1,0 +1,46 @@
+"""What waits to be sent to one client: bounded, however slow it is."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+
+MOST_BYTES = 16_000_000
+"""That wait for one client; older messages make room."""
+
+Data = str | bytes
+
+
+class Outbox:
+    """A queue for each name; filled by one thread, emptied by another."""
+
+    def __init__(self) -> None:
+        self._queues: dict[str, deque[Data]] = {}
+        self._size = 0
+        self._lock = threading.Lock()
+
+    def put(self, name: str, data: Data, most: int) -> None:
+        """Append; at most so many of that name wait, and the newest is always among them."""
+        with self._lock:
+            queue = self._queues.setdefault(name, deque())
+            queue.append(data)
+            self._size += len(data)
+            while len(queue) > 1 and (len(queue) > most or self._size > MOST_BYTES):
+                self._size -= len(queue.popleft())
+
+    def take(self) -> Data | None:
+        """The oldest of the name whose turn it is; None if nothing waits."""
+        with self._lock:
+            for name, queue in self._queues.items():
+                data = queue.popleft()
+                self._size -= len(data)
+                del self._queues[name]
+                if queue:
+                    self._queues[name] = queue  # behind all others
+                return data
+        return None
+
+    def drop(self, name: str) -> None:
+        """Forget what waits of a name."""
+        with self._lock:
+            self._size -= sum(map(len, self._queues.pop(name, ())))

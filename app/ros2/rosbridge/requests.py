@@ -1,0 +1,103 @@
+"""What a client sends: JSON, perhaps in pieces."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from app.ros2.message_types import MessageError
+from app.ros2.rosbridge.reading import shown
+
+LONGEST = 200_000
+"""A longer message is refused [characters]; what is sent to a robot is shorter."""
+
+LONGEST_NAME = 200
+"""Of topics, types and ids, which are repeated in answers [characters]."""
+
+MOST_PIECES = 1000
+MOST_OPEN = 10
+"""Messages that a client may send in pieces at a time."""
+
+Request = dict[str, Any]
+
+
+def parse(data: str | bytes) -> Request:
+    """The operation in a message.
+
+    Raises:
+        MessageError: it is none; says what is.
+    """
+    if len(data) > LONGEST:
+        raise MessageError(f"a message has at most {LONGEST} bytes; this has {len(data)}")
+    try:
+        text = data if isinstance(data, str) else data.decode()
+        request = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise MessageError(f"no JSON: {str(error)[:100]}") from None
+    if not isinstance(request, dict) or not isinstance(request.get("op"), str):
+        raise MessageError('valid is an object with "op", as {"op": "subscribe", ...}')
+    return request
+
+
+def text(request: Request, name: str) -> str:
+    """A field that has to be there.
+
+    Raises:
+        MessageError: it is not, or is no text or a long one.
+    """
+    value = request.get(name)
+    if not isinstance(value, str) or not 0 < len(value) <= LONGEST_NAME or not value.isprintable():
+        raise MessageError(f"{name} is {shown(value)}; valid is a text of 1 to {LONGEST_NAME}")
+    return value
+
+
+def maybe_text(request: Request, name: str) -> str | None:
+    """A field that may be left out, or empty."""
+    return text(request, name) if request.get(name) else None
+
+
+def request_id(request: Request) -> str | int | None:
+    """The id, as far as it can be repeated in an answer."""
+    found = request.get("id")
+    if isinstance(found, str):
+        return found if len(found) <= LONGEST_NAME and found.isprintable() else None
+    return found if type(found) is int and found.bit_length() <= 64 else None
+
+
+class Pieces:
+    """Puts messages together that come as ``fragment`` operations."""
+
+    def __init__(self) -> None:
+        self._open: dict[str | int, dict[int, str]] = {}
+
+    def add(self, request: Request) -> str | None:
+        """Take a piece; returns the message with the last of them.
+
+        Raises:
+            MessageError: it is no piece, or too much waits for its rest.
+        """
+        name, number, total = request_id(request), request.get("num"), request.get("total")
+        data = request.get("data")
+        if name is None or not isinstance(data, str):
+            raise MessageError("a fragment needs id, num, total and data")
+        if type(number) is not int or type(total) is not int:
+            raise MessageError("a fragment's num and total are whole numbers")
+        if not 0 <= number < total <= MOST_PIECES:
+            raise MessageError(
+                f"fragment {shown(number)} of {shown(total)}; valid are 0 to total - 1 of at most "
+                f"{MOST_PIECES}"
+            )
+        return self._put(name, number, total, data)
+
+    def _put(self, name: str | int, number: int, total: int, data: str) -> str | None:
+        if name not in self._open and len(self._open) >= MOST_OPEN:
+            del self._open[next(iter(self._open))]  # the oldest: its rest was lost
+        pieces = self._open.setdefault(name, {})
+        pieces[number] = data
+        if sum(map(len, pieces.values())) > LONGEST:
+            del self._open[name]
+            raise MessageError(f"a message has at most {LONGEST} bytes, in all its fragments")
+        if len(pieces) < total:
+            return None
+        del self._open[name]
+        return "".join(pieces[place] for place in sorted(pieces))

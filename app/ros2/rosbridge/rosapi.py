@@ -1,0 +1,133 @@
+"""rosapi: what there is, for clients that ask. rosbridge_suite has it as a node of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from app.ros2.message_types import MessageError, definition
+from app.ros2.rosbridge.fields import full_type
+from app.ros2.rosbridge.names import Names
+from app.ros2.rosbridge.reading import shown
+from app.ros2.rosbridge.type_details import type_details
+
+PACKAGE = "rosapi"
+SECOND_NS = 1_000_000_000
+
+Answer = dict[str, Any]
+
+
+class RosApi:
+    """Answers its services from the list of names."""
+
+    def __init__(self, names: Names) -> None:
+        self._names = names
+        self._node = names.settings.full_name("brickpose")
+        self._plain: dict[str, Callable[[], Answer]] = {
+            "topics": self._topics,
+            "topics_and_raw_types": self._topics_and_raw_types,
+            "services": lambda: {"services": [*names.service_types(), *self.names()]},
+            "nodes": lambda: {"nodes": [self._node]},
+            "get_time": _get_time,
+            "get_ros_version": lambda: {"version": 2, "distro": "jazzy"},
+            "get_param_names": lambda: {"names": []},
+            "action_servers": lambda: {"action_servers": []},
+        }
+        self._with_one: dict[str, tuple[str, Callable[[str], Answer]]] = {
+            "topic_type": ("topic", self._topic_type),
+            "topics_for_type": ("type", self._topics_for_type),
+            "service_type": ("service", self._service_type),
+            "services_for_type": ("type", self._services_for_type),
+            "service_node": ("service", lambda service: {"node": self._node}),
+            "node_details": ("node", self._node_details),
+            "publishers": ("topic", lambda topic: self._nodes("publishers", topic, names.outgoing)),
+            "subscribers": (
+                "topic",
+                lambda topic: self._nodes("subscribers", topic, names.incoming),
+            ),
+            "message_details": ("type", _message_details),
+            "service_request_details": ("type", lambda name: _service_details(name, "Request")),
+            "service_response_details": ("type", lambda name: _service_details(name, "Response")),
+        }
+
+    def names(self) -> list[str]:
+        """Of its services, with slash."""
+        return sorted(f"/{PACKAGE}/{name}" for name in (*self._plain, *self._with_one))
+
+    def call(self, service: str, arguments: Any) -> Answer | None:
+        """The answer of a service; None if it is none of these.
+
+        Raises:
+            MessageError: the arguments are not what it needs.
+        """
+        package, _, name = service.lstrip("/").partition("/")
+        if package != PACKAGE:
+            return None
+        if name in self._plain:
+            return self._plain[name]()
+        if name not in self._with_one:
+            raise MessageError(f"{service} is no service; valid are {', '.join(self.names())}")
+        argument, answer = self._with_one[name]
+        return answer(_text(arguments, argument))
+
+    def _topics(self) -> Answer:
+        types = self._names.topic_types()
+        return {"topics": list(types), "types": list(types.values())}
+
+    def _topics_and_raw_types(self) -> Answer:
+        answer = self._topics()
+        return {**answer, "typedefs_full_text": [definition(name) for name in answer["types"]]}
+
+    def _topic_type(self, topic: str) -> Answer:
+        full = self._names.settings.full_name(self._names.plain(topic))
+        return {"type": self._names.topic_types().get(full, "")}
+
+    def _topics_for_type(self, name: str) -> Answer:
+        wanted = full_type(name, "msg")
+        types = self._names.topic_types()
+        return {"topics": [topic for topic, its in types.items() if its == wanted]}
+
+    def _service_type(self, service: str) -> Answer:
+        found = self._names.service(service)
+        return {"type": found.type if found else ""}
+
+    def _services_for_type(self, name: str) -> Answer:
+        wanted = full_type(name, "srv")
+        types = self._names.service_types()
+        return {"services": [service for service, its in types.items() if its == wanted]}
+
+    def _node_details(self, node: str) -> Answer:
+        full = self._names.settings.full_name
+        ours = node == self._node
+        return {
+            "subscribing": [full(name) for name in self._names.incoming] if ours else [],
+            "publishing": [full(name) for name in self._names.outgoing] if ours else [],
+            "services": [full(name) for name in self._names.services] if ours else [],
+        }
+
+    def _nodes(self, key: str, topic: str, known: dict[str, Any]) -> Answer:
+        return {key: [self._node] if self._names.plain(topic) in known else []}
+
+
+def _get_time() -> Answer:
+    sec, nanosec = divmod(time.time_ns(), SECOND_NS)
+    return {"time": {"sec": sec, "nanosec": nanosec}}
+
+
+def _message_details(name: str) -> Answer:
+    return {"typedefs": type_details(full_type(name, "msg"))}
+
+
+def _service_details(name: str, half: str) -> Answer:
+    return {"typedefs": type_details(f"{full_type(name, 'srv')}_{half}")}
+
+
+def _text(arguments: Any, name: str) -> str:
+    """The one argument, by its name or in a list of one."""
+    if isinstance(arguments, list):
+        arguments = dict(zip([name], arguments, strict=False))
+    value = arguments.get(name) if isinstance(arguments, dict) else None
+    if not isinstance(value, str):
+        raise MessageError(f"{name} is {shown(value)}; valid is a text")
+    return value

@@ -1,0 +1,108 @@
+"""``/rosbridge``: a websocket for each client."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+import anyio
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from app.ros2.inbox import Inbox
+from app.ros2.publisher import TopicPublisher
+from app.ros2.rosbridge.bridge import Bridge
+from app.ros2.rosbridge.outbox import Data
+from app.ros2.rosbridge.session import Session
+from app.web.drivers import Drivers
+
+MOST_CLIENTS = 50
+"""At a time: each costs a little in every tick."""
+
+TRY_AGAIN_LATER = 1013
+
+
+class Rosbridge:
+    """All clients of one program."""
+
+    def __init__(self, publisher: TopicPublisher, inbox: Inbox, drivers: Drivers) -> None:
+        self._publisher, self._inbox, self._drivers = publisher, inbox, drivers
+        self._bridge: Bridge | None = None
+        self._clients = 0
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Talk to one client until it leaves."""
+        if self._clients >= MOST_CLIENTS:
+            await socket.close(TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are connected already")
+            return
+        self._clients += 1
+        try:
+            await socket.accept()
+            await _Client(socket, await self._shared()).talk()
+        finally:
+            self._clients -= 1
+
+    async def _shared(self) -> Bridge:
+        """Made for the first client: to read the types takes 0.2 s, which others need not wait."""
+        if self._bridge is None:
+            made = await anyio.to_thread.run_sync(
+                Bridge, self._publisher, self._inbox, self._drivers
+            )
+            self._bridge = self._bridge or made
+        return self._bridge
+
+
+class _Client:
+    def __init__(self, socket: WebSocket, bridge: Bridge) -> None:
+        self._socket = socket
+        self._loop = asyncio.get_running_loop()
+        self._waiting = asyncio.Event()
+        self._sending = anyio.Lock()
+        self._session = Session(bridge, self._wake)
+
+    async def talk(self) -> None:
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(self._send_messages)
+                await self._take_requests()
+                tasks.cancel_scope.cancel()
+        finally:
+            self._session.close()
+
+    def _wake(self) -> None:
+        if not self._waiting.is_set():
+            # The loop may have ended; then nobody waits any more.
+            with contextlib.suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(self._waiting.set)
+
+    async def _send_messages(self) -> None:
+        while True:
+            await self._waiting.wait()
+            self._waiting.clear()
+            while (data := self._session.next()) is not None:
+                if not await self._send(data):
+                    return
+
+    async def _take_requests(self) -> None:
+        """Answer each message, until the client is gone."""
+        while True:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            data = message.get("text") or message.get("bytes") or ""
+            for answer in self._session.receive(data):
+                # A client that does not read its answers is not listened to.
+                if not await self._send(answer):
+                    return
+
+    async def _send(self, data: Data) -> bool:
+        """Send one message; False if the client is gone."""
+        try:
+            async with self._sending:
+                if isinstance(data, str):
+                    await self._socket.send_text(data)
+                else:
+                    await self._socket.send_bytes(data)
+        except (WebSocketDisconnect, RuntimeError):
+            # Starlette raises a RuntimeError for what is sent after the close.
+            return False
+        return True

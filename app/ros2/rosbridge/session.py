@@ -1,0 +1,206 @@
+"""One client of rosbridge, without its socket: texts in; answers and messages out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from app.messages.commands import Command
+from app.ros2.message_types import MessageError
+from app.ros2.published import Published
+from app.ros2.rosbridge.bridge import Bridge
+from app.ros2.rosbridge.names import check_type
+from app.ros2.rosbridge.outbox import Data, Outbox
+from app.ros2.rosbridge.reading import message_of
+from app.ros2.rosbridge.requests import (
+    Pieces,
+    Request,
+    maybe_text,
+    parse,
+    request_id,
+    text,
+)
+from app.ros2.rosbridge.subscription import Subscription, Wish
+from app.ros2.topic import Topic
+
+LEVELS = ("none", "error", "warning", "info")
+"""Of status messages that a client wants to have."""
+
+
+class Session:
+    """A route to one client; ``receive`` and ``next`` in the event loop, the rest in any thread."""
+
+    name = "rosbridge"
+
+    def __init__(self, bridge: Bridge, wake: Callable[[], None]) -> None:
+        """Args:
+
+        bridge: what all sessions share.
+        wake: called from the topics' thread when ``next`` has something.
+        """
+        self._bridge = bridge
+        self._wake = wake
+        self._level = "error"
+        self._outbox = Outbox()
+        self._pieces = Pieces()
+        self._subscriptions: dict[str, Subscription] = {}
+        self._by_topic: dict[str, tuple[Subscription, ...]] = {}
+        self._due: list[Subscription] = []
+        self._operations: dict[str, Callable[[Request], list[Request]]] = {
+            "advertise": self._advertise,
+            "unadvertise": self._nothing,
+            "publish": self._publish,
+            "subscribe": self._subscribe,
+            "unsubscribe": self._unsubscribe,
+            "call_service": self._call_service,
+            "set_level": self._set_level,
+            "status_level": self._set_level,
+            "fragment": self._fragment,
+            "auth": self._nothing,
+            "status": self._nothing,
+        }
+
+    def receive(self, data: Data) -> list[str]:
+        """Do what a message asks for; returns the answers to be sent. Never fails."""
+        request: Request = {}
+        try:
+            request = parse(data)
+            answers = self._do(request)
+        except ValueError as error:
+            answers = self._status(request, str(error))
+        return [json.dumps(answer, separators=(",", ":"), allow_nan=False) for answer in answers]
+
+    def next(self) -> Data | None:
+        """The next message for the client; None if nothing waits."""
+        return self._outbox.take()
+
+    def close(self) -> None:
+        """Let everything go; nothing that this client drove goes on."""
+        self._bridge.publisher.remove(self)
+        self._by_topic = {}
+        self._bridge.drivers.leave(self)
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """Whether one of its subscriptions is due."""
+        subscriptions = self._by_topic.get(topic.name, ())
+        # All are asked: each that says yes counts it as sent.
+        self._due = [one for one in subscriptions if one.due(stamp)]
+        return bool(self._due)
+
+    def take(self, published: Published) -> None:
+        """Put the message where the event loop finds it."""
+        for one in self._due:
+            data = self._bridge.encoder.encode(published, one.name, one.compression)
+            self._outbox.put(one.name, data, one.queue)
+        self._wake()
+
+    def _do(self, request: Request) -> list[Request]:
+        operation = self._operations.get(request["op"])
+        if operation is None:
+            valid = ", ".join(self._operations)
+            raise MessageError(f"{request['op'][:60]!r} is no operation here; valid are {valid}")
+        return operation(request)
+
+    def _status(self, request: Request, words: str, level: str = "error") -> list[Request]:
+        if LEVELS.index(level) > LEVELS.index(self._level):
+            return []
+        return [_with_id(request, {"op": "status", "level": level, "msg": words})]
+
+    def _nothing(self, request: Request) -> list[Request]:
+        """Allowed, and without effect here."""
+        return []
+
+    def _advertise(self, request: Request) -> list[Request]:
+        self._bridge.names.told(text(request, "topic"), maybe_text(request, "type"))
+        return []
+
+    def _publish(self, request: Request) -> list[Request]:
+        topic = self._bridge.names.told(text(request, "topic"), None)
+        try:
+            message = message_of(request.get("msg", {}), topic.type)
+        except MessageError:
+            self._bridge.inbox.refuse(topic.name)
+            raise
+        self._took(self._bridge.inbox.take(topic.name, topic.type, message))
+        return []
+
+    def _took(self, command: Command) -> None:
+        self._bridge.drivers.took(self, command)
+
+    def _subscribe(self, request: Request) -> list[Request]:
+        name = text(request, "topic")
+        topic = self._bridge.names.heard(name, maybe_text(request, "type"))
+        wish = Wish.of(request)
+        known = self._subscriptions.get(name)
+        subscription = known or Subscription(name, topic, self._bridge.names.settings)
+        subscription.add(request_id(request), wish)
+        if known is None:
+            self._subscriptions[name] = subscription
+            self._sort()
+        return []
+
+    def _unsubscribe(self, request: Request) -> list[Request]:
+        name = text(request, "topic")
+        subscription = self._subscriptions.get(name)
+        if subscription is None:
+            raise MessageError(f"{name} is not subscribed")
+        if subscription.remove(request_id(request)):
+            del self._subscriptions[name]
+            self._sort()
+            self._outbox.drop(name)
+        return []
+
+    def _sort(self) -> None:
+        """Subscriptions by topic; a route only while there are some, as each tick asks all."""
+        before = self._by_topic
+        after: dict[str, tuple[Subscription, ...]] = {}
+        for one in self._subscriptions.values():
+            after[one.topic.name] = (*after.get(one.topic.name, ()), one)
+        self._by_topic = after
+        if after and not before:
+            self._bridge.publisher.add(self)
+        elif before and not after:
+            self._bridge.publisher.remove(self)
+
+    def _call_service(self, request: Request) -> list[Request]:
+        name = text(request, "service")
+        answer: Request = {"op": "service_response", "service": name}
+        try:
+            answer |= {"values": self._called(name, request), "result": True}
+        except ValueError as error:
+            answer |= {"values": str(error), "result": False}
+        return [_with_id(request, answer)]
+
+    def _called(self, name: str, request: Request) -> Any:
+        arguments = request.get("args")
+        arguments = {} if arguments is None else arguments
+        told = self._bridge.rosapi.call(name, arguments)
+        if told is not None:
+            return told
+        service = self._bridge.service(name)
+        check_type(service, maybe_text(request, "type"))
+        message = self._bridge.request_of(service, arguments)
+        self._took(self._bridge.inbox.call(service.name, message))
+        return {}
+
+    def _set_level(self, request: Request) -> list[Request]:
+        level = text(request, "level")
+        if level not in LEVELS:
+            raise MessageError(f"level is {level!r}; valid are {', '.join(LEVELS)}")
+        self._level = level
+        return []
+
+    def _fragment(self, request: Request) -> list[Request]:
+        whole = self._pieces.add(request)
+        if whole is None:
+            return []
+        request = parse(whole)
+        if request["op"] == "fragment":
+            raise MessageError("a fragment's message is no fragment itself")
+        return self._do(request)
+
+
+def _with_id(request: Request, answer: Request) -> Request:
+    found = request_id(request)
+    return answer if found is None else {**answer, "id": found}

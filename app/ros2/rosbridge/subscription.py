@@ -1,0 +1,108 @@
+"""One topic that one client follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from app.ros2.message_types import MessageError
+from app.ros2.rosbridge.encoding import COMPRESSIONS
+from app.ros2.rosbridge.reading import shown
+from app.ros2.route import Pace
+from app.ros2.settings import Ros2Settings
+from app.ros2.topic import Topic
+
+LONGEST_THROTTLE = 86_400_000
+"""A day [ms]."""
+
+LONGEST_QUEUE = 10_000
+"""Messages that a client may let wait."""
+
+MOST_REQUESTS = 100
+"""To follow one topic, by one client, with ids of their own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """How one request wants to follow a topic."""
+
+    throttle: float
+    """Least time between two messages [ms]."""
+    queue: int
+    """How many may wait; 0 is the newest only."""
+    compression: str
+    every: bool
+    """All that there is, as a recording has it: not at the rate of live topics."""
+
+    @classmethod
+    def of(cls, request: dict[str, Any]) -> Wish:
+        """What a ``subscribe`` operation asks for.
+
+        Raises:
+            MessageError: it cannot be had; says what can.
+        """
+        compression = request.get("compression") or "none"
+        if not isinstance(compression, str) or compression not in COMPRESSIONS:
+            valid = ", ".join(COMPRESSIONS)
+            raise MessageError(f"compression is {shown(compression)}; valid are {valid}")
+        throttle = _within("throttle_rate", request, LONGEST_THROTTLE)
+        queue = int(_within("queue_length", request, LONGEST_QUEUE))
+        return cls(throttle, queue, compression, request.get("every") is True)
+
+
+class Subscription:
+    """A topic by the name that the client gave it; all its requests get the same messages."""
+
+    def __init__(self, name: str, topic: Topic, settings: Ros2Settings) -> None:
+        self.name = name
+        self.topic = topic
+        self.compression = "none"
+        self.queue = 0
+        self._settings = settings
+        self._wishes: dict[Any, Wish] = {}
+        self._period = 0.0
+        self._pace = Pace(lambda topic: self._period)
+
+    def add(self, request_id: Any, wish: Wish) -> None:
+        """Follow for one request more; it gets what is known already at once.
+
+        Raises:
+            MessageError: there are too many.
+        """
+        if len(self._wishes) >= MOST_REQUESTS and request_id not in self._wishes:
+            raise MessageError(f"{self.name} is subscribed {MOST_REQUESTS} times; unsubscribe some")
+        self._wishes[request_id] = wish
+        self._settle()
+        self._pace = Pace(lambda topic: self._period)
+
+    def remove(self, request_id: Any) -> bool:
+        """End a request, or all by None; tells whether none is left."""
+        if request_id is None:
+            self._wishes.clear()
+        self._wishes.pop(request_id, None)
+        if self._wishes:
+            self._settle()
+        return not self._wishes
+
+    def due(self, stamp: float) -> bool:
+        """Whether content of that stamp is to be sent; if so, it counts as sent."""
+        return self._pace.due(self.topic, stamp)
+
+    def _settle(self) -> None:
+        """One stream serves all requests: the quickest and shortest, and the most compressed."""
+        wishes = self._wishes.values()
+        usual = self._settings.period(self.topic.rate)
+        self._period = min(
+            max(0.0 if wish.every else usual, wish.throttle / 1000) for wish in wishes
+        )
+        self.queue = min(wish.queue for wish in wishes)
+        self.compression = max((wish.compression for wish in wishes), key=list(COMPRESSIONS).index)
+
+
+def _within(name: str, request: dict[str, Any], most: int) -> float:
+    value = request.get(name)
+    if value is None:
+        return 0
+    if type(value) not in (int, float) or not 0 <= value <= most:
+        raise MessageError(f"{name} is {shown(value)}; valid is 0 to {most}")
+    return float(value)

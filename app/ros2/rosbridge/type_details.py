@@ -1,0 +1,49 @@
+"""A type taken apart, as rosapi's TypeDef describes it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.ros2.message_types import typestore
+from app.ros2.rosbridge.fields import NUMBERS, Kind, fields
+
+ONE = -1
+"""As the length of an array: it is none."""
+
+
+def type_details(type_name: str) -> list[dict[str, Any]]:
+    """The type and all types in it, each once, itself first.
+
+    Raises:
+        MessageError: the type is unknown.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    waiting = [type_name]
+    while waiting:
+        name = waiting.pop(0)
+        if name not in found:
+            found[name] = _details(name)
+            waiting += [kind.name for kind in fields(name).values() if kind.nested]
+    return list(found.values())
+
+
+def _details(name: str) -> dict[str, Any]:
+    kinds = fields(name)
+    constants = typestore().fielddefs[name][0]
+    return {
+        "type": name,
+        "fieldnames": list(kinds),
+        "fieldtypes": [kind.name for kind in kinds.values()],
+        "fieldarraylen": [kind.length if kind.many else ONE for kind in kinds.values()],
+        "examples": [_example(kind) for kind in kinds.values()],
+        "constnames": [constant[0] for constant in constants],
+        "constvalues": [str(constant[2]) for constant in constants],
+    }
+
+
+def _example(kind: Kind) -> str:
+    if kind.many:
+        return "[]"
+    if kind.nested:
+        return "{}"
+    return str(NUMBERS[kind.name].type(0).item()) if kind.name in NUMBERS else ""

@@ -1,0 +1,81 @@
+"""Clients of rosbridge without sockets and threads: what they send, and what they get."""
+
+import json
+
+import cbor2
+from engine_runs import run
+
+from app.engine.snapshot import Snapshot
+from app.ros2.inbox import Inbox
+from app.ros2.publisher import TopicPublisher
+from app.ros2.rosbridge.bridge import Bridge
+from app.ros2.rosbridge.session import Session
+from app.ros2.source import TopicSource
+from app.ros2.topics import TOPICS
+from app.web.drivers import Drivers
+
+
+class ByHand(TopicPublisher):
+    """Publishes when told, instead of in a thread."""
+
+    def add(self, route):
+        self._routes = (*self._routes, route)
+
+    def deliver(self, *snapshots: Snapshot) -> None:
+        for snapshot in snapshots:
+            self.source.clock.follow(snapshot)
+            for topic in TOPICS:
+                self.publish(topic, snapshot)
+        assert self.failure is None
+
+
+def bridge_of(program) -> Bridge:
+    source = TopicSource.of(program)
+    source.clock.hold()  # time goes faster here than on the wall
+    drivers = Drivers(program.engine.commands, program.config.drive.cmd_vel_timeout)
+    return Bridge(ByHand(source, program.engine.every), Inbox(program, source), drivers)
+
+
+def deliver(bridge, program, seconds=0.02):
+    """Let a robot go on for a time, and its topics be published."""
+    bridge.publisher.deliver(*run(program, seconds))
+
+
+class Client:
+    """One session, and how often it was woken."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self.woken = 0
+        self.session = Session(bridge, self._wake)
+
+    def _wake(self) -> None:
+        self.woken += 1
+
+    def ask(self, op: str, **request) -> list[dict]:
+        return self.send(json.dumps({"op": op, **request}))
+
+    def send(self, data) -> list[dict]:
+        return [json.loads(answer) for answer in self.session.receive(data)]
+
+    def refused(self, op: str, **request) -> str:
+        """The words of the one status that comes back."""
+        (answer,) = self.ask(op, **request)
+        assert (answer["op"], answer["level"]) == ("status", "error")
+        return answer["msg"]
+
+    def call(self, service: str, args=None):
+        (answer,) = self.ask("call_service", service=service, args=args, id="call")
+        assert (answer["op"], answer["service"], answer["id"]) == (
+            "service_response",
+            service,
+            "call",
+        )
+        return answer["result"], answer["values"]
+
+    def got(self) -> list[dict]:
+        """All that waits for it."""
+        return [_decoded(data) for data in iter(self.session.next, None)]
+
+
+def _decoded(data):
+    return json.loads(data) if isinstance(data, str) else cbor2.loads(data)

@@ -1,0 +1,160 @@
+"""What a client may not do to rosbridge, and what it is told then."""
+
+import json
+import re
+import tracemalloc
+
+import pytest
+from engine_runs import kinematic, run
+from hypothesis import given
+from hypothesis import strategies as st
+from rosbridge_sessions import Client, bridge_of, deliver
+
+from app.ros2.rosbridge.requests import LONGEST
+from app.ros2.rosbridge.subscription import MOST_REQUESTS
+
+SCAN = "sensor_msgs/msg/LaserScan"
+
+
+@pytest.fixture(scope="module")
+def program():
+    program = kinematic()
+    run(program, 0.2)
+    return program
+
+
+@pytest.fixture
+def bridge(program):
+    return bridge_of(program)
+
+
+@pytest.fixture
+def client(bridge):
+    return Client(bridge)
+
+
+@pytest.mark.parametrize(
+    ("op", "request_", "words"),
+    [
+        ("fly", {}, "'fly' is no operation here; valid are advertise, "),
+        ("subscribe", {}, "topic is None; valid is a text"),
+        ("subscribe", {"topic": "/wrong"}, "/wrong is no topic; valid are /scan, "),
+        ("subscribe", {"topic": "/scan", "type": "a/B"}, f"scan has the type {SCAN}, not a/B"),
+        ("subscribe", {"topic": "/scan", "compression": "zip"}, "valid are none, png, cbor"),
+        ("subscribe", {"topic": "/scan", "compression": ["png"]}, "valid are none, png, cbor"),
+        ("subscribe", {"topic": "/scan", "throttle_rate": -1}, "throttle_rate is -1; valid is 0"),
+        ("subscribe", {"topic": "/scan", "throttle_rate": 1e300}, "valid is 0 to 86400000"),
+        ("subscribe", {"topic": "/scan", "throttle_rate": float("nan")}, "is nan; valid is 0"),
+        ("subscribe", {"topic": "/scan", "queue_length": 10**400}, "a very large number; valid"),
+        ("subscribe", {"topic": "/scan", "queue_length": "all"}, "queue_length is 'all'"),
+        ("unsubscribe", {"topic": "/scan"}, "/scan is not subscribed"),
+        ("advertise", {"topic": "/goal", "type": "a/B"}, "nobody listens to /goal; valid are"),
+        ("advertise", {"topic": "/cmd_vel", "type": "geometry_msgs/Twist"}, "has the type .*Stamp"),
+        ("publish", {"topic": "/scan", "msg": {}}, "nobody listens to /scan; valid are /cmd_vel"),
+        ("set_level", {"level": "all"}, "valid are none, error, warning, info"),
+        ("advertise_service", {"service": "/a"}, "no operation here"),
+        ("fragment", {"num": 0, "total": 2}, "needs id, num, total and data"),
+        ("fragment", {"data": "x"}, "num and total are whole numbers"),
+        ("fragment", {"data": "x", "num": 3, "total": 2}, "fragment 3 of 2"),
+    ],
+)
+def test_what_cannot_be_done_is_answered_with_what_can(client, op, request_, words):
+    assert re.search(words, client.refused(op, id="mine", **request_))
+
+
+def test_a_status_has_the_id_and_may_be_switched_off(client):
+    assert client.ask("fly", id="mine")[0]["id"] == "mine"
+    assert client.ask("set_level", level="none") == []
+    assert client.ask("fly") == []
+    client.ask("set_level", level="warning")
+    assert len(client.ask("fly")) == 1
+
+
+def test_authentication_is_not_asked_for(client):
+    assert client.ask("auth", mac="x") == []
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        "",
+        "[" * 100_000,
+        '{"op":' * 50_000,
+        b"\x00\xff\xfe",
+        b"\x89PNG",
+        '{"op": 3}',
+        "[]",
+        "null",
+        '{"op": "publish", "topic": "/cmd_vel", "msg": ' + "9" * 5000 + "}",
+        "x" * (LONGEST + 1),
+        b"x" * (LONGEST + 1),
+        '{"op": "subscribe", "topic": "\\ud800"}',
+        '{"op": "subscribe", "topic": "' + "x" * 1000 + '"}',
+        '{"op": "' + "x" * 1000 + '"}',
+    ],
+)
+def test_hostile_messages_get_a_short_answer(client, data):
+    (answer,) = client.send(data)
+    assert answer["op"] == "status"
+    assert len(answer["msg"]) < 500
+
+
+def test_ever_more_subscriptions_fill_no_memory(bridge, program, client):
+    answers = [
+        len(client.ask("subscribe", topic="/odom", id=f"{number}")) for number in range(20_000)
+    ]
+    assert answers == [0] * MOST_REQUESTS + [1] * (20_000 - MOST_REQUESTS)
+    deliver(bridge, program)
+    assert len(client.got()) == 1
+    assert client.ask("unsubscribe", topic="/odom") == []
+    assert client.ask("subscribe", topic="/odom") == []
+
+
+def test_fragments_without_an_end_fill_no_memory(client):
+    tracemalloc.start()
+    for number in range(500):
+        client.ask("fragment", id=number, num=0, total=1000, data="x" * 100_000)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 10e6
+
+
+def test_a_client_that_takes_nothing_fills_no_memory(bridge, program, client):
+    client.ask("subscribe", topic="/camera/image/compressed", queue_length=10_000, every=True)
+    shown = run(program, 0.5)
+    tracemalloc.start()
+    for _ in range(100):
+        bridge.publisher.deliver(*shown)
+    kept, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert kept < 25e6
+    assert client.got()
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
+)
+NAMES = st.sampled_from(["/scan", "/cmd_vel", "/initialpose", "/set_initial_pose", "rosapi/topics"])
+OPS = ["subscribe", "unsubscribe", "advertise", "publish", "call_service", "set_level", "fragment"]
+OTHERS = ["type", "id", "msg", "args", "throttle_rate", "queue_length", "level", "num", "total"]
+OTHERS += ["compression", "data"]
+REQUESTS = st.fixed_dictionaries(
+    {"op": st.sampled_from(OPS)},
+    optional={
+        "topic": NAMES | VALUES,
+        "service": NAMES | VALUES,
+        **dict.fromkeys(OTHERS, VALUES),
+    },
+)
+
+
+@given(REQUESTS.map(json.dumps) | VALUES.map(json.dumps) | st.text(max_size=30) | st.binary())
+def test_whatever_is_sent_the_session_goes_on(data):
+    client = Client(BRIDGE)
+    for answer in client.send(data):
+        assert answer["op"] in ("status", "service_response")
+    client.session.close()
+
+
+BRIDGE = bridge_of(kinematic())
