@@ -1,0 +1,144 @@
+"""One life of the DDS process, seen from the program."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+
+from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, WORDS, Frames, FramingError, header
+from app.ros2.dds.plan import Plan
+
+COMMAND = (sys.executable, "-m", "app.ros2.dds.process")
+
+START_S = 30.0
+"""Until it publishes [s]; a Pi takes 2."""
+
+SILENCE_S = 5 * ALIVE_S
+"""Without a sign of life [s]."""
+
+END_S = 2.0
+PIPE_BYTES = 256 * 1024
+LONGEST_IN = 64 * 1024
+CHUNK = 16 * 1024
+
+
+class ChildError(RuntimeError):
+    """The process ended or went wrong; says how."""
+
+
+class Child:
+    """Started at once; end it with ``close``. One thread sends, another receives."""
+
+    def __init__(self, plan: Plan) -> None:
+        ours, its = socket.socketpair()
+        for end in (ours, its):
+            end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, PIPE_BYTES)
+        with its:
+            self.process = subprocess.Popen(
+                [*COMMAND, str(its.fileno())],
+                pass_fds=(its.fileno(),),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,  # Ctrl-C is for the program, which then ends it
+            )
+        self._end = ours
+        self._frames = Frames(LONGEST_IN)
+        self._cause: str | None = None
+        self._words: str | None = None
+        ours.settimeout(START_S)
+        self.send(PLAN, plan.to_json())
+
+    def send(self, number: int, payload: bytes) -> None:
+        """Hand a message over.
+
+        Raises:
+            ChildError: it takes none, or has ended.
+        """
+        try:
+            self._end.sendall(header(number, payload))
+            self._end.sendall(payload)
+        except TimeoutError as error:
+            self.kill(f"it took nothing for {SILENCE_S:g} s")
+            raise self._error() from error
+        except OSError as error:
+            raise self._error() from error
+
+    def wait_until_ready(self) -> None:
+        """Until it publishes.
+
+        Raises:
+            ChildError: it does not.
+        """
+        for number, _ in self.receive():
+            if number == READY:
+                self._end.settimeout(SILENCE_S)
+                return
+
+    def receive(self) -> Iterator[tuple[int, bytes]]:
+        """Messages as they come, without signs of life; for ever.
+
+        Raises:
+            ChildError: it is silent, ends, or sends what makes no sense.
+        """
+        while True:
+            yield from self.receive_some()
+
+    def receive_some(self) -> list[tuple[int, bytes]]:
+        """Those of the next few kilobytes; raises as ``receive`` does."""
+        try:
+            data = self._end.recv(CHUNK)
+            came = list(self._frames.feed(data))
+        except TimeoutError:
+            self.kill("it does not answer")
+            raise self._error() from None
+        except FramingError as error:
+            self.kill(f"it sent {error}")
+            raise self._error() from error
+        except OSError as error:
+            raise self._error() from error
+        for number, payload in came:
+            if number == WORDS:
+                self._words = payload.decode(errors="replace")
+        if not data:
+            raise self._error()
+        return [(number, payload) for number, payload in came if number not in (ALIVE, WORDS)]
+
+    def kill(self, cause: str) -> None:
+        """End it now, even one that is stopped."""
+        self._cause = self._cause or cause
+        self.process.kill()
+
+    def let_end(self) -> None:
+        """Hang up: it ends, and who sends or receives here gets an error; from any thread."""
+        with contextlib.suppress(OSError):
+            self._end.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        """See that it ends; when nobody sends or receives any more."""
+        self.let_end()
+        try:
+            self.process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        self._end.close()
+
+    def _error(self) -> ChildError:
+        """What is to be said now that it is over."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(END_S)
+        return ChildError(f"the DDS process: {self._cause or self._words or self._ending()}")
+
+    def _ending(self) -> str:
+        code = self.process.returncode
+        if code is None:
+            return "it closed its connection"
+        if code == 0:
+            return "it ended"
+        if code < 0:
+            return f"it was ended by {signal.Signals(-code).name}"
+        return f"it ended with {code}"

@@ -1,0 +1,42 @@
+"""What waits for the DDS process: the newest message of each topic."""
+
+from __future__ import annotations
+
+import threading
+
+from app.ros2.published import Published
+from app.ros2.topic import Topic
+
+
+class Mailbox:
+    """Bounded by the number of topics; whoever puts something in never waits."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[Topic, Published] = {}
+        self._latched: dict[Topic, Published] = {}
+        self._changed = threading.Condition()
+        self.replaced = 0
+        """Messages that a newer one took the place of."""
+
+    def put(self, published: Published) -> None:
+        """Leave a message; it takes the place of an older one of its topic."""
+        topic = published.topic
+        with self._changed:
+            self.replaced += topic in self._waiting
+            self._waiting[topic] = published
+            if topic.quality.latched:
+                self._latched[topic] = published
+            self._changed.notify()
+
+    def take_all(self, timeout: float) -> list[Published]:
+        """Everything that waits, as soon as there is something; nothing after the time [s]."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting, timeout)
+            taken, self._waiting = list(self._waiting.values()), {}
+            return taken
+
+    def begin_anew(self) -> None:
+        """For a process that knows nothing yet: what is latched waits again, the rest is old."""
+        with self._changed:
+            self._waiting = dict(self._latched)
+            self._changed.notify()

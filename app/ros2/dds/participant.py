@@ -1,0 +1,131 @@
+"""One participant of DDS that looks as a node of ROS 2 does."""
+
+from __future__ import annotations
+
+from cyclonedds.core import (
+    DDSException,
+    GuardCondition,
+    InstanceState,
+    Policy,
+    Qos,
+    ReadCondition,
+    SampleState,
+    ViewState,
+    WaitSet,
+)
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from app.ros2.dds import graph
+from app.ros2.dds.loopback import confine_to_this_machine
+from app.ros2.dds.plan import Endpoint, Plan, dds_topic
+from app.ros2.dds.raw_types import RawSample, filled, raw_types
+
+BLOCKING_S = 0.01
+"""A writer waits at most so long for a reader that does not keep up [s]; the others wait too."""
+
+UNREAD = ViewState.Any | SampleState.NotRead | InstanceState.Any
+
+
+class WriteError(ValueError):
+    """DDS refuses a message."""
+
+
+class Participant:
+    """Writers and readers as a plan has them; numbers are places in the plan."""
+
+    def __init__(self, plan: Plan) -> None:
+        if plan.configuration is not None:
+            self._domain = Domain(plan.domain, plan.configuration)
+        self._participant = DomainParticipant(
+            plan.domain, Qos(Policy.Userdata(graph.PARTICIPANT_DATA))
+        )
+        if plan.confined:
+            confine_to_this_machine()  # before there is anything to hear
+        self._types = raw_types(plan.shapes | graph.SHAPES)
+        self._writers = [self._writer(one, dds_topic(one.topic)) for one in plan.writers]
+        self._readers = [self._reader(one) for one in plan.readers]
+        self._names = [one.topic for one in plan.writers]
+        self._latched = [one.latched for one in plan.writers]
+        self._waiting: dict[int, bytes] = {}
+        self._graph = self._writer(graph.ENDPOINT, graph.TOPIC)
+        self._tell_node(plan)
+        self._ending = GuardCondition(self._participant)
+        self._waitset = WaitSet(self._participant)
+        self._waitset.attach(self._ending)
+        self._conditions = [ReadCondition(reader, UNREAD) for reader in self._readers]
+        for condition in self._conditions:
+            self._waitset.attach(condition)
+
+    def write(self, number: int, data: bytes) -> None:
+        """Publish; what a latched topic cannot take now goes out at the next call.
+
+        Raises:
+            WriteError: these bytes are not of the topic's type.
+        """
+        waiting, self._waiting = self._waiting | {number: data}, {}
+        for one, message in waiting.items():
+            try:
+                self._writers[one].write(filled(self._writers[one].data_type, message))
+            except DDSException as error:
+                if error.code != DDSException.DDS_RETCODE_TIMEOUT:
+                    raise WriteError(f"{self._names[one]}: {_reason(error)}") from error
+                if self._latched[one]:
+                    self._waiting[one] = message
+
+    def heard(self, seconds: float) -> list[tuple[int, bytes]]:
+        """The newest message of each topic that something came for within a time; maybe none."""
+        self._waitset.wait(duration(seconds=seconds))
+        found = []
+        for number, (reader, condition) in enumerate(
+            zip(self._readers, self._conditions, strict=True)
+        ):
+            taken: list[object] = list(reader.take(1, condition=condition))
+            # That a writer is gone comes as a message without data.
+            found += [(number, one.data) for one in taken if isinstance(one, RawSample)]
+        return found
+
+    def wake(self) -> None:
+        """Let ``heard`` return at once, from now on."""
+        self._ending.set(True)
+
+    def _writer(self, one: Endpoint, topic: str) -> DataWriter[IdlStruct]:
+        named = Topic(self._participant, topic, self._types[one.type])
+        return DataWriter(self._participant, named, _quality(one))
+
+    def _reader(self, one: Endpoint) -> DataReader[IdlStruct]:
+        named = Topic(self._participant, dds_topic(one.topic), self._types[one.type])
+        return DataReader(self._participant, named, _quality(one))
+
+    def _tell_node(self, plan: Plan) -> None:
+        told = graph.entities(
+            self._participant.guid.bytes,
+            plan.namespace,
+            plan.name,
+            [reader.guid.bytes for reader in self._readers],
+            [writer.guid.bytes for writer in self._writers],
+        )
+        self._graph.write(filled(self._graph.data_type, told))
+
+
+def _reason(error: DDSException) -> str:
+    if error.code == DDSException.DDS_RETCODE_BAD_PARAMETER:
+        return "these bytes are no message of its type"
+    return str(error).partition(" Occurred")[0]
+
+
+def _quality(one: Endpoint) -> Qos:
+    """Of both ends; XCDR1 only: with XCDR2 on offer, Fast DDS matches and then drops all data."""
+    return Qos(
+        Policy.Reliability.Reliable(duration(seconds=BLOCKING_S))
+        if one.reliable
+        else Policy.Reliability.BestEffort,
+        Policy.Durability.TransientLocal if one.latched else Policy.Durability.Volatile,
+        Policy.History.KeepLast(one.depth),
+        Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False),
+        Policy.Userdata(graph.endpoint_data(one.type_hash)),
+    )

@@ -1,0 +1,144 @@
+"""The DDS process: ``python -m app.ros2.dds.process DESCRIPTOR``, started by the program itself.
+
+It ends when the program does, however that ends: the socket that it was given then closes.
+"""
+
+from __future__ import annotations
+
+import gc
+import signal
+import socket
+import sys
+import threading
+import time
+
+from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, TROUBLE, WORDS, Frames, header
+from app.ros2.dds.participant import Participant, WriteError
+from app.ros2.dds.plan import Plan
+
+LONGEST_OUT = 64 * 1024 * 1024
+LONGEST_IN = 16 * 1024
+"""Commands are short; what is longer is none."""
+
+PAUSE_S = 0.005
+"""After commands: whoever sends more than 200 a second is heard no oftener, newest first."""
+
+
+class Wire:
+    """The way to the program; any thread may send."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self.end = end
+        self._lock = threading.Lock()
+
+    def send(self, number: int, payload: bytes = b"") -> None:
+        """Hand a message over; waits while the program does not take any."""
+        with self._lock:
+            self.end.sendall(header(number, payload) + payload)
+
+
+class Hearing(threading.Thread):
+    """Hands over what comes, until told to end."""
+
+    def __init__(self, participant: Participant, wire: Wire) -> None:
+        super().__init__(name="hearing", daemon=True)
+        self._participant = participant
+        self._wire = wire
+        self._ending = threading.Event()
+
+    def run(self) -> None:
+        """Wait for messages and hand them over."""
+        while not self._ending.is_set():
+            came = self._participant.heard(ALIVE_S)
+            for number, data in came:
+                self._hand_over(number, data)
+            if came:
+                self._ending.wait(PAUSE_S)
+
+    def _hand_over(self, number: int, data: bytes) -> None:
+        if len(data) <= LONGEST_IN:
+            self._wire.send(number, data)
+        else:
+            words = f"a message of {len(data)} bytes came; valid are up to {LONGEST_IN}"
+            self._wire.send(TROUBLE, words.encode())
+
+    def end(self) -> None:
+        """Let it end, and wait for that."""
+        self._ending.set()
+        self._participant.wake()
+        self.join(ALIVE_S)
+
+
+def main(descriptor: int) -> int:
+    """Publish and hear until the program ends."""
+    # It ends by the socket; with a service's SIGTERM to all, the program would see it die.
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    wire = Wire(socket.socket(fileno=descriptor))
+    frames = Frames(LONGEST_OUT)
+    try:
+        plan, rest = _plan(wire.end, frames)
+        participant = Participant(plan)
+        hearing = Hearing(participant, wire)
+        wire.send(READY)
+        hearing.start()
+        _publish(participant, wire, frames, rest, hearing)
+        hearing.end()
+        # Cyclone's objects end as they are collected, and say goodbye to the others then.
+        del hearing, participant
+        gc.collect()
+    except (BrokenPipeError, ConnectionResetError, EOFError):
+        return 0  # the program has ended
+    except Exception as error:
+        wire.send(WORDS, f"{type(error).__name__}: {error}"[:2000].encode())
+        return 1
+    return 0
+
+
+def _plan(end: socket.socket, frames: Frames) -> tuple[Plan, list[tuple[int, bytes]]]:
+    """The plan, and what came in one piece with it."""
+    while data := end.recv(65536):
+        came = list(frames.feed(data))
+        if came:
+            number, payload = came[0]
+            if number != PLAN:
+                raise ValueError(f"the plan comes first, not number {number}")
+            return Plan.from_json(payload), came[1:]
+    raise EOFError
+
+
+def _publish(
+    participant: Participant,
+    wire: Wire,
+    frames: Frames,
+    rest: list[tuple[int, bytes]],
+    hearing: Hearing,
+) -> None:
+    wire.end.settimeout(ALIVE_S)
+    told = time.monotonic()
+    for number, payload in rest:
+        _write(participant, wire, number, payload)
+    while True:
+        try:
+            data = wire.end.recv(262144)
+        except TimeoutError:
+            data = None
+        if data == b"":
+            return
+        for number, payload in frames.feed(data or b""):
+            _write(participant, wire, number, payload)
+        if time.monotonic() - told >= ALIVE_S:
+            told = time.monotonic()
+            if not hearing.is_alive():
+                raise RuntimeError("it no longer hears commands")
+            wire.send(ALIVE)
+
+
+def _write(participant: Participant, wire: Wire, number: int, payload: bytes) -> None:
+    try:
+        participant.write(number, payload)
+    except WriteError as error:
+        wire.send(TROUBLE, str(error).encode())
+
+
+if __name__ == "__main__":
+    sys.exit(main(int(sys.argv[1])))

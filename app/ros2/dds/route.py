@@ -1,0 +1,195 @@
+"""The topics over DDS: ``brickpose run --ros2``."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from importlib.util import find_spec
+
+from app.engine.problems import LOG
+from app.ros2.dds.child import Child, ChildError
+from app.ros2.dds.configuration import plan
+from app.ros2.dds.framing import TROUBLE
+from app.ros2.dds.mailbox import Mailbox
+from app.ros2.inbox import Inbox
+from app.ros2.message_types import MessageError
+from app.ros2.published import Published
+from app.ros2.publisher import TopicPublisher
+from app.ros2.route import Pace
+from app.ros2.settings import Ros2Settings
+from app.ros2.topic import Topic
+
+FIRST_WAIT_S = 1.0
+LONGEST_WAIT_S = 30.0
+"""Before the process is started again; doubled each time."""
+
+SOUND_S = 60.0
+"""A process that lived so long was well: the next wait is a short one."""
+
+PAUSE_S = 0.005
+"""Between commands, however fast they come."""
+
+TELL_S = 5.0
+"""Between two lines of the log about refused commands [s]."""
+
+LOOK_S = 0.2
+JOIN_S = 3.0
+
+NO_CYCLONE = (
+    "ROS 2 over DDS needs the package cyclonedds: pip install '.[ros2]' (for a Raspberry Pi, "
+    "which it has no ready wheel for, docs/ros2.md says how)"
+)
+
+
+class DdsError(RuntimeError):
+    """DDS cannot be used here; says what to do."""
+
+
+class DdsRoute:
+    """Messages to the DDS process and commands from it; the process is replaced when it fails.
+
+    Nothing here can hold up the engine: messages wait in a mailbox with one place for each topic,
+    two threads talk to the process, and what goes wrong with it stands in ``failure``.
+    """
+
+    name = "ROS 2 over DDS"
+
+    def __init__(
+        self, publisher: TopicPublisher, inbox: Inbox, settings: Ros2Settings, host: str
+    ) -> None:
+        self.refused: str | None = None
+        """Why the newest command that came was not carried out; None if it was."""
+        self.child: Child | None = None
+        self.ready = threading.Event()
+        """While a process publishes."""
+        self._publisher = publisher
+        self._inbox = inbox
+        self._settings = settings
+        self._host = host
+        self._pace = Pace(lambda topic: settings.period(topic.rate))
+        self._mailbox = Mailbox()
+        self._down: str | None = None
+        self._trouble: str | None = None
+        self._told_at = -math.inf
+        self._stop = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def failure(self) -> str | None:
+        """What is wrong now, in words: with the process, or else with a topic."""
+        return self._down or self._trouble
+
+    def start(self) -> None:
+        """Begin to publish; the process needs a second until it does.
+
+        Raises:
+            DdsError: the package is missing.
+            DomainError: ROS_DOMAIN_ID is none.
+        """
+        if find_spec("cyclonedds") is None:
+            raise DdsError(NO_CYCLONE)
+        self._plan = plan(self._settings, self._host, self._inbox.incoming())
+        self._numbers = {one.topic: number for number, one in enumerate(self._plan.writers)}
+        self._thread = threading.Thread(target=self._keep_running, name="dds", daemon=True)
+        self._thread.start()
+        self._publisher.add(self)
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """New content of live topics, at the rates of the settings."""
+        return topic.live and self._pace.due(topic, stamp)
+
+    def take(self, published: Published) -> None:
+        """Into the mailbox."""
+        self._mailbox.put(published)
+
+    def close(self) -> None:
+        """End the process and the threads; may be called twice."""
+        self._publisher.remove(self)
+        self._stop.set()
+        child = self.child
+        if child is not None:
+            child.let_end()
+        if self._thread is not None:
+            self._thread.join(JOIN_S)
+            if self._thread.is_alive():
+                LOG.error("the thread of DDS did not end within %g s", JOIN_S)
+            self._thread = None
+
+    def _keep_running(self) -> None:
+        wait = FIRST_WAIT_S
+        while not self._stop.is_set():
+            began = time.monotonic()
+            try:
+                self._live()
+            except (ChildError, OSError) as error:
+                if self._stop.is_set():
+                    return
+                wait = FIRST_WAIT_S if time.monotonic() - began > SOUND_S else wait
+                self._down = f"{error}; it is started again in {wait:g} s"
+                LOG.error(self._down)
+            self._stop.wait(wait)
+            wait = min(2 * wait, LONGEST_WAIT_S)
+
+    def _live(self) -> None:
+        """One process, from its start to its end, which is always an error."""
+        child = self.child = Child(self._plan)
+        sending = threading.Thread(target=self._send, args=(child,), name="dds out", daemon=True)
+        try:
+            if self._stop.is_set():
+                return
+            child.wait_until_ready()
+            self._mailbox.begin_anew()
+            self._down = self._trouble = None
+            self.ready.set()
+            sending.start()
+            while True:
+                self._hear(child)
+        finally:
+            self.ready.clear()
+            child.let_end()
+            if sending.ident is not None:
+                sending.join()
+            child.close()
+
+    def _send(self, child: Child) -> None:
+        """Until the process ends; what is wrong with it then, the other thread says."""
+        with contextlib.suppress(ChildError):
+            while self.ready.is_set():
+                for published in self._mailbox.take_all(LOOK_S):
+                    try:
+                        data = published.cdr
+                    except MessageError as error:
+                        self._complain(str(error))
+                    else:
+                        name = self._settings.full_name(published.topic.name)
+                        child.send(self._numbers[name], data)
+
+    def _hear(self, child: Child) -> None:
+        came = child.receive_some()
+        newest = {number: data for number, data in came if number < len(self._plan.readers)}
+        for number, data in came:
+            if number == TROUBLE:
+                self._complain(data.decode(errors="replace"))
+        for number, data in newest.items():
+            self._carry_out(number, data)
+        if came:
+            self._stop.wait(PAUSE_S)
+
+    def _carry_out(self, number: int, data: bytes) -> None:
+        topic = self._inbox.incoming()[number]
+        try:
+            self._inbox.take(topic.name, topic.type, data)
+        except ValueError as error:
+            self.refused = str(error)
+            if time.monotonic() - self._told_at > TELL_S:
+                self._told_at = time.monotonic()
+                LOG.warning("a command by DDS was refused: %s", error)
+        else:
+            self.refused = None
+
+    def _complain(self, words: str) -> None:
+        if words != self._trouble:
+            LOG.error(words)
+        self._trouble = words
