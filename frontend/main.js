@@ -9,6 +9,7 @@ import { refreshPalette } from "./page/palette.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
 import { Problems } from "./page/problems.js";
+import { RecordButton } from "./page/record.js";
 import { TapeHealth } from "./page/tape.js";
 import { Appearance } from "./page/theme.js";
 import { Toasts } from "./page/toasts.js";
@@ -37,6 +38,7 @@ const loop = new DrawLoop();
 const connection = new Connection("/api/live");
 const toasts = new Toasts(find("toasts", HTMLElement));
 const problems = new Problems();
+const record = new RecordButton(order, toasts);
 const topBar = new TopBar();
 const tape = new TapeHealth();
 const history = new History();
@@ -78,6 +80,7 @@ function take(news) {
   probe.telemetry = news;
   if (news.map !== fieldName) loadField(news.map);
   problems.show(news);
+  record.show(news.recording ?? null);
   camera.addScan(news.scan);
   tape.add(news.scan);
   map.show(news);
@@ -149,6 +152,7 @@ connection.onState((state) => {
   probe.connected = state === "open";
   topBar.showLink(state);
   problems.showLink(state);
+  record.enable(state === "open");
   if (state === "open") filter.load();
 });
 setInterval(() => {

@@ -16,10 +16,10 @@ const PATIENCE_MS = 3000;
 /** What is wrong now, in a line under the bar, and the record of what was. */
 export class Problems {
   #banner = find("banner", HTMLElement);
-  #button = findButton("record");
-  #count = find("record-count", HTMLElement);
-  #record = find("record-list", HTMLElement);
-  #list = find("record-items", HTMLElement);
+  #button = findButton("problems");
+  #count = find("problems-count", HTMLElement);
+  #record = find("problems-list", HTMLElement);
+  #list = find("problems-items", HTMLElement);
   #known = -1;
   #heard = 0;
   /**
@@ -36,7 +36,7 @@ export class Problems {
     this.#button.onclick = () => this.#open(Boolean(this.#record.hidden));
     this.#record.addEventListener("keydown", (event) => this.#key(event));
     this.#button.addEventListener("keydown", (event) => this.#key(event));
-    findButton("record-close").onclick = () => this.#open(false);
+    findButton("problems-close").onclick = () => this.#open(false);
     setInterval(() => this.#say(), 500);
   }
 
