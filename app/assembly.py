@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -31,6 +32,9 @@ from sim.imperfections import Imperfections, draw
 from sim.kinematic import KinematicWorld
 from sim.simulated import SimulatedRobot, no_wait
 
+if TYPE_CHECKING:
+    from app.replay.replay import Replay
+
 
 @dataclass(frozen=True)
 class Program:
@@ -45,6 +49,8 @@ class Program:
     """Where the pose is kept for the next start."""
     given: OwnChoice
     """Models of the user's own at the start."""
+    replay: Replay | None = None
+    """In place of the engine's own loop, if the robot is a recording."""
 
 
 def assemble(

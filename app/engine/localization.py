@@ -76,6 +76,12 @@ class Localization:
         )
 
     @property
+    def entries(self) -> EntryField:
+        """The table of distances that the models look things up in."""
+        assert self._entries is not None
+        return self._entries
+
+    @property
     def cloud(self) -> Cloud:
         """The particles as last weighed."""
         return self._localizer.filter.cloud

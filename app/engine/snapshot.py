@@ -11,6 +11,7 @@ from app.engine.problems import Problem, Problems
 from app.messages.commands import Command
 from app.messages.message import Layer
 from app.own_models.own_models import OwnChoice
+from app.replay.state import ReplayState
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate
@@ -80,6 +81,8 @@ class Snapshot:
     record: tuple[Problem, ...] = field(repr=False)
     layers: frozenset[Layer]
     """What the 3D view shows."""
+    replay: ReplayState | None = None
+    """Where a replay stands; None of a robot."""
 
     def failed(self, problems: Problems) -> Snapshot:
         """The same place, with the engine at an end: nothing moves and nothing answers."""

@@ -55,6 +55,8 @@ class OwnModels:
         self._motion = Slot(OwnMotion, field.start)
         self._polled = float("-inf")
         self._made_with: LocalizationParameters | None = None
+        self.saves = 0
+        """How often a file in use was saved."""
         self.reset()
 
     @property
@@ -134,7 +136,9 @@ class OwnModels:
         self._polled = stamp
         if self._folder is not None:
             self._found = self._folder.look()
-        return any([self._sensor.saved(), self._motion.saved()])
+        saved = any([self._sensor.saved(), self._motion.saved()])
+        self.saves += saved
+        return saved
 
     def look_again(self) -> None:
         """Let ``saved`` look at the files at once: the robot's clock stands, or was put back."""
