@@ -20,8 +20,11 @@ run: install ## set up, then serve the dashboard (PORT=9000 make run for another
 
 install: .venv/installed ## set up the virtual environment
 
+# Tests that assert when a program, a page or a port does something have the machine to themselves.
 test: .venv/installed-dev browser node-peers ## run every test
-	$(BIN)/python -m pytest
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not real_time" \
+	  -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -m real_time
 
 check: .venv/installed-dev ## lint and types
 	$(BIN)/ruff check .

@@ -44,23 +44,65 @@ def heading_error(now: dict) -> float:
     return abs(math.remainder(now["estimate"]["theta"] - now["truth"]["theta"], 2 * math.pi))
 
 
-@pytest.mark.parametrize("key", ["w", "ArrowUp"])
-def test_a_key_drives_and_its_release_stops(page, live, key):
-    before = telemetry(live)
-    page.keyboard.down(key)
-    until(live, lambda now: now["twist"]["v"] > 0.1)
-    page.keyboard.up(key)
-    after = until(live, lambda now: now["twist"]["v"] == 0 and now["mode"] == "idle")
-    assert distance(before["truth"], after["truth"]) > 0.003
+class TestDriving:
+    """On one page: it is as before when the robot stands again."""
 
+    @pytest.fixture(scope="class")
+    @classmethod
+    def page(cls, browser, server) -> Iterator[Page]:
+        yield from opened(browser, server, width=1100, height=760, view=False)
 
-def test_two_keys_drive_a_curve(page, live):
-    page.keyboard.down("w")
-    page.keyboard.down("a")
-    until(live, lambda now: now["twist"]["v"] > 0.02 and now["twist"]["omega"] > 0.1)
-    page.keyboard.up("w")
-    page.keyboard.up("a")
-    until(live, lambda now: now["mode"] == "idle")
+    @pytest.mark.parametrize("key", ["w", "ArrowUp"])
+    def test_a_key_drives_and_its_release_stops(self, page, live, key):
+        before = telemetry(live)
+        page.keyboard.down(key)
+        until(live, lambda now: now["twist"]["v"] > 0.1)
+        page.keyboard.up(key)
+        after = until(live, lambda now: now["twist"]["v"] == 0 and now["mode"] == "idle")
+        assert distance(before["truth"], after["truth"]) > 0.003
+
+    def test_two_keys_drive_a_curve(self, page, live):
+        page.keyboard.down("w")
+        page.keyboard.down("a")
+        until(live, lambda now: now["twist"]["v"] > 0.02 and now["twist"]["omega"] > 0.1)
+        page.keyboard.up("w")
+        page.keyboard.up("a")
+        until(live, lambda now: now["mode"] == "idle")
+
+    @pytest.mark.parametrize("how", ["button", "space"])
+    def test_stop_ends_the_figure_eight(self, page, live, how):
+        page.get_by_role("button", name="Figure-eight").click()
+        until(live, lambda now: now["mode"] == "figure_eight" and now["twist"]["v"] > 0.1)
+        if how == "button":
+            page.get_by_role("button", name="STOP").first.click()
+        else:
+            page.keyboard.press("Space")
+        still = until(live, lambda now: now["mode"] == "idle")
+        assert still["twist"]["v"] == 0
+        assert until(live, lambda now: now["stamp"] > still["stamp"] + 0.6)["mode"] == "idle"
+
+    def test_the_joystick_drives(self, page, live):
+        box = page.locator("#joystick").bounding_box()
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0], middle[1] - box["height"] / 3, steps=3)
+        until(live, lambda now: now["twist"]["v"] > 0.03)
+        page.mouse.up()
+        until(live, lambda now: now["mode"] == "idle")
+
+    def test_from_exposure_to_pixel(self, page):
+        page.get_by_role("button", name="Figure-eight").click()
+        page.evaluate("window.brickpose.delays.length = 0")
+        page.wait_for_function("window.brickpose.delays.length >= 180", timeout=30_000)
+        delays = np.array(page.evaluate("window.brickpose.delays.slice(-150)"))
+        page.get_by_role("button", name="STOP").first.click()
+        print(
+            f"\nexposure to pixel: median {np.median(delays):.0f} ms,"
+            f" p95 {np.percentile(delays, 95):.0f} ms"
+        )
+        # The figure itself depends on how busy this machine is; what must hold is the order of it.
+        assert 10 < np.median(delays) < 200
 
 
 def test_keys_do_not_drive_while_a_number_is_typed(page, live):
@@ -70,30 +112,6 @@ def test_keys_do_not_drive_while_a_number_is_typed(page, live):
     page.wait_for_timeout(300)
     assert telemetry(live)["mode"] == "idle"
     page.keyboard.up("ArrowUp")
-
-
-@pytest.mark.parametrize("how", ["button", "space"])
-def test_stop_ends_the_figure_eight(page, live, how):
-    page.get_by_role("button", name="Figure-eight").click()
-    until(live, lambda now: now["mode"] == "figure_eight" and now["twist"]["v"] > 0.1)
-    if how == "button":
-        page.get_by_role("button", name="STOP").first.click()
-    else:
-        page.keyboard.press("Space")
-    still = until(live, lambda now: now["mode"] == "idle")
-    assert still["twist"]["v"] == 0
-    assert until(live, lambda now: now["stamp"] > still["stamp"] + 0.6)["mode"] == "idle"
-
-
-def test_the_joystick_drives(page, live):
-    box = page.locator("#joystick").bounding_box()
-    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(*middle)
-    page.mouse.down()
-    page.mouse.move(middle[0], middle[1] - box["height"] / 3, steps=3)
-    until(live, lambda now: now["twist"]["v"] > 0.03)
-    page.mouse.up()
-    until(live, lambda now: now["mode"] == "idle")
 
 
 @pytest.mark.parametrize("leave", ["close", "hide", "blur"])
@@ -186,32 +204,19 @@ def test_a_ray_shows_its_profile(page):
     expect(page.locator("#profile-text")).to_contain_text("mm")
 
 
-def test_from_exposure_to_pixel(page):
-    page.get_by_role("button", name="Figure-eight").click()
-    page.wait_for_function("window.brickpose.delays.length >= 300", timeout=30_000)
-    delays = np.array(page.evaluate("window.brickpose.delays.slice(-250)"))
-    page.get_by_role("button", name="STOP").first.click()
-    print(
-        f"\nexposure to pixel: median {np.median(delays):.0f} ms,"
-        f" p95 {np.percentile(delays, 95):.0f} ms"
-    )
-    # The figure itself depends on how busy this machine is; what must hold is the order of it.
-    assert 10 < np.median(delays) < 200
-
-
 def test_the_3d_view_shows_the_scene(chromium, server):
     browser = chromium(SOFTWARE_GL)
     for page in opened(browser, server, width=760, height=620, view=True):
         frame = page.frame_locator("iframe")
         frame.locator("canvas").first.wait_for(timeout=60_000)
         dark = 0.0
-        for _ in range(40):  # software WebGL takes its time
+        for _ in range(160):  # software WebGL takes its time
             shot = page.locator("iframe").screenshot()
             picture = cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_GRAYSCALE)
             dark = float((picture < 80).mean())
             if dark > 0.005:
                 break
-            page.wait_for_timeout(1000)
+            page.wait_for_timeout(250)
         assert dark > 0.005, "no dark tape in the 3D view"
     browser.close()
 
