@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 
 from app.engine.engine import Engine
 from app.engine.problems import LOG
@@ -13,10 +14,13 @@ JOIN_S = 3.0
 class EngineThread:
     """Starts and ends the engine's loop."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(
+        self, engine: Engine, run: Callable[[threading.Event], None] | None = None
+    ) -> None:
+        """``run`` takes the place of the engine's own loop, as that of a replay."""
         self.stopping = threading.Event()
         self._thread = threading.Thread(
-            target=engine.run, args=(self.stopping,), name="engine", daemon=True
+            target=run or engine.run, args=(self.stopping,), name="engine", daemon=True
         )
 
     @property

@@ -83,6 +83,8 @@ def contents_of(program: Program) -> Contents:
         "map": program.field.name,
         "map_file": map_files[0].name,
         "seed": str(config.seed),
+        # Else the filter knew something already, and a replay begins with what it said first.
+        "from_start": "true" if latest is None else "false",
         "version": known["brickpose"],
         "code": known["code"],
     }

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from app.recording.mcap_reader import RecordingReader
@@ -20,18 +18,9 @@ SINCE = np.diag(np.square([0.01, 0.01, 0.03]))
 """How far the robot may have moved since it was estimated [m², m², rad²]."""
 
 
-@dataclass(frozen=True, slots=True)
-class FirstEstimate:
-    """The first that a recording has."""
-
-    hypothesis: Hypothesis
-    at_once: bool
-    """Whether it was known already when the recording began."""
-
-
 def first_estimate(
     reader: RecordingReader, topics: RecordedTopics, start_ns: int
-) -> FirstEstimate | None:
+) -> Hypothesis | None:
     """What is told within the first seconds, if anything is.
 
     Args:
@@ -49,8 +38,7 @@ def first_estimate(
             spread = covariance + SINCE
             if np.linalg.eigvalsh(spread)[0] <= 0:
                 continue
-            at_once = one.log_time_ns <= start_ns
-            return FirstEstimate(Hypothesis(1.0, pose, spread), at_once)
+            return Hypothesis(1.0, pose, spread)
     except (RecordingError, MessageError, ContentError):
         return None
     return None

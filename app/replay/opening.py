@@ -176,11 +176,11 @@ def _field(parts: RecordedParts, options: ReplayOptions, reader: RecordingReader
 def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRobot) -> Start:
     """Where the filter began then, as far as that can be known."""
     wanted = config.start_pose
-    found = first_estimate(robot.reader, robot.topics, robot.start_ns)
-    # A recording that began in the middle of a run, or of a run that went on from a saved pose.
-    known_later = not parts.told or wanted.restore_pose
-    if found and field.contains(found.hypothesis.pose) and (found.at_once or known_later):
-        return Start((found.hypothesis,))
+    as_configured = parts.told and parts.from_start and not wanted.restore_pose
+    if not as_configured:
+        found = first_estimate(robot.reader, robot.topics, robot.start_ns)
+        if found is not None and field.contains(found.pose):
+            return Start((found,))
     return start(replace(wanted, restore_pose=False), Path(), field)
 
 

@@ -37,6 +37,8 @@ class RecordedParts:
     """None if the map is not in it."""
     told: bool
     """Whether the settings are those of then."""
+    from_start: bool
+    """Whether the recording began with the run: before the filter knew anything."""
     models: tuple[str, ...] = ()
     """Files of models of somebody's own that were in use."""
 
@@ -50,12 +52,14 @@ class RecordedParts:
         with tempfile.TemporaryDirectory(prefix="brickpose-") as made:
             folder = Path(made)
             names = _unpacked(reader, folder)
-            map_file = reader.metadata.get("brickpose", {}).get("map_file", "")
+            facts = reader.metadata.get("brickpose", {})
+            map_file = facts.get("map_file", "")
             return cls(
                 _config(reader),
                 RobotSpec.load(folder / URDF) if URDF in names else RobotSpec.load(),
                 load_field(str(folder / map_file), MAPS) if map_file in names else None,
                 SETTINGS in reader.attachments,
+                facts.get("from_start") == "true",
                 tuple(n.removeprefix(MODELS) for n in reader.attachments if n.startswith(MODELS)),
             )
 

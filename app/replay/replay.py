@@ -77,7 +77,8 @@ class Replay:
         self.course = course
         self._asked = Asked()
         self._file = file
-        self._duration = duration_s
+        self.duration_s = duration_s
+        """From the first to the last tick [s]."""
         self._paused = paused
         self._speed = speed
         self._way: _Way | None = None
@@ -243,8 +244,8 @@ class Replay:
             log_ns, then = way.to_ns, snapshot.scan_pose
         return ReplayState(
             self._file,
-            min((log_ns - self._start_ns) / 1e9, self._duration),
-            self._duration,
+            min((log_ns - self._start_ns) / 1e9, self.duration_s),
+            self.duration_s,
             self._speed,
             self._paused,
             None if progress is None else min(max(progress, 0.0), 1.0),
