@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import logging
 import signal
-import socket
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,6 +16,7 @@ from app.doctor.options import add_doctor
 from app.evaluation.options import add_evaluate
 from app.hat_emulator.options import add_emulate_hat
 from app.options import add_camera, add_config, add_map, add_serial_port
+from app.replay.options import add_replay
 from app.ros2.export.options import add_export
 from app.sweep.options import add_sweep
 from app.trajectories.trajectory import TrajectoryError
@@ -31,6 +31,9 @@ OPTIONS = (
 
 START_OPTIONS = ("restore_pose", "pose_file")
 """Options that are settings of the start pose."""
+
+ROUTE_OPTIONS = {"ros2": "dds", "foxglove": "foxglove"}
+"""Options that are settings of the topics, under this name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -57,6 +60,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
+    add_replay(commands)
     add_evaluate(commands)
     add_sweep(commands)
     add_emulate_hat(commands)
@@ -105,6 +109,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     add_config(run)
     _add_models(run)
     _add_start_pose(run)
+    _add_outlets(run)
     run.set_defaults(command=_run)
 
 
@@ -120,6 +125,27 @@ def _add_start_pose(run: argparse.ArgumentParser) -> None:
         metavar="FILE",
         default=argparse.SUPPRESS,
         help="where the pose is saved (default: a file a robot and map in the user's state folder)",
+    )
+
+
+def _add_outlets(run: argparse.ArgumentParser) -> None:
+    run.add_argument(
+        "--record",
+        metavar="DIR",
+        default=argparse.SUPPRESS,
+        help="record everything to a new folder in this one (docs/recordings.md)",
+    )
+    run.add_argument(
+        "--ros2",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help="be a robot of ROS 2, over DDS (docs/ros2.md)",
+    )
+    run.add_argument(
+        "--foxglove",
+        action="store_true",
+        default=argparse.SUPPRESS,
+        help=f"serve Foxglove, on port {Config().ros2.foxglove_port} (docs/ros2.md)",
     )
 
 
@@ -154,6 +180,7 @@ def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is answered at once.
     from app.assembly import assemble, settle_robot  # noqa: PLC0415
+    from app.web.address import address_of  # noqa: PLC0415
     from app.web.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
@@ -163,11 +190,7 @@ def _run(parsed: argparse.Namespace) -> int:
         if missing:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = assemble(config, RealTime())
-        host, port = listening.getsockname()[:2]
-        if host in ("0.0.0.0", "::"):
-            host = socket.gethostname()  # nobody can open "all addresses"
-        shown = f"[{host}]" if ":" in host else host
-        say(f"BrickPose is at http://{shown}:{port} (Ctrl-C ends it)")
+        say(f"BrickPose is at {address_of(listening)} (Ctrl-C ends it)")
         serve(program, listening)
     return 0
 
@@ -195,7 +218,12 @@ def config_from(parsed: argparse.Namespace) -> Config:
     config = replace(config, start_pose=replace(config.start_pose, **over_start))
     if "serial_port" in given:
         over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
-    return replace(config, **over)
+    config = replace(config, **over)
+    if "record" in given:
+        recording = replace(config.recording, record=True, folder=given["record"])
+        config = replace(config, recording=recording)
+    routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
+    return replace(config, ros2=replace(config.ros2, **routes))
 
 
 def _complain(error: Exception, code: int) -> int:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
+from app.recording.settings import RecordingSettings
 from app.ros2.settings import Ros2Settings
 from app.start_pose.settings import StartPoseSettings
 from robot.cameras.settings import CameraSourceSettings
@@ -52,6 +53,7 @@ class Config:
     odometry: OdometrySettings = OdometrySettings()
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()
+    recording: RecordingSettings = RecordingSettings()
     ros2: Ros2Settings = Ros2Settings()
     start_pose: StartPoseSettings = StartPoseSettings()
     build_hat: BuildHatSettings = BuildHatSettings()

@@ -21,7 +21,6 @@ class RecordingSettings:
     """Where recordings go, and how much is in them."""
 
     record: bool = setting(False, "Record from the start (--record DIR)")
-    record: bool = setting(False, "Record from the start on")
     folder: str = setting("", "Where recordings are made; else in the user's data folder")
     picture_rate: float = setting(
         15.0, "Pictures at most so often; 0 is every one", unit="Hz", low=0, high=1000

@@ -11,6 +11,8 @@ from robot.settings import check_settings, setting
 class Ros2Settings:
     """Names, rates and reach of the topics."""
 
+    dds: bool = setting(False, "Topics over DDS, for programs of ROS 2 (--ros2)")
+    foxglove: bool = setting(False, "Topics for Foxglove and Lichtblick (--foxglove)")
     namespace: str = setting("", "Before the names of all topics, as in robot1/scan")
     domain_id: int = setting(
         -1, "Domain of DDS; -1 takes ROS_DOMAIN_ID, or 0 without it", low=-1, high=232
@@ -36,6 +38,11 @@ class Ros2Settings:
     scan_frame_id: str = setting("base_scan", "The frame that scans start from")
     foxglove_port: int = setting(
         8765, "Port of the Foxglove server; 0 is any free one", low=0, high=65535
+    )
+    foxglove_commands: bool = setting(
+        False,
+        "Foxglove may drive, too. Its server asks nobody who they are: any page that a browser on "
+        "this computer shows could then drive as well",
     )
 
     def __post_init__(self) -> None:

@@ -18,6 +18,7 @@ from app.messages.commands import (
     FigureEightCommand,
     PingCommand,
     PlaceCommand,
+    ReplayCommand,
     SetParametersCommand,
     SetParticlesCommand,
     SetPoseCommand,
@@ -64,6 +65,7 @@ def check(command: Command, program: Program) -> None:
         CommandError: says why.
     """
     _check_engine(command, program.engine)
+    _check_replay(command, program)
     match command:
         case SetPoseCommand():
             _check_on_map([(command.x, command.y, command.theta)], program.field)
@@ -86,6 +88,14 @@ def check(command: Command, program: Program) -> None:
                 changed_with_own(now, latest.own if latest else OwnChoice(), command.values)
             except ValueError as error:
                 raise CommandError(str(error)) from error
+
+
+def _check_replay(command: Command, program: Program) -> None:
+    drives = isinstance(command, DriveCommand | FigureEightCommand)
+    if drives and program.replay is not None:
+        raise CommandError("this is a replay; only a robot that is there can be driven")
+    if isinstance(command, ReplayCommand) and program.replay is None:
+        raise CommandError("this is no replay; brickpose replay FILE starts one")
 
 
 def _check_on_map(poses: Sequence[tuple[float, float, float]], field: Field) -> None:

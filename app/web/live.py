@@ -14,24 +14,23 @@ from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     AckMessage,
     Command,
-    DriveCommand,
     ErrorMessage,
-    FigureEightCommand,
     PingCommand,
-    StopCommand,
+    RecordCommand,
+    ReplayCommand,
 )
-from app.web.commands import CommandError, check, parse
+from app.outlets import Outlets
+from app.web.commands import check, parse
 from app.web.telemetry import TelemetryWriter
 
 
 class Live:
     """All viewers of one program."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, outlets: Outlets) -> None:
         self.program = program
-        self.drove: dict[_Viewer, float] = {}
-        """When each viewer that drives last said so, on the computer's clock [s]."""
-        self._writer = TelemetryWriter(program.field, program.robot, program.scanner)
+        self.outlets = outlets
+        self._writer = TelemetryWriter(program, outlets)
         self._written: tuple[Snapshot, str] | None = None
 
     def text(self, snapshot: Snapshot) -> str:
@@ -53,7 +52,7 @@ class Live:
                 await viewer.take_commands()
                 tasks.cancel_scope.cancel()
         finally:
-            viewer.leave()
+            self.outlets.drivers.leave(viewer)
 
 
 class _Viewer:
@@ -79,30 +78,32 @@ class _Viewer:
             if not await self._send(self._answer(message.get("text") or "")):
                 return
 
-    def leave(self) -> None:
-        """Stop the robot if this viewer was driving it, and nobody else is."""
-        drives = self._live.drove.pop(self, None) is not None
-        recent = time.monotonic() - self._live.program.config.drive.cmd_vel_timeout
-        if drives and all(last < recent for last in self._live.drove.values()):
-            self._engine.commands.put(StopCommand(type="stop"))
-
     def _answer(self, text: str) -> str:
         try:
             command = parse(text)
             check(command, self._live.program)
-        except CommandError as error:
+            self._take(command)
+        except ValueError as error:
             return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
-        self._take(command)
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
     def _take(self, command: Command) -> None:
-        if isinstance(command, PingCommand):
-            return
-        self._engine.commands.put(command)
-        if isinstance(command, (DriveCommand, FigureEightCommand)):
-            self._live.drove[self] = time.monotonic()
-        elif isinstance(command, StopCommand):
-            self._live.drove.clear()
+        """Hand a command to whom it concerns.
+
+        Raises:
+            ValueError: it cannot be carried out; says why.
+        """
+        outlets = self._live.outlets
+        if isinstance(command, RecordCommand):
+            outlets.record(command.on)
+        elif isinstance(command, ReplayCommand):
+            assert self._live.program.replay is not None  # it was checked
+            self._live.program.replay.ask(
+                command.paused, command.speed, command.position_s, command.step
+            )
+        elif not isinstance(command, PingCommand):
+            self._engine.commands.put(command)
+            outlets.drivers.took(self, command)
 
     def _robot_time(self) -> float | None:
         """The robot's clock now: the newest stamp and the time since it was published."""

@@ -29,7 +29,10 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.telemetry import TelemetryMessage
+from app.outlets import Outlets
 from app.own_models.blame import running
+from app.recording.routes import recordings_router
+from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.start_pose.keeping import PoseKeeper
 from app.view.view import View
 from app.web.access import SameOriginOnly, own_names
@@ -43,7 +46,7 @@ STALE_S = 2.0
 """Without a tick for so long [s], the engine is said to hang."""
 
 
-def create_app(program: Program, thread: EngineThread) -> FastAPI:
+def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
     """The application around a program; the engine's thread runs while the application does."""
     view = View(program.field, program.robot.spec, program.engine.latest)
     keeper = PoseKeeper(
@@ -71,9 +74,11 @@ def create_app(program: Program, thread: EngineThread) -> FastAPI:
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
     _add_page(app)
-    _add_state(app, program, thread, (view, keeper))
+    _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
     _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
+    _add_rosbridge(app, outlets.rosbridge)
+    app.include_router(recordings_router(program.config.recording.path))
     return app
 
 
@@ -113,16 +118,20 @@ class _Revalidated(StaticFiles):
 
 
 def _add_state(
-    app: FastAPI, program: Program, thread: EngineThread, followers: tuple[View, PoseKeeper]
+    app: FastAPI,
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
 ) -> None:
     engine = program.engine
-    live = Live(program)
+    live = Live(program, outlets)
     started = time.monotonic()
 
     @app.get("/api/health")
     def health(response: Response) -> HealthMessage:
         """Whether the program does its job; 503 when it has failed."""
-        status, detail = _health(program, thread, followers)
+        status, detail = _health(program, thread, followers, outlets)
         if status == "failed":
             response.status_code = 503
         latest = engine.latest.get()
@@ -159,7 +168,10 @@ def _add_state(
 
 
 def _health(
-    program: Program, thread: EngineThread, followers: tuple[View, PoseKeeper]
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
 ) -> tuple[str, str]:
     latest = program.engine.latest.get()
     if program.engine.failure is not None:
@@ -172,7 +184,8 @@ def _health(
     if silent > STALE_S:
         where = running(thread.ident)
         return "degraded", f"No tick for {silent:.1f} s." + (f" {where}" if where else "")
-    problems = [*latest.problems, *(one.failure for one in followers if one.failure)]
+    failures = [one.failure for one in followers if one.failure]
+    problems = [*latest.problems, *failures, *outlets.failures]
     if problems:
         return "degraded", " ".join(problems)
     return "ok", "All is well."
@@ -239,3 +252,9 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
     @app.websocket("/view")
     async def follow_view(socket: WebSocket) -> None:
         await view.serve(socket)
+
+
+def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
+    @app.websocket("/rosbridge")
+    async def follow_topics(socket: WebSocket) -> None:
+        await rosbridge.serve(socket)

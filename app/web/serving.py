@@ -12,6 +12,7 @@ import uvicorn
 
 from app.assembly import Program
 from app.engine.engine_thread import EngineThread
+from app.outlets import Outlets
 from app.view.view import SMALL_BUFFER
 from app.web.server import create_app
 
@@ -55,9 +56,11 @@ class Server:
     """The web application of one program, with the engine's thread."""
 
     def __init__(self, program: Program) -> None:
-        self._thread = EngineThread(program.engine)
+        replay = program.replay
+        self._thread = EngineThread(program.engine, replay.run if replay else None)
+        self._outlets = Outlets(program)
         config = uvicorn.Config(
-            create_app(program, self._thread),
+            create_app(program, self._thread, self._outlets),
             log_level="warning",
             ws="websockets-sansio",
             # Compression costs ten times the rest on arrays of particles, and gains little.
@@ -72,7 +75,11 @@ class Server:
     def run(self, sockets: list[socket.socket]) -> None:
         """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
         sys.setswitchinterval(HAND_OVER_S)
-        self._uvicorn.run(sockets=sockets)
+        self._outlets.start()
+        try:
+            self._uvicorn.run(sockets=sockets)
+        finally:
+            self._outlets.close()
 
     def stop(self) -> None:
         """Ask the server to end; from any thread."""

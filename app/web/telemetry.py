@@ -7,17 +7,21 @@ import math
 
 import numpy as np
 
+from app.assembly import Program
 from app.engine.snapshot import LAYERS, Snapshot
 from app.messages.answers import FieldMessage, ParameterMessage
 from app.messages.telemetry import (
     LoopMessage,
     PoseMessage,
+    ReplayMessage,
     RobotMessage,
     ScanMessage,
     TelemetryMessage,
     TwistMessage,
 )
+from app.outlets import Outlets
 from app.own_models.own_models import OwnChoice
+from app.replay.state import ReplayState
 from app.web.belief import estimate_message, filter_message, particles_message
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -29,12 +33,13 @@ from robot.settings import Setting, describe
 
 
 class TelemetryWriter:
-    """Knows what does not change: the field, the robot and the scanner."""
+    """Knows what does not change: the field, the robot and the scanner; and who records."""
 
-    def __init__(self, field: Field, robot: Robot, scanner: LineScanner) -> None:
-        self._field = field
-        self._robot = robot
-        self._scanner = scanner
+    def __init__(self, program: Program, outlets: Outlets) -> None:
+        self._field = program.field
+        self._robot = program.robot
+        self._scanner = program.scanner
+        self._outlets = outlets
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """The telemetry of one tick."""
@@ -56,8 +61,10 @@ class TelemetryWriter:
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
             filter=filter_message(snapshot),
-            problems=list(snapshot.problems),
+            problems=[*snapshot.problems, *self._outlets.failures],
             error_count=snapshot.problem_count,
+            recording=self._outlets.recorder.status,
+            replay=_replay_message(snapshot.replay),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )
 
@@ -97,6 +104,20 @@ class TelemetryWriter:
             (round(u, 1), round(v, 1)) if shown else None
             for (u, v), shown in zip(pixels, counted.tolist(), strict=True)
         ]
+
+
+def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
+    if state is None:
+        return None
+    return ReplayMessage(
+        file=state.file,
+        position_s=state.position_s,
+        duration_s=state.duration_s,
+        speed=state.speed,
+        paused=state.paused,
+        catching_up=state.catching_up,
+        estimate_then=pose_message(state.estimate_then),
+    )
 
 
 def pose_message(pose: Pose2 | None) -> PoseMessage | None:

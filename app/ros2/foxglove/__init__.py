@@ -1,0 +1,1 @@
+"""The topics for Foxglove and Lichtblick."""

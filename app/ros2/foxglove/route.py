@@ -1,0 +1,175 @@
+"""A server of Foxglove's own protocol, on a port of its own."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+from app.ros2.foxglove.commands import Commands
+from app.ros2.inbox import Inbox
+from app.ros2.message_types import definition
+from app.ros2.published import Published
+from app.ros2.publisher import TopicPublisher
+from app.ros2.route import Pace
+from app.ros2.settings import Ros2Settings
+from app.ros2.topic import Topic
+from app.ros2.topics import TOPICS
+
+if TYPE_CHECKING:
+    from foxglove import Channel, Context
+    from foxglove.websocket import ChannelView, Client, WebSocketServer
+
+BACKLOG = 128
+"""Messages that wait for a slow viewer; the oldest make room."""
+
+
+class FoxgloveMissingError(ImportError):
+    """The SDK is not installed; the message says what to do."""
+
+
+class FoxglovePortError(OSError):
+    """The port cannot be listened on; the message says which could."""
+
+
+class FoxgloveRoute:
+    """Every live topic; a message is made only while somebody looks at its topic."""
+
+    name = "Foxglove"
+
+    def __init__(
+        self, publisher: TopicPublisher, inbox: Inbox, settings: Ros2Settings, host: str
+    ) -> None:
+        self.failure: str | None = None
+        """Why it does not run, if it failed."""
+        self._publisher = publisher
+        self._inbox = inbox
+        self._settings = settings
+        self._host = host
+        self._server: WebSocketServer | None = None
+        self._channels: dict[str, Channel] = {}
+        self._paces: dict[str, Pace] = {}
+        self._lock = threading.Lock()
+
+    @property
+    def port(self) -> int | None:
+        """That it listens on; None while it does not."""
+        return None if self._server is None else self._server.port
+
+    def start(self) -> None:
+        """Listen, from here on.
+
+        Raises:
+            FoxgloveMissingError: the SDK is not installed.
+            FoxglovePortError: the port is taken, or the address is not of this machine.
+        """
+        foxglove = _sdk()
+        context = foxglove.Context()
+        topics = [topic for topic in TOPICS if topic.live]
+        self._channels = {topic.name: self._channel(topic, context) for topic in topics}
+        self._paces = {topic.name: self._pace() for topic in topics}
+        self._server = self._listen(foxglove, context)
+        self._publisher.add(self)
+
+    def close(self) -> None:
+        """Let all viewers go; may be called twice."""
+        self._publisher.remove(self)
+        with self._lock:
+            server, self._server = self._server, None
+            channels, self._channels = self._channels, {}
+        if server is not None:
+            server.stop()
+        for channel in channels.values():
+            channel.close()
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """Whether somebody looks at it, and it is due."""
+        channel = self._channels.get(topic.name)
+        watched = channel is not None and channel.has_sinks()
+        return watched and self._paces[topic.name].due(topic, stamp)
+
+    def take(self, published: Published) -> None:
+        """Hand it to the SDK, whose own threads send it."""
+        channel = self._channels.get(published.topic.name)
+        if channel is not None:
+            channel.log(published.cdr, log_time=published.log_time_ns)
+
+    def anew(self, name: str) -> None:
+        """Somebody begins to look at a topic, by its full name: what is latched is due again."""
+        for topic in TOPICS:
+            if self._settings.full_name(topic.name) == name:
+                self._paces[topic.name] = self._pace()
+
+    def _pace(self) -> Pace:
+        return Pace(lambda topic: self._settings.period(topic.rate))
+
+    def _channel(self, topic: Topic, context: Context) -> Channel:
+        from foxglove import Channel, Schema  # noqa: PLC0415
+
+        text = definition(topic.type).encode()
+        schema = Schema(name=topic.type, encoding="ros2msg", data=text)
+        name = self._settings.full_name(topic.name)
+        return Channel(name, schema=schema, message_encoding="cdr", context=context)
+
+    def _listen(self, foxglove: Any, context: Context) -> WebSocketServer:
+        commands = Commands(self._inbox)
+        listener = _Listener(self, commands)
+        may = self._settings.foxglove_commands
+        able = [foxglove.Capability.ClientPublish, foxglove.Capability.Services] if may else []
+        try:
+            server: WebSocketServer = foxglove.start_server(
+                name="BrickPose",
+                host=self._host,
+                port=self._settings.foxglove_port,
+                context=context,
+                capabilities=able,
+                supported_encodings=["cdr", "json"],
+                services=commands.services() if may else None,
+                server_listener=listener,
+                message_backlog_size=BACKLOG,
+            )
+        except Exception as error:  # the SDK raises plain ones
+            raise FoxglovePortError(
+                f"Foxglove cannot listen on {self._host} port {self._settings.foxglove_port}: "
+                f"{error}; another port is chosen by ros2.foxglove_port"
+            ) from error
+        listener.server = server
+        return server
+
+
+class _Listener:
+    """What the SDK calls, in threads of its own."""
+
+    def __init__(self, route: FoxgloveRoute, commands: Commands) -> None:
+        self.server: WebSocketServer | None = None
+        self._route = route
+        self._commands = commands
+
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
+        self._route.anew(channel.topic)
+
+    def on_client_advertise(self, client: Client, channel: Any) -> None:
+        self._say(self._commands.advertise(client.id, channel))
+
+    def on_client_unadvertise(self, client: Client, client_channel_id: int) -> None:
+        self._commands.unadvertise(client.id, client_channel_id)
+
+    def on_message_data(self, client: Client, client_channel_id: int, data: bytes) -> None:
+        self._say(self._commands.take(client.id, client_channel_id, data))
+
+    def _say(self, complaint: str | None) -> None:
+        if complaint is not None and self.server is not None:
+            from foxglove import StatusLevel  # noqa: PLC0415
+
+            self.server.publish_status(complaint, StatusLevel.Error)
+
+
+def _sdk() -> Any:
+    try:
+        import foxglove  # noqa: PLC0415
+        import foxglove.websocket  # noqa: PLC0415
+    except ImportError as error:
+        raise FoxgloveMissingError(
+            "Foxglove needs its SDK: pip install 'brickpose[foxglove]' "
+            f"(.venv/bin/pip in a checkout); {error}"
+        ) from error
+    return foxglove
