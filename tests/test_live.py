@@ -62,6 +62,7 @@ def test_one_of_two_drivers_may_leave(server, live):
     with server.live() as other:
         ask(other, type="figure_eight")
         ask(live, type="figure_eight")
+        until(live, lambda t: t["mode"] == "figure_eight")
     assert {telemetry(live)["mode"] for _ in range(10)} == {"figure_eight"}
 
 
