@@ -29,14 +29,32 @@ class EmulatedHat:
         Raises:
             ValueError: it answers with an error.
         """
+        (answer,) = self._answers(line)
+        return answer
+
+    def pose(self) -> tuple[float, list[float]]:
+        """Where the robot is: x, y [m], theta, and when that was [s].
+
+        The time goes as the clock on the wall does, from a zero of the board's; both are of one
+        turn of the emulator, however late it takes it.
+        """
+        state, truth = self._answers("state", "truth")
+        now, *_, lost = state.split("; ")
+        stamp = float(now.removeprefix("now ")) + float(lost.removeprefix("lost "))
+        return stamp, [float(word) for word in truth.split()]
+
+    def _answers(self, *lines: str) -> list[str]:
+        """To commands that are sent together."""
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(ANSWER_S)
             connection.connect(str(self.control))
-            connection.sendall(line.encode() + b"\n")
-            answer = connection.makefile().readline().rstrip("\n")
-        if answer.startswith("error"):
-            raise ValueError(f"{line}: {answer}")
-        return answer
+            connection.sendall("".join(f"{line}\n" for line in lines).encode())
+            told = connection.makefile()
+            answers = [told.readline().rstrip("\n") for _ in lines]
+        for line, answer in zip(lines, answers, strict=True):
+            if answer.startswith("error"):
+                raise ValueError(f"{line}: {answer}")
+        return answers
 
     def motors(self) -> tuple[float, list[float]]:
         """The board's time [s], and how fast the motors at its ports turn [degree/s]."""

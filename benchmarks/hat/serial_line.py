@@ -82,12 +82,12 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
 
 
 def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
-    """True poses (n, 4) by the wall's clock, and (m, 7) estimates and odometry by the robot's."""
+    """True poses (n, 4) by the emulator's clock; (m, 7) estimates and odometry by the robot's."""
     truth, told = [], []
     with server.live() as socket:
         until(socket, connected, START_S)
         begin = until(socket, estimated, START_S)["stamp"]
-        x, y, theta = (float(word) for word in hat.ask("truth").split())
+        _, (x, y, theta) = hat.pose()
         wrong = {"x": x + WRONG.x, "y": y + WRONG.y, "theta": theta + WRONG.theta}
         _send(socket, type="set_pose", **wrong)
         renewed = -math.inf
@@ -95,9 +95,9 @@ def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Arr
             if time.monotonic() - renewed > RENEW_S:
                 renewed = time.monotonic()
                 _send(socket, type="figure_eight")
-            asked = time.monotonic()
-            pose = [float(word) for word in hat.ask("truth").split()]
-            truth.append([(asked + time.monotonic()) / 2, *pose])
+            stamp, pose = hat.pose()
+            if not truth or stamp > truth[-1][0]:
+                truth.append([stamp, *pose])
             now = telemetry(socket)
             if now["estimate"] is not None:
                 told.append([now["stamp"], *_pose(now["estimate"]), *_pose(now["odometry"])])
