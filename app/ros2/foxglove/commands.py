@@ -15,7 +15,7 @@ from app.ros2.message_types import (
     message_class,
     to_cdr,
 )
-from app.ros2.rosbridge.fields import FILLER
+from app.ros2.rosbridge.fields import FILLER, fields
 from app.ros2.rosbridge.names import Names
 from app.ros2.rosbridge.reading import message_of
 
@@ -91,6 +91,8 @@ class Commands:
 
 
 def _decoded(data: bytes, type_name: str, encoding: str) -> Message:
+    if not fields(type_name):
+        return message_of({}, type_name)  # some send a byte for it, and some none
     if encoding == "cdr":
         return from_cdr(data, type_name)
     if encoding != "json":

@@ -46,6 +46,7 @@ class FoxgloveRoute:
         self._settings = settings
         self._host = host
         self._server: WebSocketServer | None = None
+        self._context: Context | None = None
         self._channels: dict[str, Channel] = {}
         self._paces: dict[str, Pace] = {}
         self._lock = threading.Lock()
@@ -63,7 +64,8 @@ class FoxgloveRoute:
             FoxglovePortError: the port is taken, or the address is not of this machine.
         """
         foxglove = _sdk()
-        context = foxglove.Context()
+        # Kept: with it, its channels would go.
+        self._context = context = foxglove.Context()
         topics = [topic for topic in TOPICS if topic.live]
         self._channels = {topic.name: self._channel(topic, context) for topic in topics}
         self._paces = {topic.name: self._pace() for topic in topics}
@@ -146,6 +148,9 @@ class _Listener:
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         self._route.anew(channel.topic)
+
+    def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
+        """Called, whether it is of interest or not."""
 
     def on_client_advertise(self, client: Client, channel: Any) -> None:
         self._say(self._commands.advertise(client.id, channel))

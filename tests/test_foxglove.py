@@ -1,0 +1,182 @@
+"""The topics as Foxglove's own client library reads them."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from engine_runs import kinematic
+from node_peers import needs_node, start_node
+
+from app.assembly import assemble
+from app.config import Config
+from app.messages.commands import DriveCommand, ScatterCommand
+from app.ros2.foxglove.route import FoxgloveMissingError, FoxglovePortError, FoxgloveRoute
+from app.ros2.inbox import Inbox
+from app.ros2.message_types import definition
+from app.ros2.publisher import TopicPublisher
+from app.ros2.settings import Ros2Settings
+from app.ros2.source import TopicSource
+from app.ros2.topics import TOPICS, topic
+from sim.real_time import RealTime
+
+pytest.importorskip("foxglove", reason="the extra `foxglove` is not installed")
+
+MOST_TICKS = 3000
+"""A minute; what is wanted came long ago, or never comes."""
+
+NOW = {"sec": 0, "nanosec": 0}
+ZERO = {"x": 0, "y": 0, "z": 0}
+
+
+class Rig:
+    """A robot in real time, whose ticks are kept by their ROS time."""
+
+    def __init__(self, **settings) -> None:
+        ros2 = Ros2Settings(foxglove_port=0, **settings)
+        self.program = assemble(Config(robot="kinematic", ros2=ros2), RealTime())
+        self.source = TopicSource.of(self.program)
+        self.publisher = TopicPublisher(self.source, self.program.engine.every)
+        inbox = Inbox(self.program, self.source)
+        self.route = FoxgloveRoute(self.publisher, inbox, ros2, "127.0.0.1")
+        self.shown = []
+
+    def __enter__(self):
+        self.source.clock.hold()
+        self.route.start()
+        return self
+
+    def __exit__(self, *_):
+        self.route.close()
+        self.publisher.close()
+
+    @property
+    def url(self) -> str:
+        return f"ws://127.0.0.1:{self.route.port}"
+
+    def talk(self, wanted, asked=None) -> list[dict]:
+        """What a client tells that wants so many messages of each topic."""
+        with start_node("foxglove_client.mjs", self.url, wanted, asked) as peer:
+            for _ in range(MOST_TICKS):
+                self.shown.append(self.program.engine.step())
+                if not peer.runs():
+                    break
+            return peer.told()
+
+    def at(self, header):
+        """The tick of a header's stamp."""
+        stamp = header["stamp"]["sec"] * 10**9 + stamp_ns(header)
+        (found,) = [one for one in self.shown if self.source.clock.ns(one.stamp) == stamp]
+        return found
+
+
+def stamp_ns(header) -> int:
+    return header["stamp"].get("nanosec", header["stamp"].get("nsec"))
+
+
+@pytest.fixture(scope="module")
+def rig():
+    with Rig(foxglove_commands=True) as rig:
+        yield rig
+
+
+def of(told, name) -> list[dict]:
+    return [one["message"] for one in told if one.get("topic") == name]
+
+
+@needs_node
+def test_its_own_client_reads_the_same_values(rig):
+    told = rig.talk({"/scan": 1, "/odom": 3, "/map": 1, "/tf_static": 1})
+    channels = {one["channel"]: (one["type"], one["encoding"]) for one in told if "channel" in one}
+    assert channels == {f"/{one.name}": (one.type, "cdr") for one in TOPICS if one.live}
+    for odom in of(told, "/odom"):
+        snapshot = rig.at(odom["header"])
+        position = odom["pose"]["pose"]["position"]
+        assert (position["x"], position["y"]) == (
+            snapshot.odom_from_robot.x,
+            snapshot.odom_from_robot.y,
+        )
+    scan = of(told, "/scan")[0]
+    ranges = [float(value) for value in scan["ranges"]]
+    seen = [one.line_scan.scan.ranges for one in rig.shown if one.line_scan is not None]
+    assert any(np.array_equal(np.float32(one), np.float32(ranges)) for one in seen)
+    grid = of(told, "/map")[0]
+    made = topic("map").make(rig.source, rig.shown[-1])
+    assert grid["data"] == made.data.tolist()
+    assert grid["info"]["resolution"] == pytest.approx(made.info.resolution)
+
+
+@needs_node
+def test_a_viewer_that_comes_late_is_told_what_is_latched(rig):
+    for _ in range(2):
+        assert of(rig.talk({"/map": 1, "/robot_description": 1}), "/map")
+
+
+@needs_node
+def test_a_viewer_may_drive_and_is_told_what_was_wrong(rig):
+    name = "geometry_msgs/msg/TwistStamped"
+    for v, words in ((0.125, None), (50, "less than")):
+        twist = {"linear": {**ZERO, "x": v}, "angular": ZERO}
+        publish = {
+            "topic": "/cmd_vel",
+            "schemaName": name,
+            "schema": definition(name),
+            "message": {"header": {"stamp": NOW, "frame_id": ""}, "twist": twist},
+        }
+        wanted = {"status": 1} if words else {"/odom": 5}
+        told = rig.talk(wanted, {"publish": publish})
+        if words:
+            assert words in next(one["status"] for one in told if "status" in one)
+    taken = [command for one in rig.shown for command in one.commands]
+    assert DriveCommand(type="drive", v=0.125, omega=0.0) in taken
+
+
+@needs_node
+def test_services_are_answered(rig):
+    scatter = {"name": "/reinitialize_global_localization", "message": {}}
+    told = rig.talk({"service": 1}, {"service": scatter})
+    assert [one["service"] for one in told if "service" in one] == [True], told
+    assert any(isinstance(c, ScatterCommand) for one in rig.shown for c in one.commands)
+    header = {"stamp": NOW, "frame_id": "map"}
+    at = {"position": {**ZERO, "x": 50}, "orientation": {**ZERO, "w": 1}}
+    pose = {"header": header, "pose": {"pose": at, "covariance": [0.0] * 36}}
+    wrong = {"name": "/set_initial_pose", "message": {"pose": pose}}
+    told = rig.talk({"service": 1}, {"service": wrong})
+    (words,) = [one["words"] for one in told if one.get("service") is False]
+    assert "off the map" in words
+
+
+@needs_node
+def test_without_the_setting_nobody_may_drive():
+    with Rig() as rig:
+        told = rig.talk({"/odom": 1})
+    (info,) = [one["info"] for one in told if "info" in one]
+    assert info["capabilities"] == []
+
+
+def test_what_nobody_looks_at_is_not_made(rig):
+    assert not any(rig.route.wants(one, 1.0) for one in TOPICS)
+
+
+def test_a_port_that_is_taken_is_named(rig):
+    settings = Ros2Settings(foxglove_port=rig.route.port)
+    second = FoxgloveRoute(rig.publisher, Inbox(rig.program, rig.source), settings, "127.0.0.1")
+    with pytest.raises(FoxglovePortError, match=f"port {rig.route.port}: .*foxglove_port"):
+        second.start()
+    second.close()
+
+
+def test_without_the_sdk_the_cure_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "foxglove", None)
+    program = kinematic()
+    source = TopicSource.of(program)
+    publisher = TopicPublisher(source, program.engine.every)
+    route = FoxgloveRoute(publisher, Inbox(program, source), source.settings, "127.0.0.1")
+    with pytest.raises(FoxgloveMissingError, match=r"brickpose\[foxglove\]"):
+        route.start()
+    route.close()
+
+
+def test_the_program_does_not_need_the_sdk_until_it_is_asked_for():
+    code = "import sys, app.ros2.foxglove.route; sys.exit('foxglove' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
