@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import accuracy, live, loop, recovery, render, scan, start, sweep, worth
+from benchmarks import accuracy, live, loop, recording, recovery, render, scan, start, sweep, worth
 from benchmarks import filter as particle_filter
 from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
 from benchmarks.result import Result
@@ -21,6 +21,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "loop": loop.measure,
     "live": live.measure,
     "official_library": official_library.measure,
+    "recording": recording.measure,
     "recovery": recovery.measure,
     "render": render.measure,
     "scan": scan.measure,

@@ -109,7 +109,7 @@ def test_metadata_is_there_from_the_start_and_follows(tmp_path):
     file = RecordingFile(tmp_path / "drive", FACTS)
     assert metadata_of(file.folder)["message_count"] == 0
     write_ticks(file, 500)
-    assert metadata_of(file.folder)["message_count"] >= 500 - 200
+    assert metadata_of(file.folder)["message_count"] >= 200
     file.abandon()
     assert len(metadata_of(file.folder)["topics_with_message_count"]) == 2
 

@@ -37,7 +37,7 @@ METADATA_FILE = "metadata.yaml"
 FLUSH_NS = 400_000_000
 """So much at most waits for the file, by the messages' log time."""
 
-METADATA_NS = 3_000_000_000
+METADATA_NS = 5_000_000_000
 """``metadata.yaml`` is written anew so often."""
 
 MOST_NAMES = 1000
@@ -140,7 +140,7 @@ class RecordingFile:
         if self._span is None:
             self._span = Span(log_time_ns, log_time_ns)
             self._flushed_ns = log_time_ns
-        self._span = self._span.with_time(log_time_ns)
+        self._span.add(log_time_ns)
         # A clock that was set back must not make the file wait until it has caught up.
         if abs(log_time_ns - self._flushed_ns) >= FLUSH_NS:
             self._flushed_ns = log_time_ns

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,12 +70,13 @@ class RayTable:
             places=(lines * view.lens.width + columns).astype(np.uint32),
         )
 
-    @property
+    @cached_property
     def limits(self) -> Array:
         """(k, 2) nearest and farthest distance [m] that each ray sees; nan if it sees none."""
         last = np.maximum(self.counts - 1, 0)
         ends = np.column_stack([self.distances[:, 0], self.distances[np.arange(len(last)), last]])
         ends[self.counts == 0] = np.nan
+        ends.setflags(write=False)
         return ends
 
     def lines(self, points: int) -> Array:

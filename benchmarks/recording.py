@@ -1,0 +1,117 @@
+"""What a recording costs: processor time, and room on the disk."""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+
+from app.assembly import Program, assemble
+from app.config import Config
+from app.engine.engine_thread import EngineThread
+from app.messages.commands import FigureEightCommand
+from app.recording.contents import contents_of
+from app.recording.recorder import Recorder
+from app.ros2.publisher import TopicPublisher
+from app.ros2.source import TopicSource
+from benchmarks.result import Result
+from sim.real_time import RealTime
+
+SECONDS = 6.0
+ROUNDS = 5
+WARM_UP_S = 8.0
+"""Compiled code is loaded, and the first large clouds are gone."""
+
+THREADS = ("topics", "recording")
+
+
+@dataclass(frozen=True, slots=True)
+class _Use:
+    """Of some seconds."""
+
+    process: float
+    """Processor time of the whole program [% of a core]."""
+    threads: float
+    """Of the threads that record [% of a core]."""
+
+
+def measure() -> Result:
+    """Pictures at 15 Hz, everything else as it comes, on the figure-eight in real time.
+
+    Seconds with and without a recording take turns, so that both meet the same machine. Of the
+    rounds the least counts: other work on the machine makes everything dearer, never cheaper.
+    """
+    config = Config(robot="sim")
+    with tempfile.TemporaryDirectory() as folder:
+        config = replace(config, recording=replace(config.recording, folder=folder))
+        with _driving(config) as program:
+            publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
+            recorder = Recorder(
+                publisher, config.recording, lambda: contents_of(program), datetime.now
+            )
+            _drive(program, WARM_UP_S)
+            without, recording = [], []
+            for _ in range(ROUNDS):
+                without.append(_used(program))
+                recorder.start()
+                _drive(program, 1.0)  # what is written once is written
+                recording.append(_used(program))
+                recorder.close()
+            publisher.close()
+        size = _megabytes_a_minute(Path(folder))
+    return Result(
+        unit="% of a core",
+        brickpose=min(one.threads for one in recording),
+        more={
+            "program without a recording [% of a core]": min(one.process for one in without),
+            "program with a recording [% of a core]": min(one.process for one in recording),
+            "disk [MB a minute]": size,
+        },
+    )
+
+
+@contextmanager
+def _driving(config: Config) -> Iterator[Program]:
+    program = assemble(config, RealTime())
+    thread = EngineThread(program.engine)
+    thread.start()
+    try:
+        yield program
+    finally:
+        thread.stop()
+
+
+def _drive(program: Program, seconds: float) -> None:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        program.engine.commands.put(FigureEightCommand(type="figure_eight"))
+        time.sleep(0.1)
+
+
+def _used(program: Program) -> _Use:
+    begin, process, threads = time.monotonic(), time.process_time(), _threads_time()
+    _drive(program, SECONDS)
+    passed = time.monotonic() - begin
+    return _Use(
+        100 * (time.process_time() - process) / passed,
+        100 * (_threads_time() - threads) / passed,
+    )
+
+
+def _threads_time() -> float:
+    """Processor time of the threads that record [s]."""
+    found = [one.ident for one in threading.enumerate() if one.name in THREADS]
+    clocks = [time.pthread_getcpuclockid(ident) for ident in found if ident is not None]
+    return sum(time.clock_gettime(clock) for clock in clocks)
+
+
+def _megabytes_a_minute(folder: Path) -> float:
+    """With what is in each recording once; a longer one has less of that."""
+    sizes = [path.stat().st_size for path in folder.rglob("*.mcap")]
+    return statistics.median(sizes) / 1e6 / (SECONDS + 1.0) * 60
