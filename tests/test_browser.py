@@ -198,7 +198,8 @@ def test_a_parameter_is_changed_and_reset_brings_it_back(page, live):
     until(live, lambda now: now["particles"]["count"] != 700)
 
 
-def test_a_ray_shows_its_profile(page):
+def test_a_ray_shows_its_profile(page, live):
+    ask(live, type="place", x=0.2, y=0, theta=0)  # the ray in the middle crosses the tape
     page.locator("#camera-profile").click()
     expect(page.locator("#profile")).to_be_visible()
     expect(page.locator("#profile-text")).to_contain_text("mm")
