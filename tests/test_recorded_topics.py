@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import cv2
@@ -14,6 +15,7 @@ from node_peers import needs_node, run_node
 from recordings import begin, recorder_of
 from rosbags.highlevel import AnyReader
 
+from app.config import ROOT
 from app.messages.commands import SetPoseCommand
 from app.ros2.topics import TOPICS
 from robot.geometry import Pose2
@@ -214,3 +216,16 @@ def test_all_that_the_robot_was_told_is_recorded_with_its_tick(of_topic, recorde
     ((message, snapshot),) = of_topic("/initialpose")
     assert TOLD in snapshot.commands
     assert pose_of(message.pose.pose) == pytest.approx([0.01, 0.02, 0.3])
+
+
+def test_the_example_of_the_documentation_works(recorded, of_topic, capsys, monkeypatch):
+    page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    monkeypatch.chdir(recorded[0].parent)
+    exec(example.replace('"NAME"', repr(recorded[0].name)), {})
+    assert len(capsys.readouterr().out.splitlines()) == len(of_topic("/odom")) > 40
+
+
+def test_the_documentation_has_every_topic():
+    page = (ROOT / "docs" / "recordings.md").read_text(encoding="utf-8")
+    assert [one.name for one in TOPICS if f"`/{one.name}`" not in page] == []
