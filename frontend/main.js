@@ -18,6 +18,8 @@ import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
 import { View3d } from "./view3d/panel.js";
 import { Connection } from "./wire/connection.js";
+import { ReplayBar } from "./replay/bar.js";
+import { ReplayKeys } from "./replay/keys.js";
 import { getJson } from "./wire/http.js";
 
 /** @typedef {import("./messages").Command} Command */
@@ -47,7 +49,12 @@ const camera = new CameraPanel(loop, drawn);
 const map = new MapPanel(loop, order);
 const plots = new PlotsPanel(loop, history);
 const filter = new FilterPanel(connection, order, () => map.telling.scatter());
-const view3d = new View3d(appearance, order, (target) => drive.keys.listen(target));
+const replay = new ReplayBar(order);
+const replayKeys = new ReplayKeys(replay);
+const view3d = new View3d(appearance, order, (target) => {
+  drive.keys.listen(target);
+  replayKeys.listen(target);
+});
 const tabs = new PhoneTabs();
 const probe = exposeProbe((x, y) => map.toPage(x, y));
 
@@ -81,6 +88,7 @@ function take(news) {
   if (news.map !== fieldName) loadField(news.map);
   problems.show(news);
   record.show(news.recording ?? null);
+  if (replay.show(news.replay ?? null)) showReplay(replay.shown);
   camera.addScan(news.scan);
   tape.add(news.scan);
   map.show(news);
@@ -98,6 +106,17 @@ function showTruth(known) {
   plots.setTruth(known);
 }
 
+/** A recording cannot be driven, and has more to show. @param {boolean} replayed */
+function showReplay(replayed) {
+  drive.drive.possible = !replayed;
+  document.body.toggleAttribute("data-replay", replayed);
+  for (const part of document.querySelectorAll("[data-needs-replay]")) {
+    part.toggleAttribute("hidden", !replayed);
+  }
+  plots.setReplay(replayed);
+  delay = null;
+}
+
 /** @param {TelemetryMessage} news */
 function describe(news) {
   if (connection.state !== "open") return;
@@ -112,7 +131,8 @@ function describe(news) {
 /** A new picture is on the screen. @param {number} stamp of its exposure */
 function drawn(stamp) {
   const now = connection.clock.now();
-  if (now === null) return;
+  // What was recorded long ago has no delay.
+  if (now === null || replay.shown) return;
   addDelay(probe, (now - stamp) * 1000);
   const last = probe.delays.slice(-PICTURES).sort((a, b) => a - b);
   delay = last[Math.floor(last.length / 2)];

@@ -93,7 +93,7 @@ class Course:
     @property
     def log_ns(self) -> int:
         """Time of the last tick [ns since 1970]."""
-        return self.robot.place.log_ns
+        return self.robot.at.log_ns
 
     @property
     def pure(self) -> bool:
@@ -190,7 +190,7 @@ class Course:
         """Time of the tick with the picture so many before the last one [ns since 1970]."""
         robot = self.robot
         return picture_before(
-            robot.reader, robot.topics, robot.place.picture_log_ns, pictures, robot.start_ns
+            robot.reader, robot.topics, robot.at.picture_log_ns, pictures, robot.start_ns
         )
 
     def _start_anew(self) -> None:
@@ -231,7 +231,7 @@ class Course:
         if not (self._pure and self._can_keep and self.checkpoints.due(log_ns)):
             return
         try:
-            kept = self.engine.keep(self._keeper, (self.robot.place, self._then))
+            kept = self.engine.keep(self._keeper, (self.robot.at, self._then))
         except CheckpointError as error:
             self._can_keep = False
             self.engine.note(f"To go back takes long: {error}.")

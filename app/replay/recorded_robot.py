@@ -56,7 +56,8 @@ class RecordedRobot:
         self.spec = spec
         self.reader = reader
         self.topics = topics
-        self.place = Place()
+        self.at = Place()
+        """How far it was read. (What has a ``place`` could be put elsewhere.)"""
         self.then: tuple[float, Pose2] | None = None
         """What was estimated then, if that is told by the last tick: at which stamp, and what."""
         self.damage = ""
@@ -78,10 +79,10 @@ class RecordedRobot:
 
     def go_to(self, place: Place) -> None:
         """Go on from where it was before."""
-        if place.log_ns == self.place.log_ns:
+        if place.log_ns == self.at.log_ns:
             return
         self._messages.close()
-        self.place = place
+        self.at = place
         self.damage = ""
         self._messages = self._from(place.log_ns + 1)
         self._next = self._fetched()
@@ -141,7 +142,7 @@ class RecordedRobot:
                     self.damage = trouble = str(error)
                     before.append(tick)
                     continue
-                if self.place.log_ns >= 0 and stamp + self.place.shift_ns == self.place.now_ns:
+                if self.at.log_ns >= 0 and stamp + self.at.shift_ns == self.at.now_ns:
                     before.append(tick)  # the same joints once more
                     continue
                 self.damage = ""
@@ -151,7 +152,7 @@ class RecordedRobot:
         return None
 
     def _reading(self, one: NextTick) -> Reading:
-        before, place = self.place, self.place.after(one)
+        before, place = self.at, self.at.after(one)
         turned = before.turned(one, place)
         measured = one.velocities
         if measured is None:
@@ -165,7 +166,7 @@ class RecordedRobot:
         self._tell_applied(told, measured)
         if told.trouble:
             place = place.troubled(f"In the recording, {told.trouble}.")
-        self.place = place
+        self.at = place
         return Reading(
             place.now_ns / 1e9,
             one.positions + place.ahead,

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.engine.checkpoint import Checkpoint, Keeper
 from app.engine.engine import Engine
 from app.engine.localization import Localization
@@ -11,7 +13,7 @@ from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, PlaceCommand
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2, Twist2
-from robot.interface import Reading
+from robot.interface import Frame, Reading
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,8 @@ class EngineState:
     map_from_odom: Pose2
     """Where dead reckoning began."""
     odom_from_scan: Pose2 | None = None
+    picture_stamp: float | None = None
+    """Of the last picture [s]; the picture itself is not kept, as the next one replaces it."""
 
 
 class ReplayEngine(Engine):
@@ -42,7 +46,11 @@ class ReplayEngine(Engine):
     def state(self) -> EngineState:
         """What the next ticks depend on."""
         return EngineState(
-            self._odometry, self._localization, self._map_from_odom, self._odom_from_scan
+            self._odometry,
+            self._localization,
+            self._map_from_odom,
+            self._odom_from_scan,
+            None if self._frame is None else self._frame.stamp,
         )
 
     @state.setter
@@ -51,6 +59,8 @@ class ReplayEngine(Engine):
         self._localization = state.localization
         self._map_from_odom = state.map_from_odom
         self._odom_from_scan = state.odom_from_scan
+        stamp = state.picture_stamp
+        self._frame = None if stamp is None else Frame(stamp, np.zeros((1, 1), np.uint8))
 
     def advance(self, commands: tuple[Command, ...]) -> Snapshot:
         """One tick with these commands; nobody sees it yet.

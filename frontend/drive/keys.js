@@ -38,7 +38,7 @@ export class Keys {
 
   /** @param {KeyboardEvent} event */
   #down(event) {
-    if (typesText(event.target)) return;
+    if (!this.drive.possible || typesText(event.target)) return;
     if (event.code === "Space") {
       if (!event.repeat) this.drive.stop();
       return take(event);
@@ -55,6 +55,7 @@ export class Keys {
 
   /** @param {KeyboardEvent} event */
   #up(event) {
+    if (!this.drive.possible) return;
     if (event.code === "Space" && !typesText(event.target)) return take(event);
     if (this.#held.delete(event.code)) this.#apply();
   }
@@ -71,13 +72,13 @@ export class Keys {
 }
 
 /** Neither the page nor the 3D view's own camera keys shall act on it too. @param {Event} event */
-function take(event) {
+export function take(event) {
   event.preventDefault();
   event.stopPropagation();
 }
 
 /** @param {EventTarget | null} target of any window, so no instanceof */
-function typesText(target) {
+export function typesText(target) {
   const element = /** @type {HTMLInputElement | null} */ (target);
   if (element?.isContentEditable || element?.tagName === "TEXTAREA") return true;
   return element?.tagName === "INPUT" && TEXT_TYPES.includes(element.type);
@@ -88,7 +89,7 @@ function typesText(target) {
  * @param {EventTarget | null} target
  * @param {string} code
  */
-function ownsKey(target, code) {
+export function ownsKey(target, code) {
   const element = /** @type {Element | null} */ (target);
   if (element?.tagName === "SELECT") return true;
   const owner = element?.closest?.("input[type=range], [role=tab], [data-own-arrows]");

@@ -20,6 +20,8 @@ export class Drive {
   maxV = 0.15;
   maxOmega = 1;
   figureEight = false;
+  /** A recording cannot be driven. */
+  possible = true;
   /** @type {Map<string, Stick>} */
   #sticks = new Map();
   /** @type {ReturnType<typeof setInterval> | undefined} */
@@ -47,7 +49,7 @@ export class Drive {
 
   /** @param {string} source which input @param {Stick | null} stick null when it is let go */
   hold(source, stick) {
-    if (!stick && !this.#sticks.has(source)) return;
+    if (!this.possible || (!stick && !this.#sticks.has(source))) return;
     if (stick) this.#sticks.set(source, stick);
     else this.#sticks.delete(source);
     this.figureEight = false;
@@ -58,6 +60,7 @@ export class Drive {
 
   /** Stand still at once, whatever drives; held inputs count again only when pressed anew. */
   stop() {
+    if (!this.possible) return;
     this.#forget();
     this.send({ type: "stop" });
   }
@@ -74,6 +77,7 @@ export class Drive {
 
   /** @param {boolean} active */
   setFigureEight(active) {
+    if (!this.possible) return;
     if (!active) return this.stop();
     this.#forget();
     this.figureEight = true;

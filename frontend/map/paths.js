@@ -3,36 +3,42 @@ import { palette } from "../page/palette.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {"truth" | "odometry" | "estimate"} Who */
+/** @typedef {"truth" | "odometry" | "estimate" | "then"} Who */
 
 const STEP_M = 0.004;
 /** Farther than this in one step is a jump, not a way. */
 const JUMP_M = 0.12;
 const MOST = 4000;
 /**
- * Dashes and width in CSS pixels: the three differ without colour too.
+ * Dashes and width in CSS pixels: they differ without colour too.
  * @type {Record<Who, {dash: number[], width: number}>}
  */
 const STYLES = {
   truth: { dash: [], width: 3 },
   odometry: { dash: [7, 5], width: 2 },
+  then: { dash: [9, 3, 2, 3], width: 2 },
   estimate: { dash: [2, 3], width: 2 },
 };
 
 /** One way travelled, in the map [m]. */
 class Trail {
   path = new Path2D();
-  /** @type {{x: number, y: number, jump: boolean}[]} */
+  /** @type {{x: number, y: number, jump: boolean, stamp: number}[]} */
   #points = [];
 
-  /** @param {PoseMessage} pose */
-  add({ x, y }) {
+  /** @param {PoseMessage} pose @param {number} stamp [s] */
+  add({ x, y }, stamp) {
     const last = this.#points.at(-1);
     const moved = last ? Math.hypot(x - last.x, y - last.y) : Infinity;
     if (moved < STEP_M) return;
-    this.#points.push({ x, y, jump: moved > JUMP_M });
+    this.#points.push({ x, y, jump: moved > JUMP_M, stamp });
     this.#trace({ x, y, jump: moved > JUMP_M });
-    if (this.#points.length > MOST) this.#shorten();
+    if (this.#points.length > MOST) this.#keep(this.#points.slice(-MOST * 0.75));
+  }
+
+  /** Forget what comes after a time, to which a replay went back. @param {number} stamp [s] */
+  rewind(stamp) {
+    this.#keep(this.#points.filter((point) => point.stamp <= stamp));
   }
 
   clear() {
@@ -46,8 +52,8 @@ class Trail {
     else this.path.lineTo(x, y);
   }
 
-  #shorten() {
-    const kept = this.#points.slice(-MOST * 0.75);
+  /** @param {{x: number, y: number, jump: boolean, stamp: number}[]} kept */
+  #keep(kept) {
     this.clear();
     this.#points = kept;
     for (const point of kept) this.#trace(point);
@@ -56,14 +62,27 @@ class Trail {
 
 /** The ways of truth, odometry and estimate since the page was opened. */
 export class Paths {
-  #trails = { truth: new Trail(), odometry: new Trail(), estimate: new Trail() };
+  #trails = {
+    truth: new Trail(),
+    odometry: new Trail(),
+    then: new Trail(),
+    estimate: new Trail(),
+  };
+  #stamp = -Infinity;
 
   /** @param {TelemetryMessage} telemetry */
-  add({ truth, odometry, estimate, filter }) {
-    if (truth) this.#trails.truth.add(truth);
-    if (odometry) this.#trails.odometry.add(odometry);
+  add({ stamp, truth, odometry, estimate, filter, replay }) {
+    // On its way to another place a replay has no estimate yet.
+    if (typeof replay?.catching_up === "number") return;
+    if (stamp < this.#stamp) {
+      for (const trail of Object.values(this.#trails)) trail.rewind(stamp);
+    }
+    this.#stamp = stamp;
+    if (truth) this.#trails.truth.add(truth, stamp);
+    if (odometry) this.#trails.odometry.add(odometry, stamp);
+    if (replay?.estimate_then) this.#trails.then.add(replay.estimate_then, stamp);
     // While places look alike, now one and now another is the likeliest: that is no way.
-    if (estimate && filter.alike < 2) this.#trails.estimate.add(estimate);
+    if (estimate && filter.alike < 2) this.#trails.estimate.add(estimate, stamp);
   }
 
   clear() {
@@ -76,7 +95,7 @@ export class Paths {
    */
   draw(context, pixel) {
     context.lineJoin = "round";
-    for (const who of /** @type {Who[]} */ (["truth", "odometry", "estimate"])) {
+    for (const who of /** @type {Who[]} */ (Object.keys(STYLES))) {
       const { dash, width } = STYLES[who];
       context.strokeStyle = palette[`floor-${who}`];
       context.lineWidth = width * pixel;

@@ -74,10 +74,13 @@ export class Scene {
    * @param {number} pixel [m]
    * @param {boolean} clear whether the estimate is the only place
    */
-  #paintRobots(context, { truth, estimate, filter }, pixel, clear) {
+  #paintRobots(context, { truth, estimate, filter, replay }, pixel, clear) {
     if (estimate && clear) drawing.drawCertainty(context, estimate, pixel, false);
     const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
     if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
+    const then = { colour: palette["floor-then"], dash: [9, 3, 2, 3] };
+    if (replay?.estimate_then)
+      drawing.drawRobot(context, replay.estimate_then, this.#outline, pixel, then);
     // The arrows of places that look alike say more than a robot at one of them.
     if (!estimate || filter.alike > 1) return;
     // What is no more than the middle of a cloud all over the field is not drawn like a robot.

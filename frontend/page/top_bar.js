@@ -24,7 +24,8 @@ export class TopBar {
   show(telemetry, delay) {
     const { robot, truth, estimate } = telemetry;
     setText(this.#name, robot.name);
-    this.#enter(robot.connected ? MODES[telemetry.mode] : "not ready", robot.connected);
+    const mode = telemetry.replay ? "replay" : MODES[telemetry.mode];
+    this.#enter(robot.connected ? mode : "not ready", robot.connected);
     setText(this.#field, telemetry.map);
     setText(this.#time, minutes(telemetry.stamp));
     setText(this.#battery, robot.battery_v === null ? "–" : `${plain(robot.battery_v, 1)} V`);

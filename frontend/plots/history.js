@@ -7,6 +7,7 @@ import { distance } from "../page/format.js";
 export const QUANTITIES = /** @type {const} */ ([
   "odometryError", // [mm]
   "estimateError", // [mm]
+  "thenError", // [mm] of what was estimated when it was recorded
   "effective", // particles
   "count", // particles
   "loop", // steps a second
@@ -22,7 +23,15 @@ export class History {
   /** Stamps on the robot's clock [s], oldest first. @type {number[]} */
   stamps = [];
   /** @type {Record<Quantity, number[]>} */
-  values = { odometryError: [], estimateError: [], effective: [], count: [], loop: [], delay: [] };
+  values = {
+    odometryError: [],
+    estimateError: [],
+    thenError: [],
+    effective: [],
+    count: [],
+    loop: [],
+    delay: [],
+  };
 
   /**
    * @param {TelemetryMessage} telemetry
@@ -31,6 +40,8 @@ export class History {
    */
   add(telemetry, delay) {
     const newest = this.stamps.at(-1) ?? -Infinity;
+    // On its way to another place a replay has nothing to plot yet.
+    if (typeof telemetry.replay?.catching_up === "number") return false;
     if (telemetry.stamp < newest) this.#drop(this.stamps.length);
     else if (telemetry.stamp < newest + SHORTEST_S) return false;
     this.stamps.push(telemetry.stamp);
@@ -39,6 +50,8 @@ export class History {
     const estimate = filter.alike < 2 ? telemetry.estimate : null;
     this.values.odometryError.push(truth && odometry ? distance(truth, odometry) * 1000 : NaN);
     this.values.estimateError.push(truth && estimate ? distance(truth, estimate) * 1000 : NaN);
+    const then = telemetry.replay?.estimate_then;
+    this.values.thenError.push(truth && then ? distance(truth, then) * 1000 : NaN);
     this.values.effective.push(particles.effective);
     this.values.count.push(particles.count);
     this.values.loop.push(loop.step_hz);

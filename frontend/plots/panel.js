@@ -14,7 +14,7 @@ import { roundUp } from "./scale.js";
 /** @typedef {import("./history.js").Quantity} Quantity */
 /**
  * @typedef {{quantity: Quantity, name: string, unit: string, role: ColourName, dash: number[],
- *   digits: number}} Line
+ *   digits: number, replayed?: boolean}} Line replayed: only shown on a replay
  */
 
 /** @type {Record<string, {label: string, floor: number, lines: Line[]}>} */
@@ -38,6 +38,15 @@ const PLOTS = {
         role: "odometry",
         dash: [7, 4],
         digits: 1,
+      },
+      {
+        quantity: "thenError",
+        name: "estimated then",
+        unit: "mm",
+        role: "then",
+        dash: [9, 3, 2, 3],
+        digits: 1,
+        replayed: true,
       },
     ],
   },
@@ -71,6 +80,7 @@ export class PlotsPanel {
   #text = find("plots-text", HTMLElement);
   #log = findButton("plots-log");
   #shown = "error";
+  #replayed = false;
   /** @type {number | null} age that is read out [s], negative */
   #cursor = null;
   /** @type {import("./scale.js").Scale | null} */
@@ -97,6 +107,12 @@ export class PlotsPanel {
     if (known !== (this.#shown === "error")) this.tabs.select(known ? "error" : "particles");
   }
 
+  /** A replay also has what was estimated then. @param {boolean} replayed */
+  setReplay(replayed) {
+    this.#replayed = replayed;
+    this.#choose(this.#shown);
+  }
+
   /** What the plot says, for those who do not see it; written now and then. */
   describe() {
     const sentences = this.#lines.map((line) => this.#sentence(line));
@@ -104,7 +120,7 @@ export class PlotsPanel {
   }
 
   get #lines() {
-    return PLOTS[this.#shown].lines;
+    return PLOTS[this.#shown].lines.filter(({ replayed }) => this.#replayed || !replayed);
   }
 
   get #isLog() {
