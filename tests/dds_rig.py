@@ -56,6 +56,7 @@ class Rig:
         simulated = assemble(config, self.pace).robot
         self.program = assemble(config, self.pace, WithBattery(simulated))
         self.source = TopicSource.of(self.program)
+        self.source.clock.hold()  # a busy machine changes no stamp
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
         inbox = Inbox(self.program, self.source)
         self.route = DdsRoute(self.publisher, inbox, self.source.settings, "127.0.0.1")

@@ -18,7 +18,10 @@ from benchmarks.fastdds import Peer, missing
 from robot.geometry import Pose2
 from robot.scan import evenly
 
-pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
+pytestmark = [
+    pytest.mark.real_time,
+    pytest.mark.skipif(missing() is not None, reason=str(missing())),
+]
 
 LIVE = [one for one in TOPICS if one.live]
 SENSOR_DATA = ("scan", "particle_cloud", "camera/image/compressed", "camera/camera_info")

@@ -22,6 +22,8 @@ from app.ros2.settings import Ros2Settings
 from app.ros2.topics import topic
 from benchmarks.fastdds import Peer, missing
 
+pytestmark = pytest.mark.real_time
+
 ENDS_S = 15.0
 
 needs_cyclone = pytest.mark.skipif(find_spec("cyclonedds") is None, reason="no cyclonedds")

@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, WORDS, Frames, FramingError, header
 from app.ros2.dds.plan import Plan
@@ -53,14 +53,18 @@ class Child:
         self.send(PLAN, plan.to_json())
 
     def send(self, number: int, payload: bytes) -> None:
-        """Hand a message over.
+        """Hand a message over; raises as ``send_all`` does."""
+        self.send_all([(number, payload)])
+
+    def send_all(self, messages: Iterable[tuple[int, bytes]]) -> None:
+        """Hand messages over in one piece.
 
         Raises:
             ChildError: it takes none, or has ended.
         """
+        parts = (part for number, data in messages for part in (header(number, data), data))
         try:
-            self._end.sendall(header(number, payload))
-            self._end.sendall(payload)
+            self._end.sendall(b"".join(parts))
         except TimeoutError as error:
             self.kill(f"it took nothing for {SILENCE_S:g} s")
             raise self._error() from error

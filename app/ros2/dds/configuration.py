@@ -26,7 +26,9 @@ URI = "CYCLONEDDS_URI"
 ALONE = (
     "<CycloneDDS><Domain Id='any'>"
     "<General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-    "<AllowMulticast>false</AllowMulticast></General>"
+    "<AllowMulticast>false</AllowMulticast>"
+    # Loopback takes a whole picture at once; as for Ethernet it would be 24 packets a reader.
+    "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize></General>"
     # Loopback knows no multicast, so participants of this machine are told one by one, and often:
     # who comes later hears of us only then.
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><SPDPInterval>1s</SPDPInterval>"

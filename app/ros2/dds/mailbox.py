@@ -28,10 +28,14 @@ class Mailbox:
                 self._latched[topic] = published
             self._changed.notify()
 
-    def take_all(self, timeout: float) -> list[Published]:
-        """Everything that waits, as soon as there is something; nothing after the time [s]."""
+    def wait(self, timeout: float) -> bool:
+        """Until something waits; whether it does before the time is over [s]."""
         with self._changed:
-            self._changed.wait_for(lambda: self._waiting, timeout)
+            return self._changed.wait_for(lambda: bool(self._waiting), timeout)
+
+    def take_all(self) -> list[Published]:
+        """Everything that waits."""
+        with self._changed:
             taken, self._waiting = list(self._waiting.values()), {}
             return taken
 

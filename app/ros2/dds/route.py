@@ -6,6 +6,7 @@ import contextlib
 import math
 import threading
 import time
+from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 
 from app.engine.problems import LOG
@@ -33,6 +34,9 @@ PAUSE_S = 0.005
 
 TELL_S = 5.0
 """Between two lines of the log about refused commands [s]."""
+
+GATHER_S = 0.002
+"""From the first message of a tick to the sending of all [s]: one waking instead of five."""
 
 LOOK_S = 0.2
 JOIN_S = 3.0
@@ -157,14 +161,18 @@ class DdsRoute:
         """Until the process ends; what is wrong with it then, the other thread says."""
         with contextlib.suppress(ChildError):
             while self.ready.is_set():
-                for published in self._mailbox.take_all(LOOK_S):
-                    try:
-                        data = published.cdr
-                    except MessageError as error:
-                        self._complain(str(error))
-                    else:
-                        name = self._settings.full_name(published.topic.name)
-                        child.send(self._numbers[name], data)
+                if self._mailbox.wait(LOOK_S):
+                    time.sleep(GATHER_S)
+                    child.send_all(self._in_bytes(self._mailbox.take_all()))
+
+    def _in_bytes(self, messages: Iterable[Published]) -> Iterator[tuple[int, bytes]]:
+        for one in messages:
+            try:
+                data = one.cdr
+            except MessageError as error:
+                self._complain(str(error))
+            else:
+                yield self._numbers[self._settings.full_name(one.topic.name)], data
 
     def _hear(self, child: Child) -> None:
         came = child.receive_some()

@@ -1,0 +1,199 @@
+"""ROS 2 over DDS: what it costs, and how soon a foreign command is at the wheels.
+
+The readers are participants of another vendor's DDS (benchmarks/fastdds.py) on this machine.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import statistics
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from app.assembly import assemble
+from app.config import Config
+from app.engine.engine_thread import EngineThread
+from app.messages.commands import DriveCommand, FigureEightCommand
+from app.ros2.dds.plan import dds_topic
+from app.ros2.dds.route import DdsRoute
+from app.ros2.inbox import Inbox
+from app.ros2.making.frames import vector
+from app.ros2.message_types import new, to_cdr
+from app.ros2.publisher import TopicPublisher
+from app.ros2.settings import Ros2Settings
+from app.ros2.source import TopicSource
+from app.ros2.topics import TOPICS
+from benchmarks.fastdds import Peer, missing
+from benchmarks.result import Result
+from robot.localization.parameters import FilterParameters, LocalizationParameters
+from sim.floor_camera import CameraSettings
+from sim.real_time import RealTime
+
+READERS = 3
+SECONDS = 10.0
+"""Of one measurement; steps are measured so long with and so long without, in turns."""
+
+TURNS = 3
+COMMANDS = 150
+SETTLE_S = 2.0
+"""After a start: types are read, discovery is over."""
+
+START_S = 30.0
+THREADS = ("topics", "dds", "dds out")
+TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
+CMD_VEL = dds_topic("/cmd_vel")
+
+
+def measure() -> Result:
+    """CPU of the DDS part, command to wheel, and the engine's steps with and without.
+
+    Raises:
+        RuntimeError: there is no Fast DDS here.
+    """
+    reason = missing()
+    if reason is not None:
+        raise RuntimeError(f"readers of another vendor's are missing: {reason}")
+    with ExitStack() as stack:
+        running = stack.enter_context(_running())
+        peers = [stack.enter_context(Peer(running.domain)) for _ in range(READERS)]
+        for peer in peers:
+            for topic in TOPICS:
+                if topic.live:
+                    name, latched = dds_topic(f"/{topic.name}"), topic.quality.latched
+                    peer.read(name, topic.type, latched=latched, lengths=True)
+        steps = running.steps_in_turns()
+        with running.route() as route:
+            for peer in peers:
+                peer.wait("data", dds_topic("/map"))
+            cpu = running.cpu(route)
+            delays = running.delays(peers[0])
+    with_p99, without_p99 = (1e3 * float(np.percentile(one, 99)) for one in steps)
+    return Result(
+        unit="% of a core, DDS process and its threads, 3 readers",
+        brickpose=100 * sum(cpu.values()),
+        more={
+            **{f"{name} [%]": 100 * share for name, share in cpu.items()},
+            "command to wheel p95 [ms]": 1e3 * float(np.percentile(delays, 95)),
+            "command to wheel median [ms]": 1e3 * statistics.median(delays),
+            "step p99 with [ms]": with_p99,
+            "step p99 without [ms]": without_p99,
+            "step p50 with [ms]": 1e3 * float(np.median(steps[0])),
+            "step p50 without [ms]": 1e3 * float(np.median(steps[1])),
+        },
+    )
+
+
+class Running:
+    """A simulated robot at its own pace; topics go out while a route is open."""
+
+    def __init__(self) -> None:
+        self.domain = 1 + os.getpid() % 200
+        self._pace = RealTime()
+        particles = FilterParameters(min_particles=500, max_particles=500)
+        config = Config(
+            robot="sim",
+            camera=CameraSettings(frame_rate=10),
+            localization=replace(LocalizationParameters(), filter=particles),
+            ros2=Ros2Settings(domain_id=self.domain),
+        )
+        self.program = assemble(config, self._pace)
+        self.engine = EngineThread(self.program.engine)
+
+    @contextmanager
+    def route(self) -> Iterator[DdsRoute]:
+        """The topics on DDS, once all is settled."""
+        source = TopicSource.of(self.program)
+        publisher = TopicPublisher(source, self.program.engine.every)
+        inbox = Inbox(self.program, source)
+        with closing(publisher):
+            route = DdsRoute(publisher, inbox, source.settings, "127.0.0.1")
+            with closing(route):
+                route.start()
+                if not route.ready.wait(START_S):
+                    raise RuntimeError(route.failure or "the DDS process does not start")
+                time.sleep(SETTLE_S)
+                yield route
+
+    def steps_in_turns(self) -> tuple[list[float], list[float]]:
+        """Times of steps, simulation included, with and without the topics [s]."""
+        with_route: list[float] = []
+        without: list[float] = []
+        for _ in range(TURNS):
+            without += self._steps()
+            with self.route():
+                with_route += self._steps()
+        return with_route, without
+
+    def _steps(self) -> list[float]:
+        self.program.engine.commands.put(FigureEightCommand(type="figure_eight"))
+        self._pace.busy.clear()
+        time.sleep(SECONDS)
+        return list(self._pace.busy)
+
+    def cpu(self, route: DdsRoute) -> dict[str, float]:
+        """Processor time by part, as a share of one core."""
+        assert route.child is not None
+        parts = {"DDS process": Path(f"/proc/{route.child.process.pid}")}
+        for thread in threading.enumerate():
+            if thread.name in THREADS:
+                parts[f"thread {thread.name}"] = Path(f"/proc/self/task/{thread.native_id}")
+        before, began = {name: _seconds(path) for name, path in parts.items()}, time.monotonic()
+        time.sleep(SECONDS)
+        lasted = time.monotonic() - began
+        return {name: (_seconds(path) - before[name]) / lasted for name, path in parts.items()}
+
+    def delays(self, peer: Peer) -> list[float]:
+        """From a foreign write to the end of the tick that has the wheels turn so [s]."""
+        peer.write(CMD_VEL, TWIST_STAMPED)
+        peer.wait("matched", CMD_VEL)
+        rng = random.Random(0)
+        taken: dict[float, float] = {}
+        sent: dict[float, float] = {}
+        with self.program.engine.every.subscribe(most=5000) as feed:
+            for number in range(COMMANDS):
+                speed = 0.05 + number * 1e-4  # tells them apart
+                begun = len(peer.events)
+                peer.send(CMD_VEL, _twist(speed))
+                sent[speed] = int(peer.wait("sent", CMD_VEL, after=begun)[2]) / 1e9
+                time.sleep(rng.uniform(0.03, 0.07))
+            while (snapshot := feed.get(0.1)) and max(sent) not in taken:
+                for command in snapshot.commands:
+                    if isinstance(command, DriveCommand):
+                        taken.setdefault(command.v, snapshot.published)
+        # A command may be overtaken by the next one, which then counts for both.
+        return [
+            min(at for speed, at in taken.items() if speed >= wanted) - then
+            for wanted, then in sent.items()
+        ]
+
+
+@contextmanager
+def _running() -> Iterator[Running]:
+    running = Running()
+    running.engine.start()
+    try:
+        time.sleep(SETTLE_S)
+        yield running
+    finally:
+        running.engine.stop()
+
+
+def _seconds(process: Path) -> float:
+    """Processor time of a process or thread so far [s]."""
+    fields = (process / "stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _twist(speed: float) -> bytes:
+    """A TwistStamped without a stamp, which is one of now."""
+    time_0 = new("builtin_interfaces/msg/Time", sec=0, nanosec=0)
+    header = new("std_msgs/msg/Header", stamp=time_0, frame_id="")
+    twist = new("geometry_msgs/msg/Twist", linear=vector(speed), angular=vector(0.0))
+    return to_cdr(new(TWIST_STAMPED, header=header, twist=twist), TWIST_STAMPED)
