@@ -68,7 +68,7 @@ class ReplayEngine(Engine):
         Raises:
             RobotError: the recording is over, or damaged from here on.
         """
-        snapshot = self._advance(commands)
+        snapshot = self._advance(self.robot.read(), commands)
         self._stands = snapshot.reading, snapshot.twist
         return snapshot
 
