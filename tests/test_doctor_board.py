@@ -24,6 +24,8 @@ from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 from robot.description.spec import RobotSpec
 from robot.hat.settings import BuildHatSettings
 
+pytestmark = pytest.mark.real_time
+
 Examine = Callable[[], list[Finding]]
 
 
