@@ -168,7 +168,7 @@ def test_a_model_that_cannot_be_copied_makes_it_slow_and_not_wrong(recording, sa
     course = course_of(recording[0], sensor_model=f"{path}:Local")
     later = go(course, 3.0)
     assert len(course.checkpoints) == 0
-    assert "To go back takes long" in later.record[-1].message
+    assert any("To go back takes long" in one.message for one in later.record)
     first = gist(go(course, 1.0))
     assert gist(go(course_of(recording[0], sensor_model=f"{path}:Local"), 1.0)) == first
 
