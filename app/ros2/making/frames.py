@@ -12,6 +12,9 @@ from robot.geometry import Array, Pose2
 
 SECOND_NS = 1_000_000_000
 
+IN_SPACE = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
+"""Where x, y and the heading are among the 36 numbers of a covariance in space."""
+
 
 def time(time_ns: int) -> Message:
     """Nanoseconds since 1970 as builtin_interfaces/Time."""
@@ -50,9 +53,9 @@ def pose_with_covariance(at: Pose2, covariance: Array) -> Message:
 
 def in_space(covariance: Array) -> Array:
     """36 numbers by rows over (x, y, z, about x, about y, about z), from (3, 3) on the floor."""
-    whole = np.zeros((6, 6))
-    whole[np.ix_([0, 1, 5], [0, 1, 5])] = covariance
-    return whole.ravel()
+    whole = np.zeros(36)
+    whole[IN_SPACE] = covariance.ravel()
+    return whole
 
 
 def transform(source: TopicSource, stamp: float, parent: str, child: str, at: Pose2) -> Message:
@@ -84,23 +87,22 @@ def stamped_transform(
 
 def quaternion(rotation: Array) -> tuple[float, float, float, float]:
     """x, y, z, w of a rotation matrix (3, 3), w not negative (Shepperd 1978)."""
-    trace = float(np.trace(rotation))
-    squares = np.append(np.diag(rotation), trace)
-    largest = int(np.argmax(squares))
+    rows = rotation.tolist()  # on nine numbers Python is quicker than numpy
+    trace = rows[0][0] + rows[1][1] + rows[2][2]
+    squares = (rows[0][0], rows[1][1], rows[2][2], trace)
+    largest = squares.index(max(squares))
+    i, j, k = largest % 3, (largest + 1) % 3, (largest + 2) % 3
+    found = [0.0, 0.0, 0.0, 0.0]
     if largest == 3:
-        xyz = (
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        )
-        found = np.array([*xyz, 1 + trace])
+        found[0] = rows[2][1] - rows[1][2]
+        found[1] = rows[0][2] - rows[2][0]
+        found[2] = rows[1][0] - rows[0][1]
+        found[3] = 1 + trace
     else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        found = np.empty(4)
-        found[i] = 1 + 2 * rotation[i, i] - trace
-        found[j] = rotation[j, i] + rotation[i, j]
-        found[k] = rotation[k, i] + rotation[i, k]
-        found[3] = rotation[k, j] - rotation[j, k]
-    found /= np.linalg.norm(found)
-    x, y, z, w = (found if found[3] >= 0 else -found).tolist()
+        found[i] = 1 + 2 * rows[i][i] - trace
+        found[j] = rows[j][i] + rows[i][j]
+        found[k] = rows[k][i] + rows[i][k]
+        found[3] = rows[k][j] - rows[j][k]
+    length = math.copysign(math.hypot(*found), found[3])
+    x, y, z, w = (one / length for one in found)
     return x, y, z, w

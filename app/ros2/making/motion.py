@@ -26,6 +26,9 @@ some. Odometry's true error grows with the way."""
 TWIST_VARIANCE = (1e-4, 1e-6, 1e-3)
 """[m^2/s^2, m^2/s^2, rad^2/s^2]"""
 
+POSE_COVARIANCE = np.diag(POSE_VARIANCE)
+TWIST_COVARIANCE = in_space(np.diag(TWIST_VARIANCE))
+
 
 def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
     """Dead reckoning, and the velocity that the wheels were measured at."""
@@ -35,11 +38,11 @@ def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
         "nav_msgs/msg/Odometry",
         header=header(source, snapshot.stamp, settings.odom_frame_id),
         child_frame_id=settings.base_frame_id,
-        pose=pose_with_covariance(snapshot.odom_from_robot, np.diag(POSE_VARIANCE)),
+        pose=pose_with_covariance(snapshot.odom_from_robot, POSE_COVARIANCE),
         twist=new(
             "geometry_msgs/msg/TwistWithCovariance",
             twist=_twist(twist),
-            covariance=in_space(np.diag(TWIST_VARIANCE)),
+            covariance=TWIST_COVARIANCE,
         ),
     )
 
