@@ -91,12 +91,13 @@ class Engine:
         Raises:
             RobotError: the robot does not answer any more.
         """
-        snapshot = self._advance(self.commands.take())
+        reading = self.robot.read()
+        # Only then: most of a tick passes in it, and what comes meanwhile is for this tick.
+        snapshot = self._advance(reading, self.commands.take())
         self._publish(snapshot)
         return snapshot
 
-    def _advance(self, commands: tuple[Command, ...]) -> Snapshot:
-        reading = self.robot.read()
+    def _advance(self, reading: Reading, commands: tuple[Command, ...]) -> Snapshot:
         self._meter.begin()
         odometry = self._odometry.update(reading)
         self._mind_own_models(reading.stamp)
