@@ -10,7 +10,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constr
 NPM_CI := npm ci --prefix .venv --ignore-scripts --no-audit --no-fund --loglevel=error
 
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format bench browser peers node-peers official-library
+.PHONY: help run install test check format bench browser peers node-peers dds-peer official-library
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-17s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -21,7 +21,7 @@ run: install ## set up, then serve the dashboard (PORT=9000 make run for another
 install: .venv/installed ## set up the virtual environment
 
 # Tests that assert when a program, a page or a port does something have the machine to themselves.
-test: .venv/installed-dev browser node-peers ## run every test
+test: .venv/installed-dev browser node-peers dds-peer ## run every test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not real_time" \
 	  -n 2 --dist loadfile --no-loadscope-reorder
 	$(BIN)/python -m pytest -m real_time
@@ -55,6 +55,12 @@ node-peers: .venv/bin/python ## npm's clients and readers, which the tests run a
 	  cp tests/node/package.json tests/node/package-lock.json .venv/ && $(NPM_CI) >/dev/null; } || { \
 	  rm -rf .venv/node_modules .venv/package-lock.json; \
 	  echo "Tests with clients from npm are skipped: they need node 20, npm and its registry." >&2; }
+
+dds-peer: ## another vendor's DDS, which the tests of ROS 2 run against ours
+	@[ -e /usr/include/fastdds/dds/domain/DomainParticipant.hpp ] || \
+	{ [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && apt-get update -qq && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends libfastrtps-dev >/dev/null; } || \
+	echo "Tests with a foreign DDS are skipped: sudo apt-get install libfastrtps-dev" >&2
 
 browser:
 	@command -v chromium chromium-browser google-chrome >/dev/null || \
