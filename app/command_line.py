@@ -15,7 +15,9 @@ from app.console import say
 from app.doctor.options import add_doctor
 from app.evaluation.options import add_evaluate
 from app.hat_emulator.options import add_emulate_hat
+from app.localize.options import add_localize
 from app.options import add_camera, add_config, add_map, add_serial_port
+from app.recording.options import add_record
 from app.replay.options import add_replay
 from app.ros2.export.options import add_export
 from app.sweep.options import add_sweep
@@ -60,9 +62,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
+    add_record(commands)
     add_replay(commands)
     add_evaluate(commands)
     add_sweep(commands)
+    add_localize(commands)
     add_emulate_hat(commands)
     add_doctor(commands)
     add_export(commands)

@@ -15,6 +15,8 @@ FARTHEST = 8190
 """The greatest distance, in steps of the value (14 bits with sign): 18 um at 0.15 m."""
 STEEPEST = 254
 """A slope of one, in steps of a slope (9 bits with sign)."""
+ROWS = 64
+"""Of a table, are worked on at a time: what of a large one is in between would not fit caches."""
 VALUE_SHIFT, X_SHIFT = 18, 9
 """Where value and slope along x stand in the word; the slope along y is its lowest part."""
 
@@ -29,6 +31,19 @@ def planes(
     that the parts below it, read as its fraction, only round it: who looks it up need not cut
     them off.
     """
+    words = np.full(distances.shape, FARTHEST << VALUE_SHIFT, dtype=np.int32)
+    last = distances.shape[1] - 1
+    for start in range(0, last, ROWS):
+        end = min(start + ROWS, last)
+        some = distances[:, start : end + 1]
+        words[:, start:end, :-1] = _words(some, resolution, max_distance)
+    return words
+
+
+def _words(
+    distances: NDArray[np.float32], resolution: float, max_distance: float
+) -> NDArray[np.int64]:
+    """Words (directions, h - 1, w - 1) of the cells between so many rows and columns."""
     corners = np.stack(
         [distances[:, :-1, :-1], distances[:, :-1, 1:], distances[:, 1:, :-1], distances[:, 1:, 1:]]
     ).astype(np.float64)
@@ -44,9 +59,8 @@ def planes(
     half_cell = 0.5 * resolution / STEEPEST * (along_x + (along_y & 511) / 512 + along_y)
     corner = ((d00 + d01 + d10 + d11) / 4 - half_cell) / step
     value = np.rint(np.clip(corner, -FARTHEST, FARTHEST) - low / 2**VALUE_SHIFT).astype(np.int64)
-    words = np.full(distances.shape, FARTHEST << VALUE_SHIFT, dtype=np.int64)
-    words[:, :-1, :-1] = (value << VALUE_SHIFT) | low
-    return words.astype(np.int32)
+    words: NDArray[np.int64] = (value << VALUE_SHIFT) | low
+    return words
 
 
 def _rounded(slopes: Array, fraction: float | Array) -> NDArray[np.int64]:

@@ -120,11 +120,11 @@ def _distance(
 
     +inf off the table.
     """
-    _, height, width = distances.shape
+    directions, height, width = distances.shape
     if not (0.0 <= u < width - 1.0 and 0.0 <= v < height - 1.0):
         return math.inf
     column, row = int(u), int(v)
-    facing = int(math.floor(turn)) % DIRECTIONS
+    facing = int(math.floor(turn)) % directions
     du, dv = u - column, v - row
     near, far = distances[facing, row], distances[facing, row + 1]
     d00, d01, d10, d11 = near[column], near[column + 1], far[column], far[column + 1]

@@ -78,7 +78,8 @@ def sum_over_rays(
         ranges: (r,) [m], +inf where nothing returned.
         robot_from_scan: where the rays start, x, y, theta [m, m, rad].
         max_beams: most rays that count.
-        planes: (directions, h, w) words of a table of distances d; see ``entry_planes``.
+        planes: (directions, h, w) words of a table of distances d; see ``entry_planes``. It has
+            DIRECTIONS, or one that stands for all.
         origin: the map's x, y [m] at the table's corner.
         resolution: side of the table's cells [m].
         max_distance: the greatest distance in the table [m].
@@ -86,8 +87,9 @@ def sum_over_rays(
         curve: (9,) coefficients of the polynomial, lowest first.
     """
     rays = ray_ends(bearings, ranges, robot_from_scan, max_beams)
-    _, height, width = planes.shape
-    table, last = planes.ravel().view(np.uint32), (uint32(height - 1), uint32(width - 1))
+    directions, height, width = planes.shape
+    table = planes.ravel().view(np.uint32)
+    last = uint32(directions - 1), uint32(height - 1), uint32(width - 1)
     # Distances come in units of the word's value, squares of them in those of the curve.
     slope = float32(resolution / STEEPEST * FARTHEST / max_distance / 2 ** (32 - 2 * X_SHIFT - 9))
     unit = float32(precision * (max_distance / FARTHEST / 2**VALUE_SHIFT) ** 2)
@@ -155,7 +157,7 @@ def _find_cells(
     places: tuple[Row, Row, Row, Row],
     headings: NDArray[np.int32],
     ray: tuple[np.float32, np.float32, np.float32],
-    last: tuple[np.uint32, np.uint32],
+    last: tuple[np.uint32, np.uint32, np.uint32],
     cells: Words,
     along_x: Row,
     along_y: Row,
@@ -166,7 +168,7 @@ def _find_cells(
     """
     x, y, cosines, sines = places
     ahead, aside, direction = ray
-    last_row, last_column = last
+    last_facing, last_row, last_column = last
     # Rounded to the nearest of the table's directions.
     turn = uint32(_parts(float(direction))) + uint32(1 << (FACING_SHIFT - 1))
     for i in range(len(cells)):
@@ -176,6 +178,7 @@ def _find_cells(
         column = min(np.uint32(np.int32(u)), last_column)
         row = min(np.uint32(np.int32(v)), last_row)
         facing = uint32(uint32(uint32(headings[i]) + turn) >> uint32(FACING_SHIFT))
+        facing = uint32(facing & last_facing)
         cell = uint32(facing * (last_row + uint32(1)) + row)
         cells[i] = uint32(cell * (last_column + uint32(1)) + column)
         along_x[i] = u - float32(int32(column))

@@ -51,7 +51,8 @@ class ParticleFilter:
         self.parameters = parameters
         self.likelihood_weight = likelihood_weight
         self.share = share
-        """Part of the particles that it may keep, when it is one of many."""
+        """Part of the particles that it may keep, when it is one of many; more than one while the
+        robot may be anywhere on a large map."""
         self._rng = rng
         self.set_pose(field.start, parameters.initial_covariance)
 

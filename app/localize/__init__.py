@@ -1,0 +1,1 @@
+"""``brickpose localize``: any laser robot's bag through the filter."""

@@ -1,0 +1,1 @@
+"""From a bag to scans, each with the odometry of its stamp."""

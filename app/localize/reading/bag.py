@@ -1,0 +1,174 @@
+"""A ROS 1 bag, a ROS 2 bag or an MCAP file: its topics, and their messages one by one.
+
+Only messages that are asked for are decoded, with the definitions that all of ROS has in common:
+so what else a bag holds, and how its types are defined, does not matter.
+"""
+
+from __future__ import annotations
+
+import heapq
+import re
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rosbags.rosbag1 import Reader as Ros1Reader
+from rosbags.rosbag2 import Reader as Ros2Reader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+OLD_NAMES = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
+"""Types that were renamed, in the same form."""
+STORAGE = (".mcap", ".db3")
+ENDINGS = (".bag", *STORAGE)
+
+
+class BagError(ValueError):
+    """A bag that cannot be used; the message says what it has and what would be valid."""
+
+
+def message_types(*, ros1: bool) -> Typestore:
+    """The messages that all robots have in common."""
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    if ros1:  # the one that is missing there
+        name = "tf2_msgs/msg/TFMessage"
+        store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", name))
+    return store
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One topic of a bag."""
+
+    name: str
+    type: str
+    """As ``sensor_msgs/msg/LaserScan``."""
+    count: int
+    """Messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One message."""
+
+    topic: str
+    logged: float
+    """When it was recorded [s]."""
+    content: Any
+    """Has the fields of its type."""
+
+
+class Bag:
+    """An open bag; a context manager."""
+
+    def __init__(self, path: Path) -> None:
+        """Open it.
+
+        Raises:
+            BagError: there is no such file, it is something else, damaged or cut short.
+        """
+        self.path = path
+        self._stack = ExitStack()
+        self._ros1 = path.suffix == ".bag" and path.is_file()
+        store = message_types(ros1=self._ros1)
+        self._decode: Callable[[bytes, str], Any] = (
+            store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
+        )
+        try:
+            self._readers = [self._stack.enter_context(self._open(one)) for one in _files(path)]
+        except BagError:
+            raise
+        except Exception as error:  # whatever a foreign file makes the library stumble over
+            raise BagError(f"{path} cannot be read: {_told(error)}. {_cure(path)}") from error
+        self.topics = self._topics()
+
+    def _open(self, path: Path) -> Any:
+        return Ros1Reader(path) if self._ros1 else Ros2Reader(path)
+
+    def __enter__(self) -> Bag:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _topics(self) -> tuple[Topic, ...]:
+        counts: Counter[tuple[str, str]] = Counter()
+        for reader in self._readers:
+            for name, info in reader.topics.items():
+                kind = info.msgtype or info.connections[0].msgtype
+                counts[name, OLD_NAMES.get(kind, kind)] += info.msgcount
+        return tuple(Topic(name, kind, count) for (name, kind), count in sorted(counts.items()))
+
+    def of_type(self, kind: str) -> list[Topic]:
+        """The topics of a type that have messages, by name."""
+        return [topic for topic in self.topics if topic.type == kind and topic.count]
+
+    def count(self, names: Collection[str]) -> int:
+        """How many messages some topics have."""
+        return sum(topic.count for topic in self.topics if topic.name in names)
+
+    def messages(self, names: Collection[str]) -> Iterator[Message]:
+        """Messages of some topics as they were recorded, one in memory at a time.
+
+        Raises:
+            BagError: the bag is damaged there.
+        """
+        try:
+            parts = [self._of_reader(reader, names) for reader in self._readers]
+            yield from heapq.merge(*parts, key=lambda message: message.logged)
+        except GeneratorExit:
+            raise
+        except Exception as error:  # as above
+            where = f"{self.path} is damaged or cut short: {_told(error)}"
+            raise BagError(f"{where}. {_cure(self.path)}") from error
+
+    def _of_reader(self, reader: Any, names: Collection[str]) -> Iterator[Message]:
+        chosen = [one for one in reader.connections if one.topic in names]
+        if not chosen:
+            return
+        for connection, logged, raw in reader.messages(connections=chosen):
+            kind = OLD_NAMES.get(connection.msgtype, connection.msgtype)
+            yield Message(connection.topic, 1e-9 * logged, self._decode(raw, kind))
+
+
+def _files(path: Path) -> list[Path]:
+    """What of a path readers take: itself, or the files of a folder without metadata."""
+    if not path.exists():
+        raise BagError(
+            f"there is no {path}; valid is a .bag, .mcap or .db3 file, or a bag's folder"
+        )
+    if path.is_file():
+        if path.suffix not in ENDINGS:
+            raise BagError(f"{path} is no bag by its name; valid are {', '.join(ENDINGS)}")
+        return [path]
+    if (path / "metadata.yaml").is_file():
+        return [path]
+    parts = sorted((one for one in path.iterdir() if one.suffix in STORAGE), key=_natural)
+    if not parts:
+        raise BagError(
+            f"the folder {path} has no metadata.yaml and no {' or '.join(STORAGE)} file; "
+            "valid is a ROS 2 bag's folder"
+        )
+    return parts
+
+
+def _natural(path: Path) -> list[tuple[int, str]]:
+    """Sorts part 10 behind part 9."""
+    return [(int(part or 0), word) for word, part in re.findall(r"(\D*)(\d*)", path.stem)]
+
+
+def _told(error: Exception) -> str:
+    text = str(error).strip().rstrip(".").splitlines()
+    return text[0][:200] if text else type(error).__name__
+
+
+def _cure(path: Path) -> str:
+    """What mends a bag whose writer was killed."""
+    if path.suffix == ".bag":
+        return "If it was not finished, `rosbag reindex` mends it"
+    if path.suffix == ".mcap":
+        return "If it was not finished, `mcap recover` mends it"
+    return "If it was not finished, `ros2 bag reindex` mends it"

@@ -1,0 +1,101 @@
+"""Frames and how they lie to each other (tf)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+
+MOST = 50
+"""Frames from one to another; more is a ring."""
+SHORTEST = 1e-3
+"""A quaternion shorter than this says no direction."""
+
+
+def frame_name(name: str) -> str:
+    """A frame's name without the slash that ROS 1 let stand before it."""
+    return name.strip().lstrip("/")
+
+
+@dataclass(frozen=True)
+class Rigid3:
+    """A rigid transform in space: ``a_from_b``."""
+
+    rotation: Array = field(repr=False)
+    """(3, 3)"""
+    translation: Array
+    """(3,) [m]"""
+
+    @classmethod
+    def of(cls, translation: Any, rotation: Any) -> Rigid3 | None:
+        """From a message's vector and quaternion; None if they say nothing."""
+        t = np.array([translation.x, translation.y, translation.z], dtype=np.float64)
+        q = np.array([rotation.x, rotation.y, rotation.z, rotation.w], dtype=np.float64)
+        length = float(np.linalg.norm(q))
+        if not (np.isfinite(t).all() and SHORTEST < length < np.inf):
+            return None
+        x, y, z, w = q / length
+        turn = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+        return cls(np.array(turn), t)
+
+    @classmethod
+    def flat(cls, pose: Pose2) -> Rigid3:
+        """A planar pose in space."""
+        c, s = np.cos(pose.theta), np.sin(pose.theta)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return cls(turn, np.array([pose.x, pose.y, 0.0]))
+
+    def __matmul__(self, other: Rigid3) -> Rigid3:
+        """``a_from_b @ b_from_c`` is ``a_from_c``."""
+        moved = self.rotation @ other.translation + self.translation
+        return Rigid3(self.rotation @ other.rotation, moved)
+
+    def inverse(self) -> Rigid3:
+        """Swap the two frames."""
+        return Rigid3(self.rotation.T, -self.rotation.T @ self.translation)
+
+    def planar(self) -> Pose2:
+        """Seen from above: where it is, and where its x axis points."""
+        x, y, _ = self.translation
+        return Pose2(
+            float(x), float(y), float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
+        )
+
+
+class Frames:
+    """The newest transform from each frame to its parent."""
+
+    def __init__(self) -> None:
+        self._parents: dict[str, tuple[str, Rigid3]] = {}
+
+    def add(self, message: Any) -> None:
+        """Take a TFMessage; what says nothing is left out."""
+        for one in message.transforms:
+            found = Rigid3.of(one.transform.translation, one.transform.rotation)
+            child, parent = frame_name(one.child_frame_id), frame_name(one.header.frame_id)
+            if found is not None and child and parent and child != parent:
+                self._parents[child] = parent, found
+
+    def lineage(self, frame: str) -> list[tuple[str, Rigid3]]:
+        """A frame, its parent and so on, each with ``it_from_frame``."""
+        found = [(frame, Rigid3(np.eye(3), np.zeros(3)))]
+        while found[-1][0] in self._parents and len(found) <= MOST:
+            name, from_frame = found[-1]
+            parent, parent_from_name = self._parents[name]
+            found.append((parent, parent_from_name @ from_frame))
+        return found
+
+    def between(self, base: str, frame: str) -> Rigid3 | None:
+        """``base_from_frame``; None if nothing is known to connect them."""
+        ancestors = dict(self.lineage(base))
+        for name, from_frame in self.lineage(frame):
+            if name in ancestors:
+                return ancestors[name].inverse() @ from_frame
+        return None

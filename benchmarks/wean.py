@@ -1,0 +1,124 @@
+"""The Wean Hall log: from anywhere on the free floor to where the robot really is, seed by seed.
+
+The recording (CMU, 16-831) is not part of this repository. It is turned into a map of map_server
+and a bag, and ``brickpose localize`` is run on them as anybody would.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import json
+import math
+import sys
+import tempfile
+from contextlib import redirect_stdout
+from pathlib import Path
+
+import numpy as np
+
+from app.command_line import main
+from app.config import ROOT
+from app.trajectories.files.tum import parse_tum
+from benchmarks.laser_bags import LaserBag
+from benchmarks.result import Result
+from robot.fields.grid_map import OccupancyGrid, save_map_yaml
+from robot.geometry import Array, Pose2, wrap_angle
+from robot.settings import SettingError
+
+DATA = ROOT.parent / "shared" / "data" / "amcl_wean"
+REFERENCE_STAMP, REFERENCE = 131.882, Pose2(39.84, 41.07, 1.39)
+"""Measured by another's filter; the robot drives on for 0.36 m and then stands."""
+NEAR_M, NEAR_RAD = 0.2, 0.1
+SEEDS = range(10)
+BEGAN = 1_000_000_000.0
+"""The log counts from 0, which in ROS means that there is no stamp [s]."""
+FREE, OCCUPIED = 0.8, 0.35
+"""A cell of the file is free from the one probability on, and occupied up to the other."""
+FARTHEST = 81.8
+"""Where nothing returns the log has 8183 cm."""
+
+
+def write_map(path: Path, data: Path = DATA) -> None:
+    """The map of the log: in the file 1 is free, -1 unknown, and rows go along x."""
+    with gzip.open(data / "wean.dat.gz", "rt") as file:
+        lines = iter(file)
+        while not next(lines).startswith("global_map"):
+            pass
+        free = np.array([line.split() for line in lines if line.strip()], dtype=np.float64).T
+    cells = np.full(free.shape, -1, dtype=np.int8)
+    cells[free >= FREE] = 0
+    cells[(free >= 0) & (free <= OCCUPIED)] = 100
+    save_map_yaml(OccupancyGrid(cells, 0.1, Pose2()), path)
+
+
+def write_bag(path: Path, kind: str = "mcap", data: Path = DATA) -> None:
+    """The log as a bag: 180 beams from right to left, the laser 0.25 m ahead."""
+    with gzip.open(data / "robotdata1.log.gz", "rt") as file, LaserBag(path, kind) as bag:
+        place = Pose2(0.25, 0.0, 0.0)
+        bag.transform(BEGAN, "base_link", "laser", place, topic="/tf_static")
+        for line in file:
+            what, *words = line.split()
+            numbers = np.array(words, dtype=np.float64)
+            stamp = BEGAN + float(numbers[-1])
+            bag.odometry(stamp, Pose2(numbers[0] / 100, numbers[1] / 100, numbers[2]))
+            if what == "L":
+                first, step = math.radians(-89.5), math.radians(1)
+                ranges = numbers[6:186] / 100
+                bag.scan(stamp, ranges, first=first, step=step, reach=(0.0, FARTHEST))
+
+
+def localized(folder: Path, seed: int) -> tuple[dict[str, object], Array, Array]:
+    """What the command leaves of the map and bag in a folder: results, stamps and poses."""
+    out = folder / f"seed_{seed}"
+    arguments = ["localize", str(folder / "bag"), "--map", str(folder / "wean.yaml")]
+    with redirect_stdout(io.StringIO()):
+        code = main([*arguments, "--out", str(out), "--seed", str(seed)])
+    if code:
+        raise RuntimeError(f"seed {seed} ended with {code}")
+    way = parse_tum((out / "localized.tum").read_text(encoding="utf-8"), "localized.tum")
+    found = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    return found, way.stamps - BEGAN, way.poses
+
+
+def error_at_reference(stamps: Array, poses: Array) -> tuple[float, float]:
+    """Distance [m] and angle [rad] from the reference, at its stamp."""
+    there = poses[int(np.argmin(np.abs(stamps - REFERENCE_STAMP)))]
+    turn = abs(wrap_angle(float(there[2]) - REFERENCE.theta))
+    return math.hypot(there[0] - REFERENCE.x, there[1] - REFERENCE.y), turn
+
+
+def require_data() -> None:
+    """Refuse to go on without the recording."""
+    if not DATA.is_dir():
+        raise SettingError(f"the Wean Hall log is not there: {DATA}")
+
+
+def measure(seeds: range = SEEDS) -> Result:
+    """Of ten seeds, how many end where the reference has the robot."""
+    require_data()
+    near, far, turns, known, rates = 0, [], [], [], []
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_map(folder / "wean.yaml")
+        write_bag(folder / "bag")
+        for seed in seeds:
+            found, stamps, poses = localized(folder, seed)
+            distance, turn = error_at_reference(stamps, poses)
+            near += distance <= NEAR_M and turn <= NEAR_RAD
+            far.append(distance)
+            turns.append(turn)
+            known.append(float(stamps[0]))
+            rates.append(found["rates"]["updates_per_s"])  # type: ignore[index]
+            sys.stderr.write(f"seed {seed}: {distance:.3f} m, {turn:.3f} rad\n")
+    more = {
+        "seeds": float(len(seeds)),
+        "distance, median [m]": float(np.median(far)),
+        "distance, largest [m]": max(far),
+        "heading, largest [rad]": max(turns),
+        "known after, median [s]": float(np.median(known)),
+        "known after, longest [s]": max(known),
+        "updates a second, median": float(np.median(rates)),
+    }
+    told = f"of {len(seeds)} starts over the whole floor within {NEAR_M} m and {NEAR_RAD} rad"
+    return Result(told, float(near), {}, more)
