@@ -154,6 +154,31 @@ def test_the_thread_is_there_only_while_a_route_is(program, publisher):
     assert not threads()
 
 
+def test_who_leaves_and_comes_back_is_never_asked_by_two_threads(program, publisher):
+    class Asked(Collecting):
+        last = None
+
+        def wants(self, topic, stamp):
+            self.last = topic if super().wants(topic, stamp) else None
+            return self.last is not None
+
+        def take(self, published):
+            self.got.put(published.topic is self.last)
+
+    route = Asked(*(one.name for one in TOPICS))
+    for _ in range(100):
+        publisher.add(route)
+        program.engine.step()
+        publisher.remove(route)
+        publisher.add(route)
+        run(program, 0.04)
+        publisher.remove(route)
+    publisher.close()
+    taken = [route.got.get() for _ in range(route.got.qsize())]
+    assert taken
+    assert all(taken)
+
+
 def test_what_waits_is_bounded_and_what_is_lost_is_counted(program, publisher):
     held, go = threading.Event(), threading.Event()
 

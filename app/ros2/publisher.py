@@ -35,41 +35,33 @@ class TopicPublisher:
         self._routes: tuple[Route, ...] = ()
         self._lock = threading.Lock()
         self._thread: threading.Thread | None = None
-        self._stop = threading.Event()
 
     def add(self, route: Route) -> None:
         """Let a route have what it wants, from the next tick on."""
         with self._lock:
             self._routes = (*self._routes, route)
             if self._thread is None:
-                self._stop = threading.Event()
-                self._thread = threading.Thread(
-                    target=self._run, args=(self._stop,), name="topics", daemon=True
-                )
+                self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
                 self._thread.start()
 
     def remove(self, route: Route) -> None:
-        """Let it have nothing more; the thread ends with the last route."""
+        """Let it have nothing more; the thread ends after the last route."""
         with self._lock:
             self._routes = tuple(one for one in self._routes if one is not route)
-            if not self._routes:
-                self._stop.set()
-                self._thread = None
 
     def close(self) -> None:
         """Let all routes go, and wait for the thread."""
         with self._lock:
             self._routes = ()
-            thread, self._thread = self._thread, None
-            self._stop.set()
+            thread = self._thread
         if thread is not None and thread is not threading.current_thread():
             thread.join(JOIN_S)
             if thread.is_alive():
                 LOG.error("the topics' thread did not end within %g s", JOIN_S)
 
-    def _run(self, stop: threading.Event) -> None:
+    def _run(self) -> None:
         with self._every.subscribe(MOST_WAITING) as feed:
-            while not stop.is_set():
+            while self._goes_on():
                 snapshot = feed.get(LOOK_S)
                 if snapshot is None:
                     continue
@@ -77,6 +69,13 @@ class TopicPublisher:
                 self.source.clock.follow(snapshot)
                 for topic in TOPICS:
                     self.publish(topic, snapshot)
+
+    def _goes_on(self) -> bool:
+        """Whether there are routes. It decides itself: two threads must never ask one route."""
+        with self._lock:
+            if not self._routes:
+                self._thread = None
+            return bool(self._routes)
 
     def publish(self, topic: Topic, snapshot: Snapshot) -> None:
         """Hand a topic's message of a tick to all routes that want it now."""

@@ -112,7 +112,8 @@ class RosApi:
 
 def _get_time() -> Answer:
     sec, nanosec = divmod(time.time_ns(), SECOND_NS)
-    return {"time": {"sec": sec, "nanosec": nanosec}}
+    # By the names of ROS 1, too: roslibpy looks for those.
+    return {"time": {"sec": sec, "nanosec": nanosec, "secs": sec, "nsecs": nanosec}}
 
 
 def _message_details(name: str) -> Answer:

@@ -1,0 +1,157 @@
+"""rosbridge as its own client libraries see it: a running program, real sockets."""
+
+import json
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+import websockets
+from node_peers import needs_node, run_node
+from serving import ask, telemetry, until
+from websockets.sync.client import connect
+
+
+@pytest.fixture(scope="module")
+def told_by_roslibjs(server):
+    return merged(run_node("roslib_client.mjs", f"ws://{server.address}/rosbridge"))
+
+
+def merged(lines) -> dict:
+    return {name: value for line in lines for name, value in line.items()}
+
+
+@needs_node
+def test_roslibjs_finds_topics_and_services(told_by_roslibjs):
+    told = told_by_roslibjs
+    topics = dict(zip(told["topics"]["topics"], told["topics"]["types"], strict=True))
+    assert topics["/odom"] == "nav_msgs/msg/Odometry"
+    assert told["scans"] == ["/scan"]
+    assert "/set_initial_pose" in told["services"]
+    assert told["nodes"] == ["/brickpose"]
+    assert told["twist"]["twist"]["linear"] == {"x": "float64", "y": "float64", "z": "float64"}
+
+
+@needs_node
+def test_roslibjs_reads_every_compression(server):
+    lines = run_node("roslib_client.mjs", f"ws://{server.address}/rosbridge")
+    by_compression = {one["compression"]: one for one in lines if "compression" in one}
+    kinds = {name: one["kind"] for name, one in by_compression.items()}
+    assert kinds == {"none": "Array", "cbor": "Float64Array", "png": "Array"}
+    for one in by_compression.values():
+        assert one["frame"] == "odom"
+        assert len(one["covariance"]) == 36
+    assert by_compression["none"]["covariance"][0] > 0
+    told = merged(lines)
+    assert told["picture"] == [0xFF, 0xD8]
+    maps = [one for one in lines if "map" in one]
+    assert len(maps) == 2
+    for one in maps:
+        del one["map"]["map_load_time"]
+    assert maps[0] == maps[1]
+    assert maps[0]["cells"] == maps[0]["map"]["width"] * maps[0]["map"]["height"]
+    assert maps[0]["occupied"] > 0
+    assert told["scan"]["header"]["frame_id"] == "base_scan"
+
+
+@needs_node
+def test_roslibjs_is_throttled_as_it_asked(told_by_roslibjs):
+    assert min(told_by_roslibjs["throttled"]) > 0.15
+
+
+@needs_node
+def test_roslibjs_calls_services_and_is_told_why_not(told_by_roslibjs):
+    told = told_by_roslibjs
+    assert told["scatter"] == {"result": True, "values": {}}
+    assert told["offMap"]["result"] is False
+    assert "off the map" in told["offMap"]["words"]
+    assert "/fly is no service; valid are" in told["noService"]["words"]
+
+
+@needs_node
+def test_roslibjs_drives_and_when_it_is_silent_the_robot_stops(told_by_roslibjs):
+    assert told_by_roslibjs["stoppedAfter"] < 1.0
+    assert "status" not in told_by_roslibjs
+
+
+@pytest.fixture(scope="module")
+def told_by_roslibpy(server):
+    pytest.importorskip("roslibpy")
+    script = Path(__file__).with_name("roslibpy_client.py")
+    ended = subprocess.run(
+        [sys.executable, str(script), f"ws://{server.address}/rosbridge"],
+        capture_output=True,
+        text=True,
+        timeout=90,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr[-2000:]
+    return merged(json.loads(line) for line in ended.stdout.splitlines())
+
+
+def test_roslibpy_finds_and_reads_topics(told_by_roslibpy):
+    told = told_by_roslibpy
+    assert {"/scan", "/cmd_vel"} <= set(told["topics"])
+    assert told["kind"] == "sensor_msgs/msg/LaserScan"
+    assert "/rosapi/topics" in told["services"]
+    assert told["ranges"] > 10
+    assert told["frame"] == "base_scan"
+    assert told["cells"] == told["info"]["width"] * told["info"]["height"]
+    stamps = told["throttled"]
+    assert all(later - earlier > 0.2 for earlier, later in pairwise(stamps))
+
+
+def test_roslibpy_calls_services_and_drives(told_by_roslibpy):
+    assert told_by_roslibpy["update"] == {}
+    assert "poze is no field" in told_by_roslibpy["wrong"]
+    assert told_by_roslibpy["stands"]
+
+
+def bridge(server, **options):
+    return connect(f"ws://{server.address}/rosbridge", max_size=None, **options)
+
+
+def test_when_the_client_leaves_the_robot_stops(server, live):
+    before = telemetry(live)
+    with bridge(server) as socket:
+        message = {"twist": {"linear": {"x": 0.1}}}
+        request = json.dumps({"op": "publish", "topic": "/cmd_vel", "msg": message})
+        socket.send(request)
+        until(live, lambda now: now["stamp"] > before["stamp"] and now["twist"]["v"] > 0)
+        socket.send(request)
+    assert until(live, lambda now: now["twist"]["v"] == 0)
+
+
+def test_a_page_of_another_site_is_not_let_in(server):
+    with pytest.raises(websockets.InvalidStatus, match="403"):
+        bridge(server, origin="https://evil.example")
+
+
+def test_a_client_that_reads_nothing_holds_nobody_up(server, live):
+    with bridge(server, close_timeout=0.1) as stuck:
+        # Nothing is read below: its queue of received messages is full after a few.
+        for name in ("/odom", "/camera/image/compressed", "/map"):
+            wish = {"topic": name, "queue_length": 10_000, "every": True}
+            stuck.send(json.dumps({"op": "subscribe", **wish}))
+        first = telemetry(live)
+        last = until(live, lambda now: now["stamp"] > first["stamp"] + 2)
+        assert last["loop"]["step_hz"] > 30
+        assert ask(live, type="ping")["type"] == "ack"
+
+
+def test_what_is_far_too_large_ends_that_client_only(server, live):
+    with bridge(server) as hostile, pytest.raises(websockets.ConnectionClosed):
+        hostile.send("x" * 3_000_000)
+        while True:
+            hostile.recv(timeout=20)
+    assert telemetry(live)
+
+
+def test_junk_is_answered_and_the_client_goes_on(server):
+    with bridge(server) as socket:
+        for junk in (b"\x00\xff", "[" * 50_000, '{"op": "subscribe", "topic": "/wrong"}'):
+            socket.send(junk)
+            assert json.loads(socket.recv(timeout=20))["op"] == "status"
+        socket.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": 3}))
+        assert json.loads(socket.recv(timeout=20))["values"] == {"nodes": ["/brickpose"]}
