@@ -1,0 +1,115 @@
+"""``brickpose replay``: what it writes, and what it refuses in words."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from replays import recorded_eight
+
+from app.command_line import main
+from app.config import Config
+from app.replay.filter_config import with_filter_config
+from app.replay.opening import ReplayOptions
+from app.replay.trajectories import replay
+from app.trajectories.files.tum import parse_tum
+from robot.settings import SettingError
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    return recorded_eight(tmp_path_factory.mktemp("recordings"), seconds=4)
+
+
+def written(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_it_writes_what_was_estimated_now_and_then_and_the_truth(recording, tmp_path, capsys):
+    made, shown = recording
+    assert main(["replay", str(made), "--out", str(tmp_path / "a")]) == 0
+    files = written(tmp_path / "a")
+    assert set(files) == {"estimated.tum", "then.tum", "truth.tum", "odometry.tum"}
+    assert "estimated.tum" in capsys.readouterr().out
+    for name, data in files.items():
+        assert parse_tum(data.decode(), name).stamps[-1] == pytest.approx(3.98, abs=0.03)
+    truth = parse_tum(files["truth.tum"].decode(), "truth").poses
+    assert truth[-1] == pytest.approx(shown[-1].truth.to_array(), abs=1e-4)
+    assert main(["replay", str(made), "--out", str(tmp_path / "b")]) == 0
+    assert written(tmp_path / "b") == files
+
+
+def test_other_settings_write_something_else(recording, tmp_path):
+    made, _ = recording
+    path = tmp_path / "few.toml"
+    path.write_text("[localization.filter]\nmax_particles = 100\n")
+    now = replay(made)
+    few = replay(made, ReplayOptions(filter_config=path))
+    assert (now.then == few.then)[~np.isnan(now.then)].all()
+    assert not np.array_equal(now.estimated, few.estimated, equal_nan=True)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--speed", "0"], "--speed is 0; valid is 0.05 to 50"),
+        (["--speed", "nan"], "--speed is nan; valid is 0.05 to 50"),
+        (["--seed", "-1"], "--seed is -1; valid is"),
+        (["--port", "99999"], "--port is 99999; valid is"),
+        (["--speed", "2", "--out", "x"], "--speed has no effect with --out"),
+        (["--map", "nowhere", "--out", "x"], "there is no field 'nowhere'"),
+        (["--sensor-model", "gone.py:X", "--out", "x"], "there is no file"),
+        (["--filter-config", "gone.toml", "--out", "x"], "gone.toml cannot be read"),
+    ],
+)
+def test_wrong_options_are_refused_in_one_line(
+    recording, capsys, tmp_path, monkeypatch, options, words
+):
+    monkeypatch.chdir(tmp_path)
+    assert main(["replay", str(recording[0]), *options]) == 2
+    complaint = capsys.readouterr().err
+    assert words in complaint
+    assert complaint.count("\n") == 1
+    assert not (tmp_path / "x").exists()
+
+
+def test_what_is_no_recording_is_named(capsys, tmp_path):
+    path = tmp_path / "notes.txt"
+    path.write_text("no recording")
+    assert main(["replay", str(path), "--out", str(tmp_path / "x")]) == 1
+    assert "is no MCAP file" in capsys.readouterr().err
+
+
+def test_a_filter_config_changes_what_it_names_and_nothing_else(tmp_path):
+    path = tmp_path / "few.toml"
+    path.write_text("[localization.filter]\nmax_particles = 99\n[scanner]\nrays = 31\n")
+    before = Config(seed=5)
+    changed, names = with_filter_config(before, path)
+    assert names == {"max_particles"}
+    assert changed.localization.filter.max_particles == 99
+    assert changed.scanner.rays == 31
+    assert changed.seed == 5
+    assert changed.localization.motion == before.localization.motion
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("seed = 3", "seed changes no replay; valid are the tables localization"),
+        ("[localization.filter]\nmax_particels = 3", "max_particels"),
+        ("[localization.filter]\nmax_particles = -3", "max_particles"),
+        ("[localization", "is no TOML"),
+    ],
+)
+def test_a_filter_config_that_cannot_be_used_is_refused(tmp_path, text, words):
+    path = tmp_path / "wrong.toml"
+    path.write_text(text)
+    with pytest.raises(SettingError, match=words.replace("[", r"\[")):
+        with_filter_config(Config(), path)
+
+
+def test_the_settings_in_a_recording_are_toml_that_a_filter_config_may_repeat(recording):
+    made, _ = recording
+    from app.recording.mcap_reader import open_recording
+
+    content = tomllib.loads(open_recording(made).attachments["settings.toml"].decode())
+    assert content["localization"]["filter"]["max_particles"] > 0
