@@ -7,7 +7,19 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from benchmarks import accuracy, live, loop, recording, recovery, render, scan, start, sweep, worth
+from benchmarks import (
+    accuracy,
+    live,
+    loop,
+    recording,
+    recovery,
+    render,
+    ros2,
+    scan,
+    start,
+    sweep,
+    worth,
+)
 from benchmarks import filter as particle_filter
 from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
 from benchmarks.result import Result
@@ -24,6 +36,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "recording": recording.measure,
     "recovery": recovery.measure,
     "render": render.measure,
+    "ros2": ros2.measure,
     "scan": scan.measure,
     "serial_line": serial_line.measure,
     "soak": soak.measure,
@@ -33,7 +46,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
-LONG = ("official_library", "serial_line", "soak")
+LONG = ("official_library", "ros2", "serial_line", "soak")
 """Take minutes each, in processes of their own, so they run only when they are named."""
 
 
