@@ -162,3 +162,13 @@ def test_the_process_imports_little():
     command = [sys.executable, "-c", listed]
     ran = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
     assert not {"numpy", "rosbags", "pydantic", "app.config"} & set(ran.stdout.split())
+
+
+def test_the_page_of_ros_2_lists_each_topic_with_its_type_and_quality():
+    page = (ROOT / "docs" / "ros2.md").read_text(encoding="utf-8")
+    for one in LIVE:
+        quality = "latched" if one.quality.latched else "reliable"
+        assert f"| `{one.name}` | {one.type} | {quality} |" in page
+        assert one.quality.depth == (1 if one.quality.latched else 10)
+    for one in (INCOMING[0], INCOMING[2]):
+        assert f"| `{one.name}` | {one.type} | in, " in page
