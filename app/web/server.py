@@ -31,6 +31,8 @@ from app.messages.answers import (
 from app.messages.telemetry import TelemetryMessage
 from app.outlets import Outlets
 from app.own_models.blame import running
+from app.recording.contents import contents_of
+from app.recording.contents_route import contents_router
 from app.recording.routes import recordings_router
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.start_pose.keeping import PoseKeeper
@@ -79,6 +81,7 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
     _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
     _add_rosbridge(app, outlets.rosbridge)
     app.include_router(recordings_router(program.config.recording.path))
+    app.include_router(contents_router(lambda: contents_of(program)))
     return app
 
 
