@@ -110,6 +110,26 @@ def test_steps_go_from_picture_to_picture_and_pause(recording, straight):
         assert gist(back) == straight[back.stamp]
 
 
+def test_each_of_many_steps_counts_also_while_it_is_on_its_way(recording):
+    pictures = [one.stamp for one in to_the_end(course_of(recording)) if one.reading.frame]
+    with running(recording, paused=True) as watched:
+        watched.replay.ask(position_s=3.0)
+        for _ in range(5):
+            watched.replay.ask(step=1)
+        shown_last = [stamp for stamp in pictures if stamp <= 3.0][-1]
+        expected = pictures[pictures.index(shown_last) + 5]
+        watched.until(lambda shown: stands(shown) and shown.stamp == expected)
+
+
+def test_parameters_that_are_set_during_a_step_hold(recording):
+    few = SetParametersCommand(type="set_parameters", values={"max_particles": 200})
+    with running(recording, paused=True) as watched:
+        watched.until(stands)
+        watched.replay.ask(step=20)
+        watched.told(few)
+        watched.until(lambda s: stands(s) and s.parameters.filter.max_particles == 200)
+
+
 def test_on_the_way_it_shows_what_was_recorded_there(recording):
     with running(recording, paused=True) as watched:
         watched.replay.ask(position_s=5.5)

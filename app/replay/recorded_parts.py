@@ -17,8 +17,8 @@ from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 
-TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed", "ros2")
-"""Settings that are those of then; where to listen, say, is not."""
+TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
+"""Settings that are those of then; where to listen, or what to publish, is not."""
 
 FOLDERS = ("map", "robot")
 """Attachments that are read: what a recording brings is not run."""

@@ -129,7 +129,9 @@ class Replay:
                 wishes.position_s = 0.0
         if wishes.position_s is not None:
             self._go_to(self._start_ns + round(1e9 * wishes.position_s))
-        if wishes.steps:
+        if wishes.steps and self._way is not None:
+            self._asked.ask(step=wishes.steps)  # when it has got there
+        elif wishes.steps:
             self._paused = True
             self._step(wishes.steps)
 
@@ -208,12 +210,15 @@ class Replay:
     def _change_on_the_way(self, way: _Way) -> bool:
         """Whether other settings are wanted, so that the way begins anew."""
         told = self.course.engine.commands.take()
+        if way.to_ns is None:
+            self._later += told
+            return False
         changes = [one for one in told if isinstance(one, SETTLING)]
         self._later += [one for one in told if one not in changes]
         for one in changes:
             assert isinstance(one, SetParametersCommand | ResetCommand)
             self.course.change(one)
-        if way.to_ns is None or not (changes or not self.course.pure):
+        if self.course.pure and not changes:
             return False
         later = self._later
         self._go_to(way.to_ns)
