@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy,
+    laser,
     live,
     loop,
     recording,
@@ -18,6 +19,7 @@ from benchmarks import (
     scan,
     start,
     sweep,
+    wean,
     worth,
 )
 from benchmarks import filter as particle_filter
@@ -30,6 +32,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "driver": driver.measure,
     "encoders": delay.measure,
     "filter": particle_filter.measure,
+    "laser": laser.measure,
     "loop": loop.measure,
     "live": live.measure,
     "official_library": official_library.measure,
@@ -42,11 +45,12 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "soak": soak.measure,
     "start": start.measure,
     "sweep": sweep.measure,
+    "wean": wean.measure,
     "wheels": wheels.measure,
     "worth": worth.measure,
 }
 
-LONG = ("official_library", "ros2", "serial_line", "soak")
+LONG = ("official_library", "ros2", "serial_line", "soak", "wean")
 """Take minutes each, in processes of their own, so they run only when they are named."""
 
 

@@ -50,6 +50,8 @@ class Candidate:
         """Log-likelihood a ray at its place, on average over the last updates that it was sure."""
         self.sure = 0
         """How many of them there were, one after the other."""
+        self.confirmed = False
+        """Whether its place has stood the test of some scans, or was told."""
 
     @property
     def updates(self) -> int:
@@ -64,6 +66,7 @@ class Candidate:
     def start_at(self, pose: Pose2, covariance: Array) -> None:
         """Start around a pose, with covariance (3, 3) [m, m, rad]."""
         self._localizer.set_pose(pose, covariance)
+        self.confirmed = True
 
     def start_anywhere(self) -> None:
         """Start all over the free floor, with so many particles that one is near any place."""
@@ -99,6 +102,8 @@ class Candidate:
         self.sure += 1
         share = 1 / min(self.sure, REMEMBERED)
         self.fit = fit if self.sure == 1 else self.fit + share * (fit - self.fit)
+        if self.sure >= self._laser.known_updates and self.fit >= self._laser.doubt_below:
+            self.confirmed = True
 
     def is_where(self, other: Candidate) -> bool:
         """Whether another is sure of the same place."""

@@ -122,13 +122,16 @@ class LaserFollower:
         elif rival.sure >= REMEMBERED and (leader.sure == 0 or leader.sure >= REMEMBERED):
             if rival.fit > leader.fit + laser.doubt_margin:
                 self._leader, self._rival = rival, None
+                rival.confirmed = True
                 self._patience = self._wait = FIRST_DOUBT
                 self.found.places_left += 1
             else:
                 self._dismiss()
 
     def _dismiss(self) -> None:
+        """The leader's place is the best there is, however badly it fits."""
         self._rival = None
+        self._leader.confirmed = True
         self._patience = min(2 * self._patience, LAST_DOUBT)
         self._wait = self._patience
 
@@ -138,7 +141,8 @@ class LaserFollower:
             found.first_stamp = stamp
         found.scans += 1
         found.last_stamp = stamp
-        found.particles, found.known = leader.particles, leader.known
+        found.particles = leader.particles
+        found.known = leader.known and leader.confirmed
         if leader.estimate is None:
             return
         pose = leader.map_from_odom @ odometry

@@ -78,15 +78,18 @@ class LaserSettings:
         0.9, "The robot's place is told once so much of the belief is in one place",
         low=0.1, high=1,
     )  # fmt: skip
+    known_sd: float = setting(
+        1.0, "And no wider than this along any axis", unit="m", low=0.01, high=10
+    )
+    known_updates: int = setting(
+        8, "After a start anywhere, this has to last for so many measurements", low=1, high=1000
+    )
     doubt_below: float = setting(
         -0.7, "A place that explains scans worse, in log-likelihood a ray, gets a rival",
         low=-100, high=0,
     )  # fmt: skip
     doubt_margin: float = setting(
         0.2, "By which a rival has to explain them better, likewise", low=0, high=10
-    )
-    known_sd: float = setting(
-        1.0, "And no wider than this along any axis", unit="m", low=0.01, high=10
     )
 
     def __post_init__(self) -> None:
