@@ -42,6 +42,10 @@ class Config:
     map: str = setting("square", "A field by name, or a file (.svg, .yaml)")
     host: str = setting("127.0.0.1", "Address to listen on")
     port: int = setting(8080, "Port to listen on", low=0, high=65535)
+    allowed_origins: tuple[str, ...] = setting(
+        (),
+        "Pages of other places that may talk to the robot, as http://localhost:5500; null is files",
+    )
     seed: int = setting(0, "Seed of everything random", low=0, high=2**32 - 1)
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import websockets
 from node_peers import needs_node, run_node
-from serving import ask, telemetry, until
+from serving import ask, serving, telemetry, until
 from websockets.sync.client import connect
 
 
@@ -155,3 +155,17 @@ def test_junk_is_answered_and_the_client_goes_on(server):
             assert json.loads(socket.recv(timeout=20))["op"] == "status"
         socket.send(json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": 3}))
         assert json.loads(socket.recv(timeout=20))["values"] == {"nodes": ["/brickpose"]}
+
+
+def test_a_page_of_another_place_is_let_in_where_a_setting_says_so(tmp_path):
+    config = tmp_path / "lab.toml"
+    config.write_text('allowed_origins = ["http://lab.example:5500/", "null"]', encoding="utf-8")
+    with serving("--robot", "kinematic", "--map", "stub", "--config", str(config)) as running:
+        for origin in ("http://lab.example:5500", "null"):
+            with bridge(running, origin=origin) as socket:
+                request = {"op": "call_service", "service": "/rosapi/nodes", "id": 1}
+                socket.send(json.dumps(request))
+                assert json.loads(socket.recv(timeout=20))["result"]
+        for origin in ("http://lab.example", "https://lab.example:5500", "http://evil.example"):
+            with pytest.raises(websockets.InvalidStatus, match="403"):
+                bridge(running, origin=origin)

@@ -137,6 +137,18 @@ def test_a_recording_may_have_all_that_there_is(bridge, program, client):
     assert topics.count("/odom") == topics.count("/cmd_vel") == len(shown)
 
 
+def test_while_a_client_records_the_clock_keeps_its_distances(bridge, client):
+    clock = bridge.publisher.source.clock
+    before = clock._holders
+    client.ask("subscribe", topic="/odom")
+    assert clock._holders == before
+    client.ask("subscribe", topic="/odom", id="record", every=True)
+    client.ask("subscribe", topic="/scan", id="record", every=True)
+    assert clock._holders == before + 1
+    client.session.close()
+    assert clock._holders == before
+
+
 def test_a_topic_that_comes_often_holds_no_other_up(bridge, program, client):
     client.ask("subscribe", topic="/odom", queue_length=1000)
     client.ask("subscribe", topic="/map")

@@ -1,4 +1,6 @@
-"""Who may talk to the robot: pages of this server only, by an address that is really this one.
+"""Who may talk to the robot: pages of this server, by an address that is really this one.
+
+Pages of other places are let in by a setting only, each by its origin.
 
 A page of another site could otherwise send commands from the user's own browser (its Origin tells),
 or point a name of its own at this machine and be of the same origin (its Host tells).
@@ -19,9 +21,16 @@ from starlette.websockets import WebSocketClose
 class SameOriginOnly:
     """Refuses requests and sockets whose Host or Origin is not this server's."""
 
-    def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
+    def __init__(self, app: ASGIApp, names: frozenset[str], origins: tuple[str, ...] = ()) -> None:
+        """Args:
+
+        app: what is guarded.
+        names: of this server.
+        origins: of other places, as ``http://localhost:5500``; ``null`` is that of files.
+        """
         self._app = app
         self._names = names
+        self._origins = frozenset(origin.rstrip("/").lower() for origin in origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass on, or refuse."""
@@ -37,6 +46,8 @@ class SameOriginOnly:
         if not self._is_ours(host):
             return f"This server does not go by the name {host!r}; open it by its address."
         origin = headers.get("origin")
+        if origin is not None and origin.lower() in self._origins:
+            return None
         if origin is not None and _place(origin) != host.lower():
             return f"Pages of {origin} may not talk to this robot."
         site = headers.get("sec-fetch-site", "none")

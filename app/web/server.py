@@ -74,7 +74,9 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
 
     # FastAPI's own page of documentation fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
-    app.add_middleware(SameOriginOnly, names=own_names(program.config.host))
+    config = program.config
+    names, origins = own_names(config.host), config.allowed_origins
+    app.add_middleware(SameOriginOnly, names=names, origins=origins)
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)

@@ -47,6 +47,7 @@ class Session:
         self._subscriptions: dict[str, Subscription] = {}
         self._by_topic: dict[str, tuple[Subscription, ...]] = {}
         self._due: list[Subscription] = []
+        self._holds = False
         self._operations: dict[str, Callable[[Request], list[Request]]] = {
             "advertise": self._advertise,
             "unadvertise": self._nothing,
@@ -79,6 +80,7 @@ class Session:
         """Let everything go; nothing that this client drove goes on."""
         self._bridge.publisher.remove(self)
         self._by_topic = {}
+        self._hold_the_clock(False)
         self._bridge.drivers.leave(self)
 
     def wants(self, topic: Topic, stamp: float) -> bool:
@@ -138,6 +140,7 @@ class Session:
         if known is None:
             self._subscriptions[name] = subscription
             self._sort()
+        self._hold_the_clock(self._holds or wish.every)
         return []
 
     def _unsubscribe(self, request: Request) -> list[Request]:
@@ -158,10 +161,20 @@ class Session:
         for one in self._subscriptions.values():
             after[one.topic.name] = (*after.get(one.topic.name, ()), one)
         self._by_topic = after
+        self._hold_the_clock(self._holds and bool(after))
         if after and not before:
             self._bridge.publisher.add(self)
         elif before and not after:
             self._bridge.publisher.remove(self)
+
+    def _hold_the_clock(self, wanted: bool) -> None:
+        """What is recorded has one time, whatever is done to the clock on the wall."""
+        clock = self._bridge.publisher.source.clock
+        if wanted and not self._holds:
+            clock.hold()
+        elif self._holds and not wanted:
+            clock.let_go()
+        self._holds = wanted
 
     def _call_service(self, request: Request) -> list[Request]:
         name = text(request, "service")
