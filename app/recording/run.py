@@ -21,7 +21,7 @@ from app.ros2.topic import Topic
 MOST_WAITING = 2000
 """Messages: about ten seconds of them, while the disk does not answer."""
 
-PERIOD_S = 0.1
+PERIOD_S = 0.15
 """Between two looks at what waits: each message of its own would cost a change of threads."""
 
 JOIN_S = 5.0
@@ -33,6 +33,8 @@ class RecordingRun:
     """From the button to the finished file; the thread ends with it."""
 
     name = "recording"
+    patience = PERIOD_S
+    """While nobody else listens, ticks may come several at a time."""
 
     def __init__(
         self,

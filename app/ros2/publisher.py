@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import threading
+import time
 
 from app.engine.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.ros2.published import Published
-from app.ros2.route import Route
+from app.ros2.route import Route, patience
 from app.ros2.source import TopicSource
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
@@ -63,12 +64,14 @@ class TopicPublisher:
         with self._every.subscribe(MOST_WAITING) as feed:
             while self._goes_on():
                 snapshot = feed.get(LOOK_S)
-                if snapshot is None:
-                    continue
-                self.lost = feed.lost
-                self.source.clock.follow(snapshot)
-                for topic in TOPICS:
-                    self.publish(topic, snapshot)
+                while snapshot is not None and self._routes:
+                    self.lost = feed.lost
+                    self.source.clock.follow(snapshot)
+                    for topic in TOPICS:
+                        self.publish(topic, snapshot)
+                    snapshot = feed.get(0.0)
+                # Ticks that are taken several at a time cost two thirds of those taken one by one.
+                time.sleep(min((patience(one) for one in self._routes), default=0.0))
 
     def _goes_on(self) -> bool:
         """Whether there are routes. It decides itself: two threads must never ask one route."""
