@@ -12,6 +12,8 @@ from node_peers import needs_node, run_node
 from serving import ask, serving, telemetry, until
 from websockets.sync.client import connect
 
+pytestmark = pytest.mark.real_time
+
 
 @pytest.fixture(scope="module")
 def told_by_roslibjs(server):
