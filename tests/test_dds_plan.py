@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.config import ROOT
+from app.ros2.dds import configuration
 from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach
 from app.ros2.dds.framing import Frames, FramingError, header
 from app.ros2.dds.plan import Plan, dds_topic, dds_type
@@ -65,6 +66,12 @@ def test_the_domain_is_the_settings_or_else_the_environments(setting, environmen
 def test_a_domain_that_is_none_is_refused(text):
     with pytest.raises(DomainError, match="valid are 0 to 232"):
         domain(Ros2Settings(), {"ROS_DOMAIN_ID": text})
+
+
+def test_an_older_cyclone_is_told_nothing_of_the_loopback(monkeypatch):
+    monkeypatch.setattr(configuration, "version", lambda name: "0.10.2")
+    told, confined = reach("127.0.0.1", {})
+    assert confined and "NetworkInterface" not in told and "<Peer address='127.0.0.1'/>" in told
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.0.0.5", "::1", "localhost"])

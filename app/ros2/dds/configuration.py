@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import ipaddress
 import os
 from collections.abc import Iterable, Mapping
+from importlib.metadata import PackageNotFoundError, version
 
 from app.ros2.dds.plan import Endpoint, Plan
 from app.ros2.dds.shapes import shapes
@@ -23,10 +25,10 @@ NEWEST_COUNTS = ("cmd_vel",)
 URI = "CYCLONEDDS_URI"
 """Cyclone DDS's own configuration: who sets it has the say."""
 
+LOOPBACK = "<Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
+
 ALONE = (
-    "<CycloneDDS><Domain Id='any'>"
-    "<General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
-    "<AllowMulticast>false</AllowMulticast>"
+    "<CycloneDDS><Domain Id='any'><General>" + LOOPBACK + "<AllowMulticast>false</AllowMulticast>"
     # Loopback takes a whole picture at once; as for Ethernet it would be 24 packets a reader.
     "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize></General>"
     # Loopback knows no multicast, so participants of this machine are told one by one, and often:
@@ -37,6 +39,10 @@ ALONE = (
     "</Domain></CycloneDDS>"
 )
 """Only this machine."""
+
+ALONE_BEFORE_11 = ALONE.replace(LOOPBACK, "")
+"""Cyclone DDS 0.10, which a Pi has, finds no way from the loopback to who announces this machine's
+other addresses; its sockets are kept to the loopback device all the same."""
 
 ONE_ADDRESS = (
     "<CycloneDDS><Domain Id='any'><General><Interfaces>"
@@ -62,6 +68,14 @@ def domain(settings: Ros2Settings, environment: Mapping[str, str]) -> int:
     return int(text)
 
 
+def alone() -> str:
+    """The configuration for this machine only, as the library that is installed needs it."""
+    with contextlib.suppress(PackageNotFoundError):
+        if version("cyclonedds").startswith("0."):
+            return ALONE_BEFORE_11
+    return ALONE
+
+
 def reach(host: str, environment: Mapping[str, str]) -> tuple[str | None, bool]:
     """Cyclone DDS's configuration, and whether to keep others out, for what the page listens on."""
     if environment.get(URI):
@@ -69,9 +83,9 @@ def reach(host: str, environment: Mapping[str, str]) -> tuple[str | None, bool]:
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
-        return (ALONE, True) if host == "localhost" else (None, False)
+        return (alone(), True) if host == "localhost" else (None, False)
     if address.is_loopback:
-        return ALONE, True
+        return alone(), True
     whole = address.is_unspecified or address.version == 6
     return (None if whole else ONE_ADDRESS.format(address)), False
 

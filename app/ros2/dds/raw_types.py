@@ -14,7 +14,7 @@ from app.ros2.dds.plan import Kind, Shapes, dds_type
 
 BASE: dict[str, Any] = {
     "bool": bool,
-    "byte": types.byte,
+    "byte": getattr(types, "byte", types.uint8),  # 0.10.2, as on a Pi, has no byte
     "char": types.uint8,
     "string": str,
     **{
