@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from engine_runs import EIGHT, kinematic, run
+from recordings import record
 from replays import course_of, gist, go, recorded_eight, to_the_end
 
 from app.messages.commands import ResetCommand, SetParametersCommand, SetPoseCommand
@@ -181,6 +183,17 @@ def test_steps_go_from_picture_to_picture(recording, straight):
     assert shown.stamp == pictures[43]
     assert course.picture_before(5) == course.robot.start_ns + round(pictures[38] * 1e9)
     assert course.picture_before(1000) == course.robot.start_ns
+
+
+def test_a_recording_of_the_middle_of_a_run_begins_with_what_was_estimated_first(tmp_path):
+    program = kinematic(seed=1, map="stub")
+    run(program, 3.0, EIGHT)
+    made, shown, _ = record(program, tmp_path, 2, EIGHT)
+    assert shown[0].truth.distance_to(program.field.start) > 0.2, "it would not tell the two apart"
+    again = to_the_end(course_of(made))
+    apart = [a.pose.distance_to(b.pose) for a, b in zip(again, shown, strict=True)]
+    assert max(apart) < 0.01
+    assert again[0].odometry.distance_to(shown[0].pose) < 0.01
 
 
 def test_checkpoints_are_thinned_out_where_they_are_large(recording):

@@ -278,6 +278,22 @@ def test_velocities_that_were_not_recorded_are_those_of_the_positions(bag):
     assert readings(bag.robot())[-1].velocities == pytest.approx([5.0, -10.0])
 
 
+def test_a_truth_that_comes_late_is_carried_on_by_the_wheels(bag):
+    kind = "geometry_msgs/msg/PoseStamped"
+    for tick in range(10):
+        bag.joints(0.05 * tick, turned=0.2 * tick)
+        if tick == 0:
+            bag.picture(0.0)
+        point = new("geometry_msgs/msg/Point", x=0.2 * tick * SPEC.wheel_radius, y=0.0, z=0.0)
+        straight = new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0)
+        pose = new("geometry_msgs/msg/Pose", position=point, orientation=straight)
+        stamped = new(kind, header=header(0.05 * tick), pose=pose)
+        bag.write("truth", kind, 0.05 * tick + 0.001, stamped)
+    found = readings(bag.robot())[1:]
+    expected = [0.2 * tick * SPEC.wheel_radius for tick in range(1, 10)]
+    assert [one.truth.x for one in found] == pytest.approx(expected, abs=1e-6)
+
+
 def test_a_bag_without_a_map_asks_for_one(bag):
     bag.joints(0.0)
     bag.picture(0.0)

@@ -117,13 +117,14 @@ def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
     return stamp_ns(message), pose_of(message.pose.pose), (flat + flat.T) / 2
 
 
-def truth_of(cdr: bytes) -> Pose2:
-    """The pose of a PoseStamped.
+def truth_of(cdr: bytes) -> tuple[int, Pose2]:
+    """Stamp and pose of a PoseStamped.
 
     Raises:
         MessageError, ContentError: it has numbers that are none.
     """
-    return pose_of(from_cdr(cdr, "geometry_msgs/msg/PoseStamped").pose)
+    message = from_cdr(cdr, "geometry_msgs/msg/PoseStamped")
+    return stamp_ns(message), pose_of(message.pose)
 
 
 def twist_of(cdr: bytes) -> Twist2 | None:

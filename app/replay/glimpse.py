@@ -131,5 +131,5 @@ def _truth(cdr: bytes | None) -> Pose2 | None:
     if cdr is None:
         return None
     with contextlib.suppress(MessageError, ContentError):
-        return truth_of(cdr)
+        return truth_of(cdr)[1]
     return None

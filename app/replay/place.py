@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from app.replay.decoding import health_of, truth_of, volts_of
+from app.replay.decoding import health_of, volts_of
 from app.replay.recorded_topics import RecordedTopics
 from app.replay.ticks import RecordedTick
 from robot.geometry import Array, Pose2
@@ -115,9 +115,6 @@ class Place:
     def told(self, told: Told, topics: RecordedTopics) -> Place:
         """With what is told now and then: it holds until it is told anew."""
         place = self
-        truth = told.of(topics.truth, truth_of)
-        if truth is not None:
-            place = replace(place, truth=truth, truth_ns=place.now_ns)
         volts = told.of(topics.battery_state, volts_of)
         if volts is not None:
             place = replace(place, battery_v=volts)

@@ -19,6 +19,7 @@ from app.replay.decoding import (
     joints_of,
     picture_of,
     told_pose_of,
+    truth_of,
     twist_of,
 )
 from app.replay.place import NextTick, Place
@@ -159,6 +160,7 @@ class RecordedRobot:
             measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
         told = _Told(one)
         place = place.moved(self._drive.moved(turned)).told(told, self.topics)
+        place = self._with_truth(told, before, place, turned)
         frame = self._frame(told, place.shift_ns)
         if frame is not None:
             place = replace(place, picture_log_ns=one.tick.log_ns)
@@ -177,6 +179,16 @@ class RecordedRobot:
             place.connected,
             (*place.faults, *place.troubles),
         )
+
+    def _with_truth(self, told: _Told, before: Place, place: Place, turned: Array) -> Place:
+        found = told.of(self.topics.truth, truth_of)
+        if found is None:
+            return place
+        # It may have come a moment late, and be of the tick before: the wheels carry it on.
+        late = place.now_ns - found[0] - place.shift_ns
+        part = min(max(late / max(place.now_ns - before.now_ns, 1), 0.0), 2.0)
+        truth = found[1] @ self._drive.moved(part * turned)
+        return replace(place, truth=truth, truth_ns=place.now_ns)
 
     def _frame(self, told: _Told, shift_ns: int) -> Frame | None:
         lens = self.spec.lens
