@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from app.ros2.settings import Ros2Settings
 from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml, read_model
-from robot.geometry import Array
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+"""x, y, z, w"""
 
 
 @dataclass(frozen=True)
@@ -19,10 +24,24 @@ class Link:
 
     parent: str
     child: str
-    parent_from_child: Array
-    """(4, 4); of a wheel, at position zero."""
-    axis: Array
-    """(3,) unit vector that a wheel turns about, in its own frame."""
+    place: Vector
+    """[m] in the parent's frame."""
+    turn: Quaternion = (0.0, 0.0, 0.0, 1.0)
+    """Of a wheel: at position zero."""
+    axis: Vector = (0.0, 0.0, 0.0)
+    """Unit vector that a wheel turns about, in its own frame."""
+
+    def turned(self, angle: float) -> Quaternion:
+        """The turn of a wheel at a position [rad]: the product of two quaternions."""
+        x, y, z, w = self.turn
+        sine, cosine = math.sin(angle / 2), math.cos(angle / 2)
+        a, b, c = (sine * one for one in self.axis)
+        return (
+            w * a + x * cosine + y * c - z * b,
+            w * b + y * cosine + z * a - x * c,
+            w * c + z * cosine + x * b - y * a,
+            w * cosine - x * a - y * b - z * c,
+        )
 
 
 @dataclass(frozen=True)
@@ -40,30 +59,20 @@ class Links:
         """From the robot's description; scans start so far in front of the robot's origin [m]."""
         joints = {joint.name: joint for joint in read_model(spec.urdf).robot.joints}
         root, base = parse_xml(spec.urdf), settings.base_frame_id
-        scan = np.eye(4)
-        scan[0, 3] = scan_x
         fixed = [_link(one) for one in joints.values() if one.type == "fixed"]
         frame = root.find("ros2_control/sensor/param[@name='frame']")
         assert frame is not None  # a robot without a camera has no RobotSpec
         return cls(
-            (*fixed, Link(base, settings.scan_frame_id, scan, np.zeros(3))),
+            (*fixed, Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0))),
             tuple(_link(joints[joint.name]) for joint in spec.joints),
             (frame.text or "").strip(),
         )
 
 
-def turned_by(link: Link, angle: float) -> Array:
-    """Parent from child (4, 4) of a wheel at a position [rad] (Rodrigues' formula)."""
-    x, y, z = link.axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turn = np.eye(4)
-    turn[:3, :3] += np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    found: Array = link.parent_from_child @ turn
-    return found
-
-
 def _link(joint: Any) -> Link:
     """Of a joint as yourdfpy has it."""
-    origin = np.eye(4) if joint.origin is None else np.asarray(joint.origin, dtype=np.float64)
-    axis = np.zeros(3) if joint.axis is None else np.asarray(joint.axis, dtype=np.float64)
-    return Link(joint.parent, joint.child, origin, axis)
+    origin = np.eye(4) if joint.origin is None else joint.origin
+    x, y, z = origin[:3, 3].astype(float).tolist()
+    qx, qy, qz, qw = Rotation.from_matrix(origin[:3, :3]).as_quat().tolist()
+    ax, ay, az = (0.0, 0.0, 0.0) if joint.axis is None else map(float, joint.axis)
+    return Link(joint.parent, joint.child, (x, y, z), (qx, qy, qz, qw), (ax, ay, az))

@@ -260,6 +260,8 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
 
 
 def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
+    # roslibpy's Ros(host, port) cannot be told a path.
+    @app.websocket("/")
     @app.websocket("/rosbridge")
     async def follow_topics(socket: WebSocket) -> None:
         await rosbridge.serve(socket)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from app.ros2.links import Link, Quaternion
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.geometry import Array, Pose2
@@ -63,14 +64,12 @@ def transform(source: TopicSource, stamp: float, parent: str, child: str, at: Po
     return stamped_transform(source, stamp, parent, child, vector(at.x, at.y), turned(at.theta))
 
 
-def transform_in_space(
-    source: TopicSource, stamp: float, parent: str, child: str, parent_from_child: Array
-) -> Message:
-    """geometry_msgs/TransformStamped of a matrix (4, 4)."""
-    x, y, z, w = quaternion(parent_from_child[:3, :3])
+def link_transform(source: TopicSource, stamp: float, link: Link, turn: Quaternion) -> Message:
+    """geometry_msgs/TransformStamped of a link that is turned so on its parent."""
+    x, y, z, w = turn
     orientation = new("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
-    place = vector(*parent_from_child[:3, 3])
-    return stamped_transform(source, stamp, parent, child, place, orientation)
+    place = vector(*link.place)
+    return stamped_transform(source, stamp, link.parent, link.child, place, orientation)
 
 
 def stamped_transform(
@@ -83,26 +82,3 @@ def stamped_transform(
         child_frame_id=child,
         transform=new("geometry_msgs/msg/Transform", translation=place, rotation=turn),
     )
-
-
-def quaternion(rotation: Array) -> tuple[float, float, float, float]:
-    """x, y, z, w of a rotation matrix (3, 3), w not negative (Shepperd 1978)."""
-    rows = rotation.tolist()  # on nine numbers Python is quicker than numpy
-    trace = rows[0][0] + rows[1][1] + rows[2][2]
-    squares = (rows[0][0], rows[1][1], rows[2][2], trace)
-    largest = squares.index(max(squares))
-    i, j, k = largest % 3, (largest + 1) % 3, (largest + 2) % 3
-    found = [0.0, 0.0, 0.0, 0.0]
-    if largest == 3:
-        found[0] = rows[2][1] - rows[1][2]
-        found[1] = rows[0][2] - rows[2][0]
-        found[2] = rows[1][0] - rows[0][1]
-        found[3] = 1 + trace
-    else:
-        found[i] = 1 + 2 * rows[i][i] - trace
-        found[j] = rows[j][i] + rows[i][j]
-        found[k] = rows[k][i] + rows[i][k]
-        found[3] = rows[k][j] - rows[j][k]
-    length = math.copysign(math.hypot(*found), found[3])
-    x, y, z, w = (one / length for one in found)
-    return x, y, z, w

@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.ros2.links import turned_by
 from app.ros2.making.frames import (
     header,
     in_space,
+    link_transform,
     pose_with_covariance,
     transform,
-    transform_in_space,
     vector,
 )
 from app.ros2.message_types import Message, new
@@ -57,17 +56,14 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
         found.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
     angles: Array = snapshot.reading.positions
     for wheel, angle in zip(source.links.wheels, angles.tolist(), strict=True):
-        turned = turned_by(wheel, angle)
-        found.append(transform_in_space(source, stamp, wheel.parent, wheel.child, turned))
+        found.append(link_transform(source, stamp, wheel, wheel.turned(angle)))
     return new("tf2_msgs/msg/TFMessage", transforms=found)
 
 
 def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     """Where everything sits that does not move on the robot."""
-    found = [
-        transform_in_space(source, snapshot.stamp, one.parent, one.child, one.parent_from_child)
-        for one in source.links.fixed
-    ]
+    stamp = snapshot.stamp
+    found = [link_transform(source, stamp, one, one.turn) for one in source.links.fixed]
     return new("tf2_msgs/msg/TFMessage", transforms=found)
 
 

@@ -39,14 +39,13 @@ def laser_scan(source: TopicSource, snapshot: Snapshot) -> Message:
 def occupancy_grid(source: TopicSource, snapshot: Snapshot) -> Message:
     """The field as nav_msgs/OccupancyGrid: tape is occupied."""
     grid = source.field.grid or source.field.occupancy(source.settings.map_resolution)
-    stamp = time(source.clock.ns(snapshot.stamp))
     height, width = grid.data.shape
     return new(
         "nav_msgs/msg/OccupancyGrid",
         header=header(source, snapshot.stamp, source.settings.global_frame_id),
         info=new(
             "nav_msgs/msg/MapMetaData",
-            map_load_time=stamp,
+            map_load_time=time(source.clock.ns(0.0)),
             resolution=float(grid.resolution),
             width=width,
             height=height,
