@@ -83,7 +83,8 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
 
 def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
     """True poses (n, 4) by the emulator's clock; (m, 7) estimates and odometry by the robot's."""
-    truth, told = [], []
+    truth: list[list[float]] = []
+    told: list[list[float]] = []
     with server.live() as socket:
         until(socket, connected, START_S)
         begin = until(socket, estimated, START_S)["stamp"]
