@@ -9,7 +9,7 @@ from typing import Protocol
 from app.assembly import Program
 from app.recording.contents import contents_of
 from app.recording.recorder import Recorder
-from app.ros2.inbox import Inbox
+from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.ros2.source import TopicSource

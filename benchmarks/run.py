@@ -9,22 +9,20 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy,
-    laser,
     live,
     loop,
-    recording,
     recovery,
     render,
-    ros2,
     scan,
     start,
     sweep,
-    wean,
     worth,
 )
 from benchmarks import filter as particle_filter
 from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
+from benchmarks.lasers import laser, wean
 from benchmarks.result import Result
+from benchmarks.topics import recording, ros2
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {

@@ -5,8 +5,8 @@ import functools
 import numpy as np
 
 from app.localize.laser_map import LaserMap
-from benchmarks.laser_bags import LaserBag
-from benchmarks.laser_robot import Laser, wander
+from benchmarks.lasers.laser_bags import LaserBag
+from benchmarks.lasers.laser_robot import Laser, wander
 from robot.fields.grid_map import OccupancyGrid, save_map_yaml
 from robot.geometry import Pose2
 

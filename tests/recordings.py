@@ -5,8 +5,8 @@ from datetime import datetime
 from engine_runs import run
 
 from app.recording.contents import contents_of
+from app.recording.files.recording_file import RecordingFile
 from app.recording.recorder import Recorder
-from app.recording.recording_file import RecordingFile
 from app.recording.settings import RecordingSettings
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher

@@ -2,7 +2,7 @@
 
 from engine_runs import kinematic
 
-from app.engine.broadcast import Broadcast
+from app.engine.mailboxes.broadcast import Broadcast
 from app.messages.commands import ScatterCommand
 
 

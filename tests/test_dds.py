@@ -14,7 +14,7 @@ from app.ros2.making import belief, seeing
 from app.ros2.making.frames import header, pose_with_covariance
 from app.ros2.message_types import new, to_cdr, type_hash
 from app.ros2.topics import TOPICS, topic
-from benchmarks.fastdds import Peer, missing
+from benchmarks.topics.fastdds import Peer, missing
 from robot.geometry import Pose2
 from robot.scan import evenly
 

@@ -20,7 +20,7 @@ from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsError, DdsRoute
 from app.ros2.settings import Ros2Settings
 from app.ros2.topics import topic
-from benchmarks.fastdds import Peer, missing
+from benchmarks.topics.fastdds import Peer, missing
 
 pytestmark = pytest.mark.real_time
 

@@ -8,7 +8,7 @@ from engine_runs import EIGHT, drive, kinematic, run
 
 from app.assembly import assemble
 from app.config import Config
-from app.engine.command_queue import MOST_COMMANDS
+from app.engine.mailboxes.command_queue import MOST_COMMANDS
 from app.messages.commands import PingCommand, ShowCommand, StopCommand
 from app.web.commands import MOST_WAITING, CommandError, check
 from robot.driving.odometry import OdometrySettings

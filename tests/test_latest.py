@@ -1,7 +1,7 @@
 import asyncio
 import threading
 
-from app.engine.latest import Latest
+from app.engine.mailboxes.latest import Latest
 
 
 def test_the_newest_value_wins():

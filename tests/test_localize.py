@@ -8,7 +8,7 @@ import pytest
 
 from app.command_line import main
 from app.trajectories.files.tum import parse_tum
-from benchmarks.laser_bags import KINDS, LaserBag
+from benchmarks.lasers.laser_bags import KINDS, LaserBag
 from robot.geometry import Pose2
 from tests.laser_office import BEGAN, LASER, drive, true_pose, write_bag, write_map
 

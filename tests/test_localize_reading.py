@@ -15,7 +15,7 @@ from app.localize.reading.pairing import Pairing
 from app.localize.reading.pose_track import PoseTrack
 from app.localize.reading.topics import choose
 from app.localize.reading.transforms import Frames, Rigid3, frame_name
-from benchmarks.laser_bags import LaserBag
+from benchmarks.lasers.laser_bags import LaserBag
 from robot.geometry import Pose2
 
 ANYTHING = st.floats(width=32, allow_nan=True, allow_infinity=True)

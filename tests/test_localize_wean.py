@@ -2,7 +2,7 @@
 
 import pytest
 
-from benchmarks import wean
+from benchmarks.lasers import wean
 
 pytestmark = [
     pytest.mark.data,

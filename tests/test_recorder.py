@@ -9,9 +9,9 @@ from recordings import InStep, begin, record, recorder_of
 from rosbags.highlevel import AnyReader
 
 from app.recording import run as recording_run
-from app.recording.mcap_reader import open_recording
-from app.recording.recorded import RecordingError
-from app.recording.recording_file import RecordingFile
+from app.recording.files.mcap_reader import open_recording
+from app.recording.files.recorded import RecordingError
+from app.recording.files.recording_file import RecordingFile
 from app.recording.settings import RecordingSettings
 from app.ros2.publisher import TopicPublisher
 from robot.settings import SettingError

@@ -8,9 +8,9 @@ import pytest
 from fastapi import FastAPI
 from recordings import make
 
+from app.recording.files.mcap_reader import open_recording
+from app.recording.files.recorded import RecordingError
 from app.recording.listing import find, listed
-from app.recording.mcap_reader import open_recording
-from app.recording.recorded import RecordingError
 from app.recording.routes import recordings_router
 
 

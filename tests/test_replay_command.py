@@ -109,7 +109,7 @@ def test_a_filter_config_that_cannot_be_used_is_refused(tmp_path, text, words):
 
 def test_the_settings_in_a_recording_are_toml_that_a_filter_config_may_repeat(recording):
     made, _ = recording
-    from app.recording.mcap_reader import open_recording
+    from app.recording.files.mcap_reader import open_recording
 
     content = tomllib.loads(open_recording(made).attachments["settings.toml"].decode())
     assert content["localization"]["filter"]["max_particles"] > 0

@@ -9,13 +9,13 @@ from recordings import BEGIN_NS
 from replays import recorded_eight
 
 from app.messages.commands import SetPoseCommand
-from app.recording.mcap_reader import open_recording
-from app.recording.recorded import RecordingError
-from app.recording.recording_file import RecordingFile
+from app.recording.files.mcap_reader import open_recording
+from app.recording.files.recorded import RecordingError
+from app.recording.files.recording_file import RecordingFile
 from app.replay.opening import ReplayOptions, open_replay
-from app.replay.place import Place
-from app.replay.recorded_robot import RecordedRobot
-from app.replay.recorded_topics import RecordedTopics
+from app.replay.recorded.place import Place
+from app.replay.recorded.robot import RecordedRobot
+from app.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import new, to_cdr
 from app.ros2.topic import Quality
 from robot.description.spec import RobotSpec

@@ -9,9 +9,9 @@ from typing import Any
 
 import yaml
 
-from app.recording.mcap_records import MAGIC
-from app.recording.recorded import RecordingError
-from app.recording.recording_file import METADATA_FILE
+from app.recording.files.mcap_records import MAGIC
+from app.recording.files.recorded import RecordingError
+from app.recording.files.recording_file import METADATA_FILE
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
 """Of a recording: nothing that could lead out of the folder."""

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from app.messages.telemetry import RecordingMessage
 from app.recording.contents import Contents
-from app.recording.recorded import RecordingError
-from app.recording.recording_file import free_folder
+from app.recording.files.recorded import RecordingError
+from app.recording.files.recording_file import free_folder
 from app.recording.run import RecordingRun
 from app.recording.settings import RecordingSettings
 from app.ros2.publisher import TopicPublisher

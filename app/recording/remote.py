@@ -15,7 +15,7 @@ from pathlib import Path
 
 from app.console import say
 from app.recording.distant_robot import DistantRobot, DistantRobotError, Received
-from app.recording.recording_file import RecordingFile, free_folder
+from app.recording.files.recording_file import RecordingFile, free_folder
 from app.recording.settings import RecordingSettings
 from app.ros2.message_types import MessageError, message_class
 from app.ros2.topic import Quality

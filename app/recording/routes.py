@@ -9,8 +9,8 @@ from fastapi import APIRouter, HTTPException, Response
 from fastapi.responses import FileResponse, StreamingResponse
 
 from app.messages.message import Message
+from app.recording.files.recorded import RecordingError
 from app.recording.listing import Listed, find, listed
-from app.recording.recorded import RecordingError
 
 MEDIA_TYPE = "application/octet-stream"
 BLOCK = 1 << 20

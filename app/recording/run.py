@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.engine.problems import LOG
 from app.recording.contents import Contents
-from app.recording.recording_file import RecordingFile
+from app.recording.files.recording_file import RecordingFile
 from app.recording.settings import RecordingSettings
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published

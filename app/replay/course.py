@@ -23,9 +23,9 @@ from app.messages.commands import (
     UpdateCommand,
 )
 from app.replay.checkpoints import Checkpoints
-from app.replay.glimpse import Glimpse, glimpse, picture_before
-from app.replay.place import Place
-from app.replay.recorded_robot import RecordedRobot
+from app.replay.recorded.glimpse import Glimpse, glimpse, picture_before
+from app.replay.recorded.place import Place
+from app.replay.recorded.robot import RecordedRobot
 from app.replay.replay_engine import EngineState, ReplayEngine
 from app.replay.settings import ReplaySettings, refused
 from robot.fields.field import Field

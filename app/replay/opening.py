@@ -13,14 +13,14 @@ from app.config import MAPS, Config
 from app.engine.driving import Driving
 from app.engine.localization import Localization, changed_with_own
 from app.own_models.own_models import OwnModels
-from app.recording.mcap_reader import RecordingReader, open_recording
-from app.recording.recorded import RecordingError
+from app.recording.files.mcap_reader import RecordingReader, open_recording
+from app.recording.files.recorded import RecordingError
 from app.replay.course import Course
 from app.replay.filter_config import with_filter_config
-from app.replay.first_estimate import first_estimate
-from app.replay.recorded_parts import RecordedParts
-from app.replay.recorded_robot import RecordedRobot
-from app.replay.recorded_topics import RecordedTopics
+from app.replay.recorded.first_estimate import first_estimate
+from app.replay.recorded.parts import RecordedParts
+from app.replay.recorded.robot import RecordedRobot
+from app.replay.recorded.topics import RecordedTopics
 from app.replay.replay import Replay
 from app.replay.replay_engine import EngineState, ReplayEngine
 from app.replay.settings import ReplaySettings

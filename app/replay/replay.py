@@ -18,7 +18,7 @@ from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.replay.asked import Asked
 from app.replay.course import SETTLING, Course
-from app.replay.glimpse import Glimpse
+from app.replay.recorded.glimpse import Glimpse
 from app.replay.state import ReplayState
 from robot.interface import Frame
 from robot.localization.filter import Cloud

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 
-from app.engine.broadcast import Broadcast
+from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.ros2.published import Published

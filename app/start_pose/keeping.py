@@ -8,7 +8,7 @@ import anyio
 import anyio.to_thread
 
 from app.covariance import by_rows
-from app.engine.latest import Latest
+from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.messages.telemetry import HypothesisMessage, PoseMessage

@@ -19,7 +19,7 @@ from starlette.responses import Response
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import connect
 
-from app.engine.latest import Latest
+from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.view.scene import Scene

@@ -12,7 +12,7 @@ import cv2
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from app.engine.latest import Latest
+from app.engine.mailboxes.latest import Latest
 from app.engine.snapshot import Snapshot
 from robot.interface import Frame
 

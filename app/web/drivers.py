@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Hashable
 
-from app.engine.command_queue import CommandQueue
+from app.engine.mailboxes.command_queue import CommandQueue
 from app.messages.commands import Command, DriveCommand, FigureEightCommand, StopCommand
 
 

@@ -8,9 +8,9 @@ import os
 from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 
+from app.ros2.commands.incoming import IncomingTopic
 from app.ros2.dds.plan import Endpoint, Plan
 from app.ros2.dds.shapes import shapes
-from app.ros2.incoming import IncomingTopic
 from app.ros2.message_types import type_hash
 from app.ros2.settings import Ros2Settings
 from app.ros2.topics import TOPICS

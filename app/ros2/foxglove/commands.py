@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from app.ros2.inbox import Inbox
-from app.ros2.incoming import Service
+from app.ros2.commands.inbox import Inbox
+from app.ros2.commands.incoming import Service
 from app.ros2.message_types import (
     Message,
     MessageError,
@@ -15,9 +15,9 @@ from app.ros2.message_types import (
     message_class,
     to_cdr,
 )
-from app.ros2.rosbridge.fields import FILLER, fields
 from app.ros2.rosbridge.names import Names
-from app.ros2.rosbridge.reading import message_of
+from app.ros2.rosbridge.values.fields import FILLER, fields
+from app.ros2.rosbridge.values.reading import message_of
 
 if TYPE_CHECKING:
     from foxglove import MessageSchema, ServiceRequest

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.ros2.inbox import Inbox
-from app.ros2.incoming import IncomingTopic, Service
+from app.ros2.commands.inbox import Inbox
+from app.ros2.commands.incoming import IncomingTopic, Service
 from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.fields import full_type
+from app.ros2.rosbridge.values.fields import full_type
 from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 from app.ros2.message_types import MessageError, definition
-from app.ros2.rosbridge.fields import full_type
 from app.ros2.rosbridge.names import Names
-from app.ros2.rosbridge.reading import shown
-from app.ros2.rosbridge.type_details import type_details
+from app.ros2.rosbridge.values.fields import full_type
+from app.ros2.rosbridge.values.reading import shown
+from app.ros2.rosbridge.values.type_details import type_details
 
 PACKAGE = "rosapi"
 SECOND_NS = 1_000_000_000

@@ -8,7 +8,7 @@ import contextlib
 import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from app.ros2.inbox import Inbox
+from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.outbox import Data

@@ -12,7 +12,6 @@ from app.ros2.published import Published
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
 from app.ros2.rosbridge.outbox import Data, Outbox
-from app.ros2.rosbridge.reading import message_of
 from app.ros2.rosbridge.requests import (
     Pieces,
     Request,
@@ -22,6 +21,7 @@ from app.ros2.rosbridge.requests import (
     text,
 )
 from app.ros2.rosbridge.subscription import Subscription, Wish
+from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.topic import Topic
 
 LEVELS = ("none", "error", "warning", "info")

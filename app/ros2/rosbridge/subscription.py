@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.encoding import COMPRESSIONS
-from app.ros2.rosbridge.reading import shown
+from app.ros2.rosbridge.values.encoding import COMPRESSIONS
+from app.ros2.rosbridge.values.reading import shown
 from app.ros2.route import Pace
 from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic

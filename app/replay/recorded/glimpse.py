@@ -5,11 +5,11 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass
 
-from app.recording.mcap_reader import RecordingReader
-from app.recording.recorded import RecordingError
-from app.replay.decoding import ContentError, believed_of, picture_of, truth_of
-from app.replay.recorded_topics import RecordedTopics
-from app.replay.ticks import RecordedTick, ticks
+from app.recording.files.mcap_reader import RecordingReader
+from app.recording.files.recorded import RecordingError
+from app.replay.recorded.decoding import ContentError, believed_of, picture_of, truth_of
+from app.replay.recorded.ticks import RecordedTick, ticks
+from app.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from robot.geometry import Pose2
 from robot.interface import Frame

@@ -6,7 +6,14 @@ from pydantic import ValidationError
 
 from app.assembly import Program
 from app.messages.commands import Command, StopCommand
-from app.ros2.incoming import INCOMING, SERVICES, STAMPED_TWIST, TWIST, IncomingTopic, Service
+from app.ros2.commands.incoming import (
+    INCOMING,
+    SERVICES,
+    STAMPED_TWIST,
+    TWIST,
+    IncomingTopic,
+    Service,
+)
 from app.ros2.message_types import Message, MessageError, from_cdr
 from app.ros2.source import TopicSource
 from app.web.commands import check, in_words

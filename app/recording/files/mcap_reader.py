@@ -6,8 +6,8 @@ import heapq
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
-from app.recording.mcap_file import McapFile
-from app.recording.recorded import RecordedMessage, RecordingError
+from app.recording.files.mcap_file import McapFile
+from app.recording.files.recorded import RecordedMessage, RecordingError
 
 __all__ = ["RecordedMessage", "RecordingError", "RecordingReader", "open_recording"]
 

@@ -8,9 +8,9 @@ from typing import Protocol, TypeVar
 
 import numpy as np
 
-from app.replay.decoding import health_of, volts_of
-from app.replay.recorded_topics import RecordedTopics
-from app.replay.ticks import RecordedTick
+from app.replay.recorded.decoding import health_of, volts_of
+from app.replay.recorded.ticks import RecordedTick
+from app.replay.recorded.topics import RecordedTopics
 from robot.geometry import Array, Pose2
 
 SHOWN_NS = 2_000_000_000

@@ -1,6 +1,6 @@
 """ROS 2 over DDS: what it costs, and how soon a foreign command is at the wheels.
 
-The readers are participants of another vendor's DDS (benchmarks/fastdds.py) on this machine.
+The readers are participants of another vendor's DDS (benchmarks/topics/fastdds.py) on this machine.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from app.assembly import assemble
 from app.config import Config
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import DriveCommand, FigureEightCommand
+from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.plan import dds_topic
 from app.ros2.dds.route import DdsRoute
-from app.ros2.inbox import Inbox
 from app.ros2.making.frames import vector
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
-from benchmarks.fastdds import Peer, missing
 from benchmarks.result import Result
+from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.real_time import RealTime

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from app.recording.recorded import RecordingError
+from app.recording.files.recorded import RecordingError
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-from app.recording.chunks import records_of
-from app.recording.mcap_index import Index, Piece, content_at, index_of, read_at
-from app.recording.mcap_records import (
+from app.recording.files.chunks import records_of
+from app.recording.files.mcap_index import Index, Piece, content_at, index_of, read_at
+from app.recording.files.mcap_records import (
     HEAD,
     MAGIC,
     MESSAGE,
@@ -19,7 +19,7 @@ from app.recording.mcap_records import (
     Opcode,
     split,
 )
-from app.recording.recorded import RecordedMessage, RecordingError
+from app.recording.files.recorded import RecordedMessage, RecordingError
 
 OTHERS = {
     b"#ROSBAG V": "a ROS 1 bag",

@@ -10,8 +10,8 @@ from typing import Any
 
 from app.config import MAPS, Config, from_table
 from app.recording.contents import SETTINGS, URDF
-from app.recording.mcap_reader import RecordingReader
-from app.recording.recorded import RecordingError
+from app.recording.files.mcap_reader import RecordingReader
+from app.recording.files.recorded import RecordingError
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field

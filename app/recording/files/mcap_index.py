@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import BinaryIO
 
-from app.recording.chunks import records_of
-from app.recording.mcap_records import (
+from app.recording.files.chunks import records_of
+from app.recording.files.mcap_records import (
     FIRST_PRIVATE_OPCODE,
     FOOTER,
     HEAD,

@@ -20,7 +20,7 @@ import numpy as np
 from app.command_line import main
 from app.config import ROOT
 from app.trajectories.files.tum import parse_tum
-from benchmarks.laser_bags import LaserBag
+from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.result import Result
 from robot.fields.grid_map import OccupancyGrid, save_map_yaml
 from robot.geometry import Array, Pose2, wrap_angle

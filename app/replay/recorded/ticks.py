@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Generator, Iterable
 from dataclasses import dataclass, field
 
-from app.recording.recorded import RecordedMessage
-from app.replay.recorded_topics import RecordedTopics
+from app.recording.files.recorded import RecordedMessage
+from app.replay.recorded.topics import RecordedTopics
 
 
 @dataclass(slots=True)

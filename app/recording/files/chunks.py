@@ -7,7 +7,7 @@ import zlib
 import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
-from app.recording.mcap_records import ChunkHead, DamageError
+from app.recording.files.mcap_records import ChunkHead, DamageError
 
 LARGEST_CHUNK = 1 << 29
 """A larger chunk is refused [bytes]: it has to fit into the memory of a small computer."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from app.localize.laser_map import LaserMap
 from app.localize.settings import LASER, LaserSettings
-from benchmarks.laser_robot import Laser, measurements, wander
+from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result
 from robot.fields.grid_map import OccupancyGrid

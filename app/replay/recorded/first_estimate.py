@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.recording.mcap_reader import RecordingReader
-from app.recording.recorded import RecordingError
-from app.replay.decoding import ContentError, believed_of
-from app.replay.recorded_topics import RecordedTopics
+from app.recording.files.mcap_reader import RecordingReader
+from app.recording.files.recorded import RecordingError
+from app.replay.recorded.decoding import ContentError, believed_of
+from app.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from robot.localization.estimate import Hypothesis
 

@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 
 from app.messages.commands import Command
-from app.recording.mcap_reader import RecordingReader
-from app.recording.recorded import RecordingError
-from app.replay.decoding import (
+from app.recording.files.mcap_reader import RecordingReader
+from app.recording.files.recorded import RecordingError
+from app.replay.recorded.decoding import (
     ContentError,
     believed_of,
     commands_of,
@@ -22,9 +22,9 @@ from app.replay.decoding import (
     truth_of,
     twist_of,
 )
-from app.replay.place import NextTick, Place
-from app.replay.recorded_topics import RecordedTopics
-from app.replay.ticks import RecordedTick, joined, ticks
+from app.replay.recorded.place import NextTick, Place
+from app.replay.recorded.ticks import RecordedTick, joined, ticks
+from app.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive

@@ -17,7 +17,7 @@ from typing import IO, Any, cast
 from mcap.writer import Writer
 
 from app.batch.output import file_written_whole
-from app.recording.bag_metadata import (
+from app.recording.files.bag_metadata import (
     RecordedTopic,
     Span,
     as_text,
@@ -25,7 +25,7 @@ from app.recording.bag_metadata import (
     channel_metadata,
     in_file,
 )
-from app.recording.recorded import RecordingError
+from app.recording.files.recorded import RecordingError
 from app.ros2.message_types import definition
 from app.ros2.topic import Quality
 

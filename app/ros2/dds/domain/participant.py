@@ -20,10 +20,10 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from app.ros2.dds import graph
-from app.ros2.dds.loopback import confine_to_this_machine
+from app.ros2.dds.domain import graph
+from app.ros2.dds.domain.loopback import confine_to_this_machine
+from app.ros2.dds.domain.raw_types import RawSample, filled, raw_types
 from app.ros2.dds.plan import Endpoint, Plan, dds_topic
-from app.ros2.dds.raw_types import RawSample, filled, raw_types
 
 BLOCKING_S = 0.01
 """A writer waits at most so long for a reader that does not keep up [s]; the others wait too."""

@@ -12,7 +12,7 @@ import numpy as np
 from cbor2 import CBORTag
 
 from app.ros2.message_types import Message
-from app.ros2.rosbridge.fields import NUMBERS, Kind, fields
+from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields
 
 Writer = Callable[[Any], Any]
 

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from app.ros2.published import Published
-from app.ros2.rosbridge.writing import cbor_values, json_values
+from app.ros2.rosbridge.values.writing import cbor_values, json_values
 
 SECOND_NS = 1_000_000_000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from app.ros2.message_types import typestore
-from app.ros2.rosbridge.fields import NUMBERS, Kind, fields
+from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields
 
 ONE = -1
 """As the length of an array: it is none."""

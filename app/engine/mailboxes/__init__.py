@@ -1,0 +1,1 @@
+"""Values handed from thread to thread: the newest, or all of them."""

@@ -1,0 +1,1 @@
+"""What a recording has, as a robot would have told it."""

@@ -1,0 +1,1 @@
+"""What the DDS process is made of."""

@@ -1,0 +1,1 @@
+"""Messages as JSON and CBOR, and back."""

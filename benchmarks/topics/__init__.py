@@ -1,0 +1,1 @@
+"""Recordings and ROS 2."""
