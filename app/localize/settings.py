@@ -73,7 +73,7 @@ class LaserSettings:
         250.0, "Particles a square metre of free floor when the start is not known", unit="1/m²",
         low=1, high=10_000,
     )  # fmt: skip
-    global_most: int = setting(1_000_000, "But no more than so many", low=1000, high=5_000_000)
+    global_most: int = setting(500_000, "But no more than so many", low=1000, high=5_000_000)
     known_share: float = setting(
         0.9, "The robot's place is told once so much of the belief is in one place",
         low=0.1, high=1,
