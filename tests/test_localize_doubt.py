@@ -1,0 +1,62 @@
+"""A belief that does not explain the scans gets a rival."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.localize.localize import Start, localize
+from app.localize.reading.pairing import Measurement
+from app.localize.settings import LocalizeSettings
+from benchmarks.lasers.laser_robot import measurements, wander
+from robot.geometry import Pose2
+from tests.laser_office import LASER, START, office_map, true_pose
+
+ELSEWHERE = Pose2(8.5, 2.0, 1.5)
+SECONDS = 30.0
+
+
+@pytest.fixture(scope="module")
+def drives():
+    on = office_map()
+    return tuple(tuple(wander(on, LASER, SECONDS, 4, at)) for at in (START, ELSEWHERE))
+
+
+def end_of(found):
+    return Pose2.from_array(found.poses[-1])
+
+
+def test_a_robot_that_was_told_to_be_elsewhere_is_found(drives):
+    on, seen = office_map(), drives[0]
+    wrong = Start(on.pose_in_map(ELSEWHERE), 0.3, 0.2)
+    found = localize(measurements(iter(seen), LASER), on, LocalizeSettings(), wrong, 0)
+    assert found.places_left == 1
+    assert end_of(found).distance_to(true_pose(seen[-1])) < 0.15
+
+
+def test_a_robot_that_is_carried_to_another_room_is_found_again(drives):
+    on, (first, second) = office_map(), drives
+    went = first[-1].odometry
+    carried = [
+        Measurement(went @ one.odom_from_robot, _later(one.scan))
+        for one in measurements(iter(second), LASER)
+    ]
+    both = [*measurements(iter(first), LASER), *carried]
+    start = Start(on.pose_in_map(START), 0.3, 0.2)
+    found = localize(both, on, LocalizeSettings(), start, 0)
+    before = found.poses[len(first) - 1]
+    last = true_pose(first[-1])
+    assert np.hypot(before[0] - last.x, before[1] - last.y) < 0.15
+    assert end_of(found).distance_to(true_pose(second[-1])) < 0.15
+
+
+def test_a_robot_whose_place_explains_what_it_sees_gets_no_rival(drives):
+    on, seen = office_map(), drives[0]
+    start = Start(on.pose_in_map(START), 0.3, 0.2)
+    found = localize(measurements(iter(seen), LASER), on, LocalizeSettings(), start, 0)
+    assert found.places_left == 0
+    assert len(found.poses) == len(seen)
+
+
+def _later(scan):
+    return replace(scan, stamp=scan.stamp + SECONDS)
