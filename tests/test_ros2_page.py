@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from node_peers import MODULES, needs_node
-from serving import ROOT, until
+from serving import ROOT, ask, until
 
 PAGE = (ROOT / "docs" / "ros2.md").read_text(encoding="utf-8")
 
@@ -48,5 +48,6 @@ def test_the_page_for_roslibjs(server, live):
 
 def test_the_program_for_roslibpy(server, live):
     pytest.importorskip("roslibpy")
+    ask(live, type="reset")  # the page before it has scattered the cloud
     said = run_beside(live, [sys.executable, "-"], program("python", server))
     assert "'x': " in said

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -135,6 +136,13 @@ def test_transforms_lead_from_the_map_to_every_link(said, source):
     assert math.atan2(robot[1, 0], robot[0, 0]) == pytest.approx(tick.pose.theta, abs=1e-9)
 
 
+def test_another_localization_may_tell_where_odometry_is(source, ticks):
+    quiet = replace(source, settings=replace(source.settings, tf_broadcast=False))
+    published = Published(topic("tf"), 0.0, quiet, ticks[-1])
+    children = {one.child_frame_id for one in published.message.transforms}
+    assert children == {"base_footprint", "left_wheel", "right_wheel"}
+
+
 def test_the_camera_is_where_the_description_has_it(said, source):
     static, _ = said("tf_static")
     placed = {t.child_frame_id: t for t in static.message.transforms}
@@ -192,8 +200,6 @@ def test_clouds_are_a_fair_part_of_the_filters(said, source):
 
 
 def test_an_empty_frame_name_still_aligns_the_cloud(ticks, source):
-    from dataclasses import replace
-
     for name in ("", "m", "ma", "map", "map_", "map__", "map___", "map____"):
         named = replace(source, settings=replace(source.settings, global_frame_id=name))
         published = Published(topic("particle_cloud"), 0.0, named, ticks[-1])
@@ -247,8 +253,6 @@ def test_the_speed_is_what_was_applied(said):
 
 
 def test_diagnostics_say_what_is_wrong(ticks, source):
-    from dataclasses import replace
-
     wrong = replace(ticks[-1], problems=("The camera sends no pictures.",))
     published = Published(topic("diagnostics"), 0.0, source, wrong)
     first = published.message.status[0]
@@ -257,8 +261,6 @@ def test_diagnostics_say_what_is_wrong(ticks, source):
 
 
 def test_a_voltage_is_told_where_it_is_measured(ticks, source):
-    from dataclasses import replace
-
     one = topic("battery_state")
     assert one.stamp(ticks[-1]) is None
     charged = replace(ticks[-1], battery_v=7.4)

@@ -29,6 +29,9 @@ class Ros2Settings:
     )
     most_particles: int = setting(500, "In a cloud, evenly chosen", low=1, high=20_000)
     jpeg_quality: int = setting(85, "Of pictures", low=1, high=100)
+    tf_broadcast: bool = setting(
+        True, "Tell map -> odom; false where another localization tells it, as nav2's amcl"
+    )
     map_resolution: float = setting(
         0.005, "Side of a cell of the map, for a field of tape", unit="m", low=0.001, high=1
     )

@@ -51,7 +51,7 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     stamp, settings = snapshot.stamp, source.settings
     odom, base = settings.odom_frame_id, settings.base_frame_id
     found = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
-    if snapshot.pose is not None:
+    if snapshot.pose is not None and settings.tf_broadcast:
         map_from_odom = snapshot.pose @ snapshot.odom_from_robot.inverse()
         found.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
     angles: Array = snapshot.reading.positions
