@@ -36,9 +36,12 @@ WRONG = [
     (("run", "--port", "70000"), "port is 70000; valid is 0 to 65535"),
     (("run", "--seed", "-1"), "seed is -1"),
     (("run", "--config", "nowhere.toml"), "nowhere.toml cannot be read"),
-    (("run", "--sensor-model", "mine"), r"'mine' is no model; valid is FILE\.py:CLASS"),
-    (("run", "--motion-model", "nowhere.py:Mine"), "there is no file .*nowhere.py"),
-    (("run", "--models", "nowhere"), "there is no folder .*nowhere"),
+    (
+        ("run", "--port", "0", "--sensor-model", "mine"),
+        r"'mine' is no model; valid is FILE\.py:CLASS",
+    ),
+    (("run", "--port", "0", "--motion-model", "nowhere.py:Mine"), "there is no file .*nowhere.py"),
+    (("run", "--port", "0", "--models", "nowhere"), "there is no folder .*nowhere"),
     (("bench", "nothing"), "valid are .*loop"),
     (("run", "--map", "moon", "--port", "0"), "valid are square, .*town"),
 ]
