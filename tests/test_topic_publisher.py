@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.ros2.clock import RosClock
 from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace
+from app.ros2.route import Pace, Route
 from app.ros2.source import TopicSource
 from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic
@@ -19,7 +19,7 @@ from app.ros2.topics import TOPICS, topic
 ODOM, MAP = topic("odom"), topic("map")
 
 
-class Collecting:
+class Collecting(Route):
     """A route that keeps what it gets."""
 
     name = "collecting"

@@ -15,7 +15,7 @@ from app.recording.settings import RecordingSettings
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace
+from app.ros2.route import Pace, Route
 from app.ros2.topic import Topic
 
 MOST_WAITING = 2000
@@ -29,7 +29,7 @@ JOIN_S = 5.0
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
-class RecordingRun:
+class RecordingRun(Route):
     """From the button to the finished file; the thread ends with it."""
 
     name = "recording"

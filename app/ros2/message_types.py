@@ -47,6 +47,7 @@ def typestore() -> Typestore:
     return store
 
 
+@cache
 def message_class(type_name: str) -> type[Any]:
     """The class of a type such as ``nav_msgs/msg/Odometry``.
 

@@ -9,7 +9,7 @@ from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.ros2.published import Published
-from app.ros2.route import Route, patience
+from app.ros2.route import Route
 from app.ros2.source import TopicSource
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
@@ -69,9 +69,10 @@ class TopicPublisher:
                     self.source.clock.follow(snapshot)
                     for topic in TOPICS:
                         self.publish(topic, snapshot)
+                    self._flush()
                     snapshot = feed.get(0.0)
                 # Ticks that are taken several at a time cost two thirds of those taken one by one.
-                time.sleep(min((patience(one) for one in self._routes), default=0.0))
+                time.sleep(min((one.patience for one in self._routes), default=0.0))
 
     def _goes_on(self) -> bool:
         """Whether there are routes. It decides itself: two threads must never ask one route."""
@@ -96,6 +97,13 @@ class TopicPublisher:
         for route in takers:
             try:
                 route.take(published)
+            except Exception as error:
+                self._end(route, error)
+
+    def _flush(self) -> None:
+        for route in self._routes:
+            try:
+                route.flush()
             except Exception as error:
                 self._end(route, error)
 

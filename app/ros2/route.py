@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Protocol
 
 from app.ros2.published import Published
 from app.ros2.topic import Topic
@@ -12,12 +12,16 @@ SLACK = 0.001
 """Ticks come a little early or late; what is nearly due is due [s]."""
 
 
-class Route(Protocol):
+class Route(ABC):
     """One way out. An exception ends this route alone, and is shown."""
 
     name: str
     """In messages to people."""
+    patience: float = 0.0
+    """How long messages may wait for a route [s]. While all have some, ticks are taken several at a
+    time, which costs less."""
 
+    @abstractmethod
     def wants(self, topic: Topic, stamp: float) -> bool:
         """Whether it takes a message of that content; asked at each tick, and yes is a promise.
 
@@ -25,19 +29,13 @@ class Route(Protocol):
             topic: one of the list.
             stamp: of the content, on the robot's clock [s].
         """
-        ...
 
+    @abstractmethod
     def take(self, published: Published) -> None:
         """Have a message, in the topics' thread; must not wait for anything."""
-        ...
 
-
-def patience(route: Route) -> float:
-    """How long messages may wait for a route [s]: its ``patience``, or 0 if it says nothing.
-
-    While all routes have some, ticks are taken several at a time, which costs less.
-    """
-    return float(getattr(route, "patience", 0.0))
+    def flush(self) -> None:  # noqa: B027 most have nothing to do
+        """Pass on what was taken: there is nothing more in this tick. Must not wait either."""
 
 
 class Pace:

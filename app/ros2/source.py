@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
+
 from app.assembly import Program
 from app.ros2.clock import RosClock
 from app.ros2.links import Links
@@ -48,3 +50,8 @@ class TopicSource:
     def links(self) -> Links:
         """Where the robot's links are."""
         return Links.of(self.spec, self.settings, self.scanner.settings.centre_x)
+
+    @cached_property
+    def range_min(self) -> float:
+        """The nearest place that a ray can see [m]."""
+        return float(np.nanmin(self.scanner.table.limits[:, 0]))

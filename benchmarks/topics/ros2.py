@@ -46,7 +46,7 @@ SETTLE_S = 2.0
 """After a start: types are read, discovery is over."""
 
 START_S = 30.0
-THREADS = ("topics", "dds", "dds out")
+THREADS = ("topics", "dds")
 TWIST_STAMPED = "geometry_msgs/msg/TwistStamped"
 CMD_VEL = dds_topic("/cmd_vel")
 

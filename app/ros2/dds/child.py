@@ -7,7 +7,9 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator
 
 from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, WORDS, Frames, FramingError, header
 from app.ros2.dds.plan import Plan
@@ -31,7 +33,7 @@ class ChildError(RuntimeError):
 
 
 class Child:
-    """Started at once; end it with ``close``. One thread sends, another receives."""
+    """Started at once; end it with ``close``. One thread offers, another receives."""
 
     def __init__(self, plan: Plan) -> None:
         ours, its = socket.socketpair()
@@ -46,6 +48,14 @@ class Child:
                 start_new_session=True,  # Ctrl-C is for the program, which then ends it
             )
         self._end = ours
+        self._out = ours.dup()
+        """Nobody waits for this one."""
+        self._out.setblocking(False)
+        self._rest = bytearray()
+        """Of what was offered: the pipe was full."""
+        self._took = 0.0
+        """When the process last took something, on the computer's clock [s]."""
+        self._sending = threading.Lock()
         self._frames = Frames(LONGEST_IN)
         self._cause: str | None = None
         self._words: str | None = None
@@ -53,23 +63,45 @@ class Child:
         self.send(PLAN, plan.to_json())
 
     def send(self, number: int, payload: bytes) -> None:
-        """Hand a message over; raises as ``send_all`` does."""
-        self.send_all([(number, payload)])
-
-    def send_all(self, messages: Iterable[tuple[int, bytes]]) -> None:
-        """Hand messages over in one piece.
+        """Hand a message over, and wait until it is.
 
         Raises:
-            ChildError: it takes none, or has ended.
+            ChildError: the process takes nothing, or has ended.
         """
-        parts = (part for number, data in messages for part in (header(number, data), data))
         try:
-            self._end.sendall(b"".join(parts))
-        except TimeoutError as error:
-            self.kill(f"it took nothing for {SILENCE_S:g} s")
-            raise self._error() from error
+            self._end.sendall(header(number, payload) + payload)
         except OSError as error:
             raise self._error() from error
+
+    def offer(self, messages: Callable[[], Iterable[tuple[int, bytes]]]) -> None:
+        """Hand messages over in one piece, without waiting; they are asked for only if it has room.
+
+        Raises:
+            ChildError: it takes nothing, or has ended.
+        """
+        try:
+            with self._sending:
+                if self._push(b""):
+                    self._push(b"".join(header(n, data) + data for n, data in messages()))
+        except OSError as error:
+            # The other thread waits for the end and says all of it.
+            raise ChildError(f"the DDS process: {self._cause or 'it has ended'}") from error
+
+    def _push(self, data: bytes) -> bool:
+        """Whether all is handed over."""
+        if not self._rest:
+            self._took = time.monotonic()
+        self._rest += data
+        while self._rest:
+            try:
+                sent = self._out.send(self._rest)
+            except BlockingIOError:
+                if time.monotonic() - self._took > SILENCE_S:
+                    self.kill(f"it took nothing for {SILENCE_S:g} s")
+                return False
+            del self._rest[:sent]
+            self._took = time.monotonic()
+        return True
 
     def wait_until_ready(self) -> None:
         """Until it publishes.
@@ -129,6 +161,8 @@ class Child:
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
+        with self._sending:
+            self._out.close()
         self._end.close()
 
     def _error(self) -> ChildError:

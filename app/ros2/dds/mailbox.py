@@ -14,33 +14,26 @@ class Mailbox:
     def __init__(self) -> None:
         self._waiting: dict[Topic, Published] = {}
         self._latched: dict[Topic, Published] = {}
-        self._changed = threading.Condition()
+        self._lock = threading.Lock()
         self.replaced = 0
         """Messages that a newer one took the place of."""
 
     def put(self, published: Published) -> None:
         """Leave a message; it takes the place of an older one of its topic."""
         topic = published.topic
-        with self._changed:
+        with self._lock:
             self.replaced += topic in self._waiting
             self._waiting[topic] = published
             if topic.quality.latched:
                 self._latched[topic] = published
-            self._changed.notify()
-
-    def wait(self, timeout: float) -> bool:
-        """Until something waits; whether it does before the time is over [s]."""
-        with self._changed:
-            return self._changed.wait_for(lambda: bool(self._waiting), timeout)
 
     def take_all(self) -> list[Published]:
         """Everything that waits."""
-        with self._changed:
+        with self._lock:
             taken, self._waiting = list(self._waiting.values()), {}
             return taken
 
     def begin_anew(self) -> None:
         """For a process that knows nothing yet: what is latched waits again, the rest is old."""
-        with self._changed:
+        with self._lock:
             self._waiting = dict(self._latched)
-            self._changed.notify()

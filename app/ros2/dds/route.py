@@ -18,7 +18,7 @@ from app.ros2.dds.mailbox import Mailbox
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace
+from app.ros2.route import Pace, Route
 from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
 
@@ -35,9 +35,6 @@ PAUSE_S = 0.005
 TELL_S = 5.0
 """Between two lines of the log about refused commands [s]."""
 
-GATHER_S = 0.002
-"""From the first message of a tick to the sending of all [s]: one waking instead of five."""
-
 LOOK_S = 0.2
 JOIN_S = 3.0
 
@@ -51,11 +48,11 @@ class DdsError(RuntimeError):
     """DDS cannot be used here; says what to do."""
 
 
-class DdsRoute:
+class DdsRoute(Route):
     """Messages to the DDS process and commands from it; the process is replaced when it fails.
 
-    Nothing here can hold up the engine: messages wait in a mailbox with one place for each topic,
-    two threads talk to the process, and what goes wrong with it stands in ``failure``.
+    Nothing here can hold up the engine: messages wait in a mailbox with one place for each topic
+    until the process has room, a thread hears it, and what goes wrong stands in ``failure``.
     """
 
     name = "ROS 2 over DDS"
@@ -108,6 +105,13 @@ class DdsRoute:
         """Into the mailbox."""
         self._mailbox.put(published)
 
+    def flush(self) -> None:
+        """To the process, if it has room; what is wrong with it, the other thread says."""
+        child = self.child
+        if child is not None and self.ready.is_set():
+            with contextlib.suppress(ChildError):
+                child.offer(lambda: self._in_bytes(self._mailbox.take_all()))
+
     def close(self) -> None:
         """End the process and the threads; may be called twice."""
         self._publisher.remove(self)
@@ -139,7 +143,6 @@ class DdsRoute:
     def _live(self) -> None:
         """One process, from its start to its end, which is always an error."""
         child = self.child = Child(self._plan)
-        sending = threading.Thread(target=self._send, args=(child,), name="dds out", daemon=True)
         try:
             if self._stop.is_set():
                 return
@@ -147,23 +150,11 @@ class DdsRoute:
             self._mailbox.begin_anew()
             self._down = self._trouble = None
             self.ready.set()
-            sending.start()
             while True:
                 self._hear(child)
         finally:
             self.ready.clear()
-            child.let_end()
-            if sending.ident is not None:
-                sending.join()
             child.close()
-
-    def _send(self, child: Child) -> None:
-        """Until the process ends; what is wrong with it then, the other thread says."""
-        with contextlib.suppress(ChildError):
-            while self.ready.is_set():
-                if self._mailbox.wait(LOOK_S):
-                    time.sleep(GATHER_S)
-                    child.send_all(self._in_bytes(self._mailbox.take_all()))
 
     def _in_bytes(self, messages: Iterable[Published]) -> Iterator[tuple[int, bytes]]:
         for one in messages:

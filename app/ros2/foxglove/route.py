@@ -10,7 +10,7 @@ from app.ros2.foxglove.commands import Commands
 from app.ros2.message_types import definition
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace
+from app.ros2.route import Pace, Route
 from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
@@ -31,7 +31,7 @@ class FoxglovePortError(OSError):
     """The port cannot be listened on; the message says which could."""
 
 
-class FoxgloveRoute:
+class FoxgloveRoute(Route):
     """Every live topic; a message is made only while somebody looks at its topic."""
 
     name = "Foxglove"

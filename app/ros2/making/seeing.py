@@ -29,7 +29,7 @@ def laser_scan(source: TopicSource, snapshot: Snapshot) -> Message:
         angle_increment=float((bearings[-1] - bearings[0]) / max(1, len(bearings) - 1)),
         time_increment=0.0,
         scan_time=0.0,
-        range_min=float(np.nanmin(source.scanner.table.limits[:, 0])),
+        range_min=source.range_min,
         range_max=float(source.scanner.settings.range_max),
         ranges=scan.ranges.astype(np.float32),
         intensities=np.empty(0, dtype=np.float32),

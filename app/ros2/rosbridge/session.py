@@ -22,13 +22,14 @@ from app.ros2.rosbridge.requests import (
 )
 from app.ros2.rosbridge.subscription import Subscription, Wish
 from app.ros2.rosbridge.values.reading import message_of
+from app.ros2.route import Route
 from app.ros2.topic import Topic
 
 LEVELS = ("none", "error", "warning", "info")
 """Of status messages that a client wants to have."""
 
 
-class Session:
+class Session(Route):
     """A route to one client; ``receive`` and ``next`` in the event loop, the rest in any thread."""
 
     name = "rosbridge"
