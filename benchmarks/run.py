@@ -22,7 +22,7 @@ from benchmarks import filter as particle_filter
 from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
 from benchmarks.lasers import laser, wean
 from benchmarks.result import Result
-from benchmarks.topics import recording, ros2
+from benchmarks.topics import recording, ros2, routes
 from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
@@ -38,6 +38,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "recovery": recovery.measure,
     "render": render.measure,
     "ros2": ros2.measure,
+    "routes": routes.measure,
     "scan": scan.measure,
     "serial_line": serial_line.measure,
     "soak": soak.measure,
@@ -48,7 +49,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
-LONG = ("official_library", "ros2", "serial_line", "soak", "wean")
+LONG = ("official_library", "ros2", "routes", "serial_line", "soak", "wean")
 """Take minutes each, in processes of their own, so they run only when they are named."""
 
 

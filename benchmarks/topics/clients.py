@@ -1,0 +1,45 @@
+"""Clients of rosbridge and Foxglove that read every topic at the rates of the settings."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.typing import Subprotocol
+
+from app.ros2.settings import Ros2Settings
+from app.ros2.topics import TOPICS
+
+FOXGLOVE = Subprotocol("foxglove.sdk.v1")
+
+
+async def read_all(rosbridge: str, foxglove: str) -> None:
+    """Take what comes until this process is ended."""
+    async with (
+        connect(f"ws://{rosbridge}/rosbridge", max_size=None, compression=None) as bridge,
+        connect(f"ws://{foxglove}", max_size=None, subprotocols=[FOXGLOVE]) as fox,
+    ):
+        for topic in TOPICS:
+            wish = {"op": "subscribe", "topic": f"/{topic.name}", "compression": "cbor"}
+            rate = {"throttle_rate": 1000 * Ros2Settings().period(topic.rate)}
+            await bridge.send(json.dumps(wish | rate))
+        await asyncio.gather(_take(bridge), _take(fox))
+
+
+async def _take(socket: ClientConnection) -> None:
+    first = True
+    async for message in socket:
+        told = json.loads(message) if isinstance(message, str) else {}
+        if told.get("op") == "advertise":
+            wishes = [{"id": one["id"], "channelId": one["id"]} for one in told["channels"]]
+            await socket.send(json.dumps({"op": "subscribe", "subscriptions": wishes}))
+        if first:
+            sys.stdout.write("reading\n")
+            sys.stdout.flush()
+        first = False
+
+
+if __name__ == "__main__":
+    asyncio.run(read_all(*sys.argv[1:]))

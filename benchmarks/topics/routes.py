@@ -1,0 +1,127 @@
+"""The engine's steps with every route on and with none: DDS, rosbridge, Foxglove, a recording."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from app.assembly import Program, assemble
+from app.config import ROOT, Config
+from app.messages.commands import FigureEightCommand
+from app.recording.settings import RecordingSettings
+from app.ros2.dds.plan import dds_topic
+from app.ros2.settings import Ros2Settings
+from app.ros2.topics import TOPICS
+from app.web.serving import Server, listen
+from benchmarks.result import Result
+from benchmarks.topics.fastdds import Peer, missing
+from sim.real_time import RealTime
+
+TURNS = 3
+SECONDS = 10.0
+SETTLE_S = 5.0
+"""After a start: compiled code is loaded, the first clouds are large, readers find each other."""
+
+READERS = 3
+RENEW_S = 0.2
+
+
+def measure() -> Result:
+    """The 99th percentile of a step's time, simulation included, in turns.
+
+    Raises:
+        RuntimeError: there is no Fast DDS here.
+    """
+    reason = missing()
+    if reason is not None:
+        raise RuntimeError(f"readers of another vendor's are missing: {reason}")
+    every: list[float] = []
+    none: list[float] = []
+    for _ in range(TURNS):
+        none += _steps(Config(robot="sim"), watched=False)
+        with tempfile.TemporaryDirectory() as folder:
+            every += _steps(_all_on(Path(folder)), watched=True)
+    return Result(
+        unit="ms p99 step with all routes on",
+        brickpose=1e3 * float(np.percentile(every, 99)),
+        peer={"without": 1e3 * float(np.percentile(none, 99))},
+        more={
+            "median step with [ms]": 1e3 * float(np.median(every)),
+            "median step without [ms]": 1e3 * float(np.median(none)),
+        },
+    )
+
+
+def _all_on(folder: Path) -> Config:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    ros2 = Ros2Settings(
+        dds=True, domain_id=1 + os.getpid() % 200, foxglove=True, foxglove_port=port
+    )
+    recording = RecordingSettings(record=True, folder=str(folder))
+    return replace(Config(robot="sim"), ros2=ros2, recording=recording)
+
+
+def _steps(config: Config, watched: bool) -> list[float]:
+    """Times of steps of a program on the figure-eight [s]."""
+    pace = RealTime()
+    program = assemble(config, pace)
+    listening = listen("127.0.0.1", 0)
+    server = Server(program)
+    thread = threading.Thread(target=server.run, args=([listening],), name="server")
+    thread.start()
+    try:
+        with ExitStack() as clients:
+            if watched:
+                address = f"127.0.0.1:{listening.getsockname()[1]}"
+                clients.enter_context(_readers(config.ros2, address))
+            _drive(program, SETTLE_S)
+            pace.busy.clear()
+            _drive(program, SECONDS)
+            return list(pace.busy)
+    finally:
+        server.stop()
+        thread.join(20)
+
+
+@contextmanager
+def _readers(settings: Ros2Settings, address: str) -> Iterator[None]:
+    command = [sys.executable, "-m", "benchmarks.topics.clients", address]
+    time.sleep(SETTLE_S)
+    with ExitStack() as stack:
+        for _ in range(READERS):
+            peer = stack.enter_context(Peer(settings.domain_id))
+            for topic in TOPICS:
+                if topic.live:
+                    name, latched = dds_topic(f"/{topic.name}"), topic.quality.latched
+                    peer.read(name, topic.type, latched=latched, lengths=True)
+        port = f"127.0.0.1:{settings.foxglove_port}"
+        clients = subprocess.Popen([*command, port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        try:
+            assert clients.stdout is not None
+            for _ in range(2):
+                if not clients.stdout.readline():
+                    raise RuntimeError("a client of rosbridge or Foxglove has ended")
+            yield
+        finally:
+            clients.kill()
+            clients.wait()
+
+
+def _drive(program: Program, seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        program.engine.commands.put(FigureEightCommand(type="figure_eight"))
+        time.sleep(RENEW_S)
