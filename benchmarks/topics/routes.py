@@ -9,15 +9,16 @@ import sys
 import tempfile
 import threading
 import time
+from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from app.assembly import Program, assemble
-from app.config import ROOT, Config
+from app.assembly import Program, assemble, build_simulated
+from app.config import MAPS, ROOT, Config
 from app.messages.commands import FigureEightCommand
 from app.recording.settings import RecordingSettings
 from app.ros2.dds.plan import dds_topic
@@ -26,6 +27,10 @@ from app.ros2.topics import TOPICS
 from app.web.serving import Server, listen
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
+from robot.description.spec import RobotSpec
+from robot.fields.field_loading import load_field
+from robot.geometry import Array
+from robot.interface import Reading, Robot
 from sim.real_time import RealTime
 
 TURNS = 3
@@ -46,21 +51,66 @@ def measure() -> Result:
     reason = missing()
     if reason is not None:
         raise RuntimeError(f"readers of another vendor's are missing: {reason}")
-    every: list[float] = []
-    none: list[float] = []
+    every, none = Times(), Times()
     for _ in range(TURNS):
-        none += _steps(Config(robot="sim"), watched=False)
+        none.add(_times(Config(robot="sim"), watched=False))
         with tempfile.TemporaryDirectory() as folder:
-            every += _steps(_all_on(Path(folder)), watched=True)
+            every.add(_times(_all_on(Path(folder)), watched=True))
     return Result(
-        unit="ms p99 step with all routes on",
-        brickpose=1e3 * float(np.percentile(every, 99)),
-        peer={"without": 1e3 * float(np.percentile(none, 99))},
+        unit="ms p99 of the engine's step with all routes on",
+        brickpose=_ms(every.steps, 99),
+        peer={"without": _ms(none.steps, 99)},
         more={
-            "median step with [ms]": 1e3 * float(np.median(every)),
-            "median step without [ms]": 1e3 * float(np.median(none)),
+            "median with [ms]": _ms(every.steps, 50),
+            "median without [ms]": _ms(none.steps, 50),
+            "p99 with the simulation, with [ms]": _ms(every.ticks, 99),
+            "p99 with the simulation, without [ms]": _ms(none.ticks, 99),
         },
     )
+
+
+@dataclass
+class Times:
+    """Of the ticks of one program [s]."""
+
+    steps: list[float] = field(default_factory=list)
+    """From the robot's answer until it is asked again: the engine's own work."""
+    ticks: list[float] = field(default_factory=list)
+    """With the simulation, which is the robot here."""
+
+    def add(self, more: Times) -> None:
+        """Those of another turn."""
+        self.steps += more.steps
+        self.ticks += more.ticks
+
+
+class TimedRobot:
+    """A robot that notes how long it is not asked."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.name, self.spec = robot.name, robot.spec
+        self.between: deque[float] = deque(maxlen=5000)
+        self._robot = robot
+        self._answered = time.monotonic()
+
+    def read(self) -> Reading:
+        """As the robot."""
+        self.between.append(time.monotonic() - self._answered)
+        reading = self._robot.read()
+        self._answered = time.monotonic()
+        return reading
+
+    def write(self, velocities: Array) -> Array:
+        """As the robot."""
+        return self._robot.write(velocities)
+
+    def close(self) -> None:
+        """As the robot."""
+        self._robot.close()
+
+
+def _ms(times: list[float], percent: float) -> float:
+    return 1e3 * float(np.percentile(times, percent))
 
 
 def _all_on(folder: Path) -> Config:
@@ -74,10 +124,13 @@ def _all_on(folder: Path) -> Config:
     return replace(Config(robot="sim"), ros2=ros2, recording=recording)
 
 
-def _steps(config: Config, watched: bool) -> list[float]:
-    """Times of steps of a program on the figure-eight [s]."""
+def _times(config: Config, watched: bool) -> Times:
+    """Of a program on the figure-eight."""
     pace = RealTime()
-    program = assemble(config, pace)
+    rng = np.random.default_rng(0)
+    spec, on = RobotSpec.load(), load_field(config.map, MAPS)
+    robot = TimedRobot(build_simulated(config, spec, on, rng, pace))
+    program = assemble(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)
     thread = threading.Thread(target=server.run, args=([listening],), name="server")
@@ -89,8 +142,9 @@ def _steps(config: Config, watched: bool) -> list[float]:
                 clients.enter_context(_readers(config.ros2, address))
             _drive(program, SETTLE_S)
             pace.busy.clear()
+            robot.between.clear()
             _drive(program, SECONDS)
-            return list(pace.busy)
+            return Times(list(robot.between), list(pace.busy))
     finally:
         server.stop()
         thread.join(20)
