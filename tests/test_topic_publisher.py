@@ -224,3 +224,22 @@ def test_ros_time_keeps_distances_and_follows_a_clock_that_was_set(program, monk
     clock.let_go()
     follow(5.4, 100.0)
     assert clock.ns(5.4) == now
+
+
+def test_a_clock_that_was_set_between_two_recordings_is_seen_by_the_second(program, monkeypatch):
+    clock = RosClock()
+    snapshot = program.engine.step()
+    now, here = 1_700_000_000_000_000_000, 100.0
+    monkeypatch.setattr("app.ros2.clock.time.time_ns", lambda: now)
+    monkeypatch.setattr("app.ros2.clock.time.monotonic", lambda: here)
+    clock.hold()
+    clock.follow(replace(snapshot, stamp=5.0, published=here))
+    clock.let_go()
+    now, here = now + 3600 * 10**9, here + 60  # nobody listens meanwhile
+    clock.hold()
+    clock.follow(replace(snapshot, stamp=65.0, published=here))
+    assert clock.ns(65.0) == now
+    clock.hold()  # a second one, who comes late, changes nothing
+    here += 60
+    clock.hold()
+    assert clock.ns(65.0) == now
