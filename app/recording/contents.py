@@ -76,12 +76,12 @@ def contents_of(program: Program) -> Contents:
     if latest is not None:
         config = replace(config, localization=latest.parameters)
     known = versions()
-    map_files = list(_map_files(config.map))
+    map_files = list(_map_files(config.map) if config.map else _replayed(program, "map/"))
     facts = {
         "robot": program.robot.name,
         "robot_kind": config.robot,
         "map": program.field.name,
-        "map_file": map_files[0].name,
+        "map_file": map_files[0].name if map_files else "",
         "seed": str(config.seed),
         # Else the filter knew something already, and a replay begins with what it said first.
         "from_start": "true" if latest is None else "false",
@@ -91,11 +91,23 @@ def contents_of(program: Program) -> Contents:
     attachments = (
         Attachment(SETTINGS, as_toml(config).encode()),
         *map_files,
-        *_robot_files(program.robot.spec),
+        *(_replayed(program, "robot/") or _robot_files(program.robot.spec)),
         *_model_files(config, latest.own if latest else program.given),
         Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
     )
     return Contents(facts, attachments)
+
+
+def _replayed(program: Program, folder: str) -> list[Attachment]:
+    """What a recording that is replayed brought with it; the map's file is the first."""
+    if program.replay is None:
+        return []
+    reader = program.replay.course.robot.reader
+    first = reader.metadata.get("brickpose", {}).get("map_file", "")
+    names = sorted(
+        (n for n in reader.attachments if n.startswith(folder)), key=lambda n: n != first
+    )
+    return [Attachment(name, reader.attachments[name]) for name in names]
 
 
 def _map_files(name: str) -> Iterator[Attachment]:

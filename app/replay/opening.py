@@ -146,7 +146,7 @@ def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozens
         config, given = with_filter_config(config, options.filter_config)
     config = replace(
         config,
-        map=options.map or config.map,
+        map=options.map or "",  # else it is the recording's own
         host=options.host,
         port=options.port,
         seed=config.seed if options.seed is None else options.seed,
