@@ -14,12 +14,10 @@ from pydantic import ValidationError
 
 from app.covariance import by_rows
 from app.messages.commands import COMMAND, Command, SetPoseCommand
+from app.replay.recorded.picture_size import size_of
 from app.ros2.making.frames import SECOND_NS
 from app.ros2.message_types import from_cdr
 from robot.geometry import Array, Pose2, Twist2
-
-MOST_PIXELS = 50_000_000
-"""A larger picture is none of a robot's camera."""
 
 
 class ContentError(ValueError):
@@ -68,19 +66,27 @@ def picture_of(cdr: bytes, size: tuple[int, int]) -> tuple[int, NDArray[np.uint8
     """
     message = from_cdr(cdr, "sensor_msgs/msg/CompressedImage")
     data = np.asarray(message.data, dtype=np.uint8)
+    unreadable = f"a picture of format {message.format!r} cannot be read; valid is JPEG"
+    # A few bytes may stand for gigabytes of pixels: they are not made before this.
+    _check_size(size_of(data.tobytes()), size, unreadable)
     try:
-        image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR) if len(data) else None
+        image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR)
     except cv2.error as error:
         raise ContentError(f"a picture cannot be read: {error.err}") from error
     if image is None:
-        raise ContentError(f"a picture of format {message.format!r} cannot be read; valid is JPEG")
-    if image.shape[:2] != size:
-        height, width = image.shape[:2]
+        raise ContentError(unreadable)
+    _check_size(image.shape[:2], size, unreadable)
+    return stamp_ns(message), np.asarray(image, dtype=np.uint8)
+
+
+def _check_size(found: Sequence[int] | None, size: tuple[int, int], unreadable: str) -> None:
+    if found is None:
+        raise ContentError(unreadable)
+    if tuple(found) != size:
         raise ContentError(
-            f"a picture has {width} x {height} pixels; this robot's camera has "
+            f"a picture has {found[1]} x {found[0]} pixels; this robot's camera has "
             f"{size[1]} x {size[0]}"
         )
-    return stamp_ns(message), np.asarray(image, dtype=np.uint8)
 
 
 def pose_of(pose: Any) -> Pose2:
