@@ -109,6 +109,13 @@ def test_an_absent_increment_follows_from_the_angles():
     assert ScanReader(mounted()).scan(message([1.0, 1.0], 0.0, 0.0, last=0.0), 1.0) is None
 
 
+@pytest.mark.parametrize(
+    ("first", "step"), [(1e30, 0.1), (-1e30, 0.1), (0.0, 1e30), (math.nan, 0.1), (0.0, math.inf)]
+)
+def test_angles_that_are_no_lasers_make_no_scan(first, step):
+    assert ScanReader(mounted()).scan(message([1, 2, 3], first, step), 1.0) is None
+
+
 def test_a_scan_may_have_other_rays_than_the_one_before():
     reader = ScanReader(mounted())
     assert len(reader.scan(message([1.0] * 5), 1.0).bearings) == 5
@@ -245,3 +252,14 @@ def test_messages_of_foreign_types_do_not_matter(tmp_path):
         bag._writer.write(odd, 2_000_000_000, b"\x00\x01\x00\x00odd")
     found, _ = read(tmp_path / "bag")
     assert len(found) == 1
+
+
+def test_a_bag_with_fewer_messages_than_its_metadata_has_is_told(tmp_path):
+    with LaserBag(tmp_path / "whole", "mcap") as bag:
+        bag.scan(0.0, [1.0], first=0.0, step=0.1)
+        bag.odometry(0.0, Pose2())
+    with LaserBag(tmp_path / "hollow", "mcap") as bag:
+        bag.odometry(0.0, Pose2())
+    (tmp_path / "hollow" / "hollow.mcap").replace(tmp_path / "whole" / "whole.mcap")
+    with Bag(tmp_path / "whole") as bag, pytest.raises(BagError, match="should have messages on"):
+        find_layout(bag, choose(bag), None)

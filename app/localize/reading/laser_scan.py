@@ -16,6 +16,9 @@ from robot.scan import Scan
 STEEPEST = math.radians(30)
 """A laser that looks farther up or down does not see the map's walls."""
 
+LARGEST_ANGLE = 100.0
+"""Angles beyond this [rad] are no laser's: 16 turns."""
+
 
 class ScanReader:
     """Makes scans of one laser's messages."""
@@ -47,7 +50,8 @@ class ScanReader:
         """
         ranges = np.asarray(message.ranges, dtype=np.float64)
         form = (message.angle_min, _increment(message, len(ranges)), len(ranges))
-        if not (len(ranges) and math.isfinite(form[0]) and math.isfinite(form[1])):
+        reach = abs(form[0]) + abs(form[1]) * len(ranges)
+        if not (len(ranges) and reach < LARGEST_ANGLE):  # nan is not, either
             return None
         if form != self._form:
             self._look_along(*form)

@@ -56,9 +56,15 @@ def find_layout(bag: Bag, chosen: Chosen, laser_pose: Pose2 | None) -> Layout:
 def _first(bag: Bag, topic: str) -> Any:
     messages = bag.messages([topic])
     try:
-        return next(messages).content
+        first = next(messages, None)
     finally:
         messages.close()  # type: ignore[attr-defined]
+    if first is None:
+        raise BagError(
+            f"{bag.path} should have messages on {topic}, by its metadata, and has none; valid is "
+            "a whole bag"
+        )
+    return first.content
 
 
 def _growing(bag: Bag, chosen: Chosen) -> Iterator[Frames]:
