@@ -242,6 +242,23 @@ def test_help_shows_the_settings_for_lasers(capsys):
     assert "global_density = 250.0 1/m²" in told
 
 
+def test_a_mistake_is_told_without_the_settings(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["localize", "office.bag"])
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert told.endswith("the following arguments are required: --map\n")
+    assert "sigma_hit" not in told
+
+
+def test_a_folder_with_an_unfinished_mcap_file_is_told_what_mends_it(tmp_path, capsys):
+    bag = write_bag(tmp_path / "cut")
+    (file,) = bag.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[:-100])
+    _, told = refused(capsys, bag, "--map", write_map(tmp_path))
+    assert "`mcap recover` mends it" in told
+
+
 def test_a_bag_in_which_the_robot_never_moves_ends_without_a_guess(tmp_path):
     """One scan is not enough to be sure: then no way is told, but where it may be."""
     path = write_bag(tmp_path / "stands", seen=drive()[:1] * 1)

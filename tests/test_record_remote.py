@@ -72,13 +72,27 @@ def test_a_topic_that_is_not_there_is_answered_with_those_that_are(server, tmp_p
     ("address", "words"),
     [
         ("127.0.0.1:9", "no program can be recorded at 127.0.0.1:9"),
-        ("", "is no address; valid is HOST"),
-        ("host:port", "is no address; valid is HOST"),
+        ("127.0.0.1:0009", "no program can be recorded at 127.0.0.1:9"),
     ],
 )
 def test_nobody_there(tmp_path, capsys, address, words):
     assert record(tmp_path, address) == 1
     assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("address", ["", "host:port", "127.0.0.1:99999", "//"])
+def test_what_is_no_address_is_a_wrong_argument(tmp_path, capsys, address):
+    assert record(tmp_path, address) == 2
+    assert f"{address!r} is no address; valid is HOST" in capsys.readouterr().err
+
+
+def test_a_file_is_no_place_for_recordings(server, tmp_path, capsys):
+    file = tmp_path / "notes.txt"
+    file.write_text("mine")
+    assert record(file, server.address, "--seconds", "1") == 1
+    told = capsys.readouterr().err
+    assert f"nothing can be recorded to {file}: File exists; valid is a folder" in told
+    assert file.read_text() == "mine"
 
 
 def test_no_time_is_no_recording(tmp_path, capsys):

@@ -84,9 +84,17 @@ def _add_start(command: argparse.ArgumentParser) -> None:
 
 
 class _WithSettings(argparse.RawDescriptionHelpFormatter):
-    """Looks the settings up only when help is asked for."""
+    """Shows the settings, looked up only when help is asked for: not behind a mistake's usage."""
+
+    _whole = False
+
+    def start_section(self, heading: str | None) -> None:
+        self._whole = True
+        super().start_section(heading)
 
     def format_help(self) -> str:
+        if not self._whole:
+            return super().format_help()
         from app.localize.settings import shown_defaults  # noqa: PLC0415
 
         return super().format_help() + shown_defaults() + "\n"

@@ -16,6 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from app.recording.contents import Contents
 from app.recording.contents_route import ContentsMessage
+from robot.settings import SettingError
 
 ANSWER_S = 10.0
 LARGEST = 64_000_000
@@ -53,6 +54,7 @@ class DistantRobot:
             address: ``host``, ``host:port``, or a whole one of http or ws.
 
         Raises:
+            SettingError: the address is none.
             DistantRobotError: nobody answers there.
         """
         self.place = place_of(address)
@@ -164,7 +166,7 @@ def place_of(address: str) -> str:
     """Host and port of an address; the port is 8080 if none is told.
 
     Raises:
-        DistantRobotError: it is none.
+        SettingError: it is none.
     """
     whole = address if "//" in address else f"//{address}"
     try:
@@ -173,5 +175,5 @@ def place_of(address: str) -> str:
     except ValueError:
         host, port = None, 0
     if not host:
-        raise DistantRobotError(f"{address} is no address; valid is HOST or HOST:PORT")
+        raise SettingError(f"{address!r} is no address; valid is HOST or HOST:PORT")
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -57,14 +57,13 @@ def record(
 
     Raises:
         DistantRobotError: it does not answer, or was lost; what came before is kept.
-        SettingError: a topic is not there; lists those that are.
+        SettingError: the address is none, or a topic is not there; lists those that are.
         OSError: the file cannot be written; what was written before remains.
     """
     with closing(DistantRobot(address)) as robot, _interrupts() as stop:
         kinds = _chosen(robot.topics(), names)
         contents = robot.contents()
-        out.mkdir(parents=True, exist_ok=True)
-        folder = free_folder(out, f"brickpose_{datetime.now():%Y_%m_%d-%H_%M_%S}")
+        folder = _new_folder(out)
         file = RecordingFile(folder, contents.facts)
         try:
             for one in contents.attachments:
@@ -130,6 +129,16 @@ def stamp_ns(received: Received, type_name: str) -> int:
         if sec > 0:
             return int(sec * 1_000_000_000 + nanosec)
     return received.log_time_ns
+
+
+def _new_folder(out: Path) -> Path:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        return free_folder(out, f"brickpose_{datetime.now():%Y_%m_%d-%H_%M_%S}")
+    except OSError as error:
+        raise type(error)(
+            f"nothing can be recorded to {out}: {error.strerror}; valid is a folder"
+        ) from error
 
 
 def _kept(file: RecordingFile) -> str:

@@ -169,6 +169,6 @@ def _cure(path: Path) -> str:
     """What mends a bag whose writer was killed."""
     if path.suffix == ".bag":
         return "If it was not finished, `rosbag reindex` mends it"
-    if path.suffix == ".mcap":
+    if path.suffix == ".mcap" or (path.is_dir() and any(path.glob("*.mcap"))):
         return "If it was not finished, `mcap recover` mends it"
     return "If it was not finished, `ros2 bag reindex` mends it"
