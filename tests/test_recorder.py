@@ -1,6 +1,7 @@
 """Recordings begin, end, and end by themselves, whatever the disk does; the robot never waits."""
 
 import resource
+import shutil
 from contextlib import contextmanager
 
 import pytest
@@ -110,6 +111,21 @@ def test_a_full_disk_ends_the_recording_with_a_message_and_nothing_else(program,
     assert begin(recorder, publisher)
     recorder.close()
     assert recorder.failure is None
+
+
+def test_a_recording_whose_folder_is_deleted_ends_and_says_so(program, tmp_path):
+    recorder, publisher = recorder_of(program, tmp_path)
+    folder = begin(recorder, publisher)
+    shutil.rmtree(folder)
+    for _ in range(200):
+        ticks(program, publisher, 0.1)
+        if not recorder.status.running:
+            break
+    else:
+        recorder.close()
+    assert "its file was deleted" in recorder.failure
+    assert "kept" not in recorder.failure
+    assert not folder.exists()
 
 
 def test_a_disk_that_is_full_from_the_start_is_told(program, tmp_path):

@@ -157,5 +157,6 @@ class RecordingRun(Route):
 
     def _end(self, why: str, *, full: bool) -> None:
         reason = "The disk is full" if full else f"The recording cannot be written ({why})"
-        self.failure = f"{reason}: the recording ended after {self.duration:.0f} s; it is kept."
+        kept = "; it is kept" if self.folder.exists() else ""
+        self.failure = f"{reason}: the recording ended after {self.duration:.0f} s{kept}."
         LOG.warning(self.failure)

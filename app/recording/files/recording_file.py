@@ -9,6 +9,7 @@ that is whole in itself. So a program that is killed, or a disk that is full, co
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -197,6 +198,9 @@ class RecordingFile:
             self._write_metadata()
 
     def _write_metadata(self) -> None:
+        # A file that was deleted takes all that is written, and nobody ever sees it.
+        if not self.path.exists():
+            raise FileNotFoundError(errno.ENOENT, "its file was deleted", str(self.path))
         with file_written_whole(self.folder / METADATA_FILE) as new:
             new.write_text(as_text(self._metadata()), encoding="utf-8")
 
