@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from app.ros2.settings import Ros2Settings
 from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml, read_model
+from robot.settings import SettingError
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -30,6 +31,13 @@ class Link:
     """Of a wheel: at position zero."""
     axis: Vector = (0.0, 0.0, 0.0)
     """Unit vector that a wheel turns about, in its own frame."""
+
+    def inverse(self) -> Link:
+        """The parent on the child."""
+        x, y, z, w = self.turn
+        moved = Rotation.from_quat(self.turn).inv().apply(self.place)
+        back = (-float(moved[0]), -float(moved[1]), -float(moved[2]))
+        return Link(self.child, self.parent, back, (-x, -y, -z, w))
 
     def turned(self, angle: float) -> Quaternion:
         """The turn of a wheel at a position [rad]: the product of two quaternions."""
@@ -56,16 +64,54 @@ class Links:
 
     @classmethod
     def of(cls, spec: RobotSpec, settings: Ros2Settings, scan_x: float) -> Links:
-        """From the robot's description; scans start so far in front of the robot's origin [m]."""
-        joints = {joint.name: joint for joint in read_model(spec.urdf).robot.joints}
+        """From the robot's description; scans start so far in front of the robot's origin [m].
+
+        Raises:
+            SettingError: with these names, a frame would have two parents or be elsewhere.
+        """
+        model = read_model(spec.urdf)
+        joints = {joint.name: joint for joint in model.robot.joints}
         root, base = parse_xml(spec.urdf), settings.base_frame_id
         fixed = [_link(one) for one in joints.values() if one.type == "fixed"]
+        fixed = _from(base, fixed, model.base_link, set(model.link_map))
+        if settings.scan_frame_id != base or scan_x:
+            _check_new(settings.scan_frame_id, {base, *model.link_map})
+            fixed.append(Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0)))
         frame = root.find("ros2_control/sensor/param[@name='frame']")
         assert frame is not None  # a robot without a camera has no RobotSpec
         return cls(
-            (*fixed, Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0))),
+            tuple(fixed),
             tuple(_link(joints[joint.name]) for joint in spec.joints),
             (frame.text or "").strip(),
+        )
+
+
+def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link]:
+    """The fixed links with the robot's frame at the top, as each frame has one parent."""
+    if base == root:
+        return fixed
+    if base not in names:
+        return [Link(base, root, (0.0, 0.0, 0.0)), *fixed]
+    above = {one.child: one for one in fixed}.get(base)
+    if above is None or above.parent != root or above != _upright(above):
+        valid = [one.child for one in fixed if one.parent == root and one == _upright(one)]
+        raise SettingError(
+            f"ros2.base_frame_id is {base!r}, which is not the robot's place on the floor; valid "
+            f"are {', '.join([root, *valid])}, or a name that no link has"
+        )
+    return [one.inverse() if one is above else one for one in fixed]
+
+
+def _upright(link: Link) -> Link:
+    """A link straight above its parent, as high."""
+    return Link(link.parent, link.child, (0.0, 0.0, link.place[2]), axis=link.axis)
+
+
+def _check_new(scan: str, names: set[str]) -> None:
+    if scan in names:
+        raise SettingError(
+            f"ros2.scan_frame_id is {scan!r}, which is a link already; valid is a name that no "
+            "link has"
         )
 
 
