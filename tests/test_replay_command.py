@@ -4,6 +4,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from replays import recorded_eight
 
 from app.command_line import main
@@ -36,6 +37,24 @@ def test_it_writes_what_was_estimated_now_and_then_and_the_truth(recording, tmp_
     assert truth[-1] == pytest.approx(shown[-1].truth.to_array(), abs=1e-4)
     assert main(["replay", str(made), "--out", str(tmp_path / "b")]) == 0
     assert written(tmp_path / "b") == files
+
+
+def test_damage_in_the_middle_is_told_and_what_came_before_is_written(recording, tmp_path, caplog):
+    made, _ = recording
+    (file,) = made.glob("*.mcap")
+    data = bytearray(file.read_bytes())
+    with file.open("rb") as stream:
+        chunks = make_reader(stream).get_summary().chunk_indexes
+    hurt = chunks[len(chunks) // 2]
+    middle = hurt.chunk_start_offset + hurt.chunk_length // 2
+    data[middle : middle + 100] = bytes(100)
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(data)
+    assert main(["replay", str(damaged), "--out", str(tmp_path / "out")]) == 0
+    assert "The recording is over here" in caplog.text
+    assert "damaged.mcap is damaged" in caplog.text
+    last = parse_tum((tmp_path / "out" / "truth.tum").read_text(), "truth").stamps[-1]
+    assert 0.5 < last < 3.5
 
 
 def test_other_settings_write_something_else(recording, tmp_path):

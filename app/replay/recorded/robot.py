@@ -113,6 +113,9 @@ class RecordedRobot:
         one, self._next = self._next, None
         reading = self._reading(one)
         self._next = self._fetched()
+        if self._next is None and self.damage:
+            over = f"The recording is over here: {self.damage}."
+            return replace(reading, faults=(*reading.faults, over))
         return reading
 
     def write(self, velocities: Array) -> Array:
