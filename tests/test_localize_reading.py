@@ -200,6 +200,31 @@ def test_stamps_that_jump_back_are_left_out_and_counted(tmp_path):
     assert "2 scans whose stamps do not rise were left out" in left_out.lines()
 
 
+@pytest.mark.parametrize("wrong", [1e6, -1e6])
+def test_one_stamp_from_elsewhere_makes_no_other_too_old(tmp_path, wrong):
+    with LaserBag(tmp_path / "bag", "mcap") as bag:
+        for tick in range(20):
+            logged = 2e6 + 0.1 * tick
+            stamp = logged + (wrong if tick == 5 else 0.0)
+            bag.odometry(stamp, Pose2(0.1 * tick), logged=logged)
+            bag.scan(stamp, [1.0, 1.0], first=0.0, step=0.1, logged=logged)
+    found, left_out = read(tmp_path / "bag")
+    assert [round(10 * (one.scan.stamp - 2e6)) for one in found] == [*range(5), *range(6, 20)]
+    assert (left_out.out_of_order, left_out.odometry) == (1, 1)
+
+
+def test_a_clock_that_was_set_is_followed(tmp_path):
+    with LaserBag(tmp_path / "bag", "mcap") as bag:
+        for tick in range(40):
+            logged = 2e6 + 0.1 * tick
+            stamp = logged + (1e6 if tick >= 10 else 0.0)
+            bag.odometry(stamp, Pose2(0.1 * tick), logged=logged)
+            bag.scan(stamp, [1.0, 1.0], first=0.0, step=0.1, logged=logged)
+    found, left_out = read(tmp_path / "bag")
+    assert len(found) == 40 - left_out.out_of_order
+    assert left_out.out_of_order == 9
+
+
 def test_a_scan_waits_for_the_odometry_after_it(tmp_path):
     with LaserBag(tmp_path / "bag", "mcap") as bag:
         bag.odometry(1.0, Pose2(0.0))

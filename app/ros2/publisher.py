@@ -21,6 +21,8 @@ LOOK_S = 0.2
 """Between two looks at whether to end, while there are no ticks [s]."""
 
 JOIN_S = 2.0
+SHOWN_S = 60.0
+"""A failure is shown so long: a client that is gone concerns nobody for ever [s]."""
 
 
 class TopicPublisher:
@@ -30,8 +32,7 @@ class TopicPublisher:
         self.source = source
         self.lost = 0
         """Ticks that came while too many waited already."""
-        self.failure: str | None = None
-        """Why a route ended, if one failed."""
+        self._failure: tuple[float, str] | None = None
         self._every = every
         self._routes: tuple[Route, ...] = ()
         self._lock = threading.Lock()
@@ -49,6 +50,13 @@ class TopicPublisher:
         """Let it have nothing more; the thread ends after the last route."""
         with self._lock:
             self._routes = tuple(one for one in self._routes if one is not route)
+
+    @property
+    def failure(self) -> str | None:
+        """Which route or topic failed lately, and why."""
+        if self._failure is None or time.monotonic() - self._failure[0] > SHOWN_S:
+            return None
+        return self._failure[1]
 
     def close(self) -> None:
         """Let all routes go, and wait for the thread."""
@@ -122,4 +130,4 @@ class TopicPublisher:
         message = f"{what} failed: {error}"
         if message != self.failure:
             LOG.exception(message)
-        self.failure = message
+        self._failure = (time.monotonic(), message)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from app.localize.reading.bag import Bag, Message
+from app.localize.reading.clock import Clock
 from app.localize.reading.laser_scan import ScanReader
 from app.localize.reading.mounting import Layout
 from app.localize.reading.pose_track import PoseTrack
@@ -36,7 +37,7 @@ class LeftOut:
     unusable_scans: int = 0
     """Without ranges, or with angles that are no numbers."""
     out_of_order: int = 0
-    """Scans whose stamp is not after the one before."""
+    """Scans whose stamp is not after the one before, or far from when they were recorded."""
     without_odometry: int = 0
     odometry: int = 0
     """Poses that were not finite, or whose stamps do not rise."""
@@ -63,6 +64,7 @@ class Pairing:
         self._track = PoseTrack()
         self._waiting: deque[Scan] = deque()
         self._newest = -math.inf
+        self._clocks = {name: Clock() for name in chosen.names}
         self.names = chosen.names
         """Topics that are read."""
         self.left_out = LeftOut()
@@ -105,7 +107,7 @@ class Pairing:
         scan = self._scans.scan(message.content, stamp)
         if scan is None:
             self.left_out.unusable_scans += 1
-        elif not stamp > self._newest:
+        elif not (self._fits(message, stamp) and stamp > self._newest):
             self.left_out.out_of_order += 1
         else:
             self._newest = stamp
@@ -114,19 +116,22 @@ class Pairing:
     def _take_odometry(self, message: Message) -> None:
         if message.topic == self._chosen.odometry:
             pose = message.content.pose.pose
-            self._add(message.content.header, message.logged, pose.position, pose.orientation)
+            self._add(message, message.content.header, pose.position, pose.orientation)
             return
         for one in message.content.transforms:
             frames = frame_name(one.header.frame_id), frame_name(one.child_frame_id)
             if frames == (self._layout.odom_frame, self._layout.base_frame):
                 shift, turn = one.transform.translation, one.transform.rotation
-                self._add(one.header, message.logged, shift, turn)
+                self._add(message, one.header, shift, turn)
 
-    def _add(self, header: Any, logged: float, position: Any, orientation: Any) -> None:
-        stamp = self._stamp(header, logged)
+    def _add(self, message: Message, header: Any, position: Any, orientation: Any) -> None:
+        stamp = self._stamp(header, message.logged)
         self._note("odometry", stamp)
-        found = Rigid3.of(position, orientation)
+        found = Rigid3.of(position, orientation) if self._fits(message, stamp) else None
         self._track.add(stamp, None if found is None else found.planar())
+
+    def _fits(self, message: Message, stamp: float) -> bool:
+        return self._by_log or self._clocks[message.topic].fits(stamp, message.logged)
 
     def _stamp(self, header: Any, logged: float) -> float:
         """Of a message whose header has none it is when it was recorded."""
