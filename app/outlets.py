@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Protocol
 
 from app.assembly import Program
+from app.console import say
 from app.recording.contents import contents_of
 from app.recording.recorder import Recorder
 from app.ros2.commands.inbox import Inbox
@@ -69,7 +70,7 @@ class Outlets:
             for route in self._routes:
                 route.start()
             if self._record:
-                self.recorder.start()
+                say(f"Recording to {self.recorder.start()}")
         except Exception:
             self.close()
             raise
