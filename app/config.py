@@ -70,6 +70,31 @@ class Config:
         check_settings(self)
 
 
+def read_toml(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file.
+
+    Raises:
+        SettingError: it cannot be read or is no TOML.
+    """
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingError(f"{path} cannot be read: {error}") from error
+    except tomllib.TOMLDecodeError as error:
+        raise SettingError(f"{path} is no TOML: {error}") from error
+
+
+def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:
+    """The settings in a table and the tables in it, as ``with_settings`` names them."""
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        if isinstance(value, dict):
+            found |= by_path(value, f"{path}{name}.")
+        else:
+            found[f"{path}{name}"] = value
+    return found
+
+
 def load_config(path: Path) -> Config:
     """Read a TOML file.
 
@@ -77,12 +102,7 @@ def load_config(path: Path) -> Config:
         SettingError: the file is missing or no TOML, or a key is misspelt or out of range; the
             message has the key's path and what is valid.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path} cannot be read: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is no TOML: {error}") from error
+    content = read_toml(path)
     try:
         return from_table(Config, content)
     except SettingError as error:

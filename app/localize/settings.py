@@ -5,13 +5,11 @@ The program's own defaults are for tape that is seen within a metre; these are f
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.config import with_settings
+from app.config import by_path, read_toml, with_settings
 from robot.localization.parameters import (
     FilterParameters,
     LocalizationParameters,
@@ -119,24 +117,11 @@ def load_settings(path: Path | None) -> LocalizeSettings:
     """
     if path is None:
         return LocalizeSettings()
+    table = read_toml(path)
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path} cannot be read: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is no TOML: {error}") from error
-    try:
-        return with_settings(LocalizeSettings(), dict(_flat(table)))
+        return with_settings(LocalizeSettings(), by_path(table))
     except SettingError as error:
         raise SettingError(f"{path}: {error}") from error
-
-
-def _flat(table: dict[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
-    for name, value in table.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{path}{name}.")
-        else:
-            yield f"{path}{name}", value
 
 
 def shown_defaults() -> str:

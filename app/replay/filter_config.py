@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
-from app.config import Config, with_settings
+from app.config import Config, by_path, read_toml, with_settings
 from robot.settings import SettingError
 
 TABLES = ("localization", "scanner", "odometry", "drive", "start_pose")
@@ -19,18 +18,13 @@ def read_filter_config(path: Path) -> dict[str, Any]:
     Raises:
         SettingError: it cannot be read, or has settings that change no replay.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path} cannot be read: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is no TOML: {error}") from error
+    content = read_toml(path)
     others = sorted(content.keys() - set(TABLES))
     if others:
         raise SettingError(
             f"{path}: {others[0]} changes no replay; valid are the tables {', '.join(TABLES)}"
         )
-    return dict(_flat(content, ""))
+    return by_path(content)
 
 
 def with_filter_config(config: Config, path: Path) -> tuple[Config, frozenset[str]]:
@@ -46,13 +40,3 @@ def with_filter_config(config: Config, path: Path) -> tuple[Config, frozenset[st
         raise SettingError(f"{path}: {error}") from error
     names = (name for name in given if name.startswith("localization."))
     return changed, frozenset(name.rpartition(".")[2] for name in names)
-
-
-def _flat(table: dict[str, Any], path: str) -> list[tuple[str, Any]]:
-    found = []
-    for name, value in table.items():
-        if isinstance(value, dict):
-            found += _flat(value, f"{path}{name}.")
-        else:
-            found.append((f"{path}{name}", value))
-    return found
