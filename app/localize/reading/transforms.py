@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from robot.geometry import Array, Pose2
 
@@ -37,13 +38,7 @@ class Rigid3:
         length = float(np.linalg.norm(q))
         if not (np.isfinite(t).all() and SHORTEST < length < np.inf):
             return None
-        x, y, z, w = q / length
-        turn = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-        return cls(np.array(turn), t)
+        return cls(Rotation.from_quat(q).as_matrix(), t)
 
     @classmethod
     def flat(cls, pose: Pose2) -> Rigid3:

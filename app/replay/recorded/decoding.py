@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from app.covariance import by_rows
 from app.messages.commands import COMMAND, Command, SetPoseCommand
 from app.replay.recorded.picture_size import size_of
-from app.ros2.making.frames import SECOND_NS
+from app.ros2.making.frames import SECOND_NS, heading_of
 from app.ros2.message_types import from_cdr
 from robot.geometry import Array, Pose2, Twist2
 
@@ -100,13 +100,6 @@ def pose_of(pose: Any) -> Pose2:
     if not found.is_finite():
         raise ContentError("a pose has numbers that are not finite")
     return found
-
-
-def heading_of(turn: Any) -> float:
-    """The turn of a quaternion about z [rad]."""
-    return math.atan2(
-        2 * (turn.w * turn.z + turn.x * turn.y), 1 - 2 * (turn.y * turn.y + turn.z * turn.z)
-    )
 
 
 def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:

@@ -15,7 +15,7 @@ from app.messages.commands import (
     SetPoseCommand,
     UpdateCommand,
 )
-from app.ros2.making.frames import SECOND_NS
+from app.ros2.making.frames import SECOND_NS, heading_of
 from app.ros2.message_types import Message, MessageError
 from app.ros2.source import TopicSource
 
@@ -114,7 +114,7 @@ def _heading(turn: Message) -> float:
         raise MessageError("initialpose: its orientation is no quaternion of length 1")
     if 2 * math.asin(min(1.0, math.hypot(turn.x, turn.y) / length)) > LEVEL:
         raise MessageError("initialpose: its orientation leans; valid is a turn about z")
-    return math.remainder(2 * math.atan2(turn.z, turn.w), 2 * math.pi)
+    return heading_of(turn)
 
 
 def _scatter(source: TopicSource, request: Message) -> ScatterCommand:

@@ -39,6 +39,12 @@ def turned(theta: float) -> Message:
     return new("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=z, w=w)
 
 
+def heading_of(turn: Message) -> float:
+    """The heading [rad] of a quaternion: where it turns the x axis, seen from above."""
+    x, y, z, w = turn.x, turn.y, turn.z, turn.w
+    return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
+
+
 def pose(at: Pose2) -> Message:
     """geometry_msgs/Pose on the floor."""
     position = new("geometry_msgs/msg/Point", x=float(at.x), y=float(at.y), z=0.0)
