@@ -76,14 +76,14 @@ def test_it_plays_to_the_end_and_stands_there(recording, straight):
         again = watched.until(stands)
         assert again.published > last.published
         # To play from the end is to play from the beginning.
-        watched.replay.ask(paused=False)
+        watched.replay.asked.ask(paused=False)
         watched.until(lambda shown: shown.replay.position_s < 1 and not shown.replay.paused)
 
 
 def test_it_goes_where_it_is_asked_and_says_there_what_a_straight_run_says(recording, straight):
     with running(recording, paused=True) as watched:
         for seconds in (4.5, 1.25, 5.5, 0.0, 3.0):
-            watched.replay.ask(position_s=seconds)
+            watched.replay.asked.ask(position_s=seconds)
             shown = watched.until(at(seconds))
             assert gist(shown) == straight[shown.stamp]
 
@@ -91,20 +91,20 @@ def test_it_goes_where_it_is_asked_and_says_there_what_a_straight_run_says(recor
 def test_of_many_places_asked_for_the_last_counts(recording, straight):
     with running(recording, paused=True) as watched:
         for seconds in (5.0, 1.0, 4.0, 2.0):
-            watched.replay.ask(position_s=seconds)
+            watched.replay.asked.ask(position_s=seconds)
         shown = watched.until(at(2.0))
         assert gist(shown) == straight[shown.stamp]
 
 
 def test_steps_go_from_picture_to_picture_and_pause(recording, straight):
     with running(recording, speed=1) as watched:
-        watched.replay.ask(position_s=3.0, paused=True)
+        watched.replay.asked.ask(position_s=3.0, paused=True)
         here = watched.until(at(3.0))
-        watched.replay.ask(step=2)
+        watched.replay.asked.ask(step=2)
         on = watched.until(lambda shown: stands(shown) and shown.stamp > here.stamp)
         assert on.frame.stamp > here.frame.stamp
         assert on.reading.frame is on.frame, "it stands at the tick of a picture"
-        watched.replay.ask(step=-2)
+        watched.replay.asked.ask(step=-2)
         back = watched.until(lambda shown: stands(shown) and shown.stamp < on.stamp)
         assert back.frame.stamp == pytest.approx(here.frame.stamp)
         assert gist(back) == straight[back.stamp]
@@ -113,9 +113,9 @@ def test_steps_go_from_picture_to_picture_and_pause(recording, straight):
 def test_each_of_many_steps_counts_also_while_it_is_on_its_way(recording):
     pictures = [one.stamp for one in to_the_end(course_of(recording)) if one.reading.frame]
     with running(recording, paused=True) as watched:
-        watched.replay.ask(position_s=3.0)
+        watched.replay.asked.ask(position_s=3.0)
         for _ in range(5):
-            watched.replay.ask(step=1)
+            watched.replay.asked.ask(step=1)
         shown_last = [stamp for stamp in pictures if stamp <= 3.0][-1]
         expected = pictures[pictures.index(shown_last) + 5]
         watched.until(lambda shown: stands(shown) and shown.stamp == expected)
@@ -125,14 +125,14 @@ def test_parameters_that_are_set_during_a_step_hold(recording):
     few = SetParametersCommand(type="set_parameters", values={"max_particles": 200})
     with running(recording, paused=True) as watched:
         watched.until(stands)
-        watched.replay.ask(step=20)
+        watched.replay.asked.ask(step=20)
         watched.told(few)
         watched.until(lambda s: stands(s) and s.parameters.filter.max_particles == 200)
 
 
 def test_on_the_way_it_shows_what_was_recorded_there(recording):
     with running(recording, paused=True) as watched:
-        watched.replay.ask(position_s=5.5)
+        watched.replay.asked.ask(position_s=5.5)
         way = watched.until(lambda shown: shown.replay.catching_up is not None)
         assert 0 <= way.replay.catching_up <= 1
         assert way.replay.position_s == 5.5
@@ -150,7 +150,7 @@ def test_parameters_are_taken_while_it_stands_and_on_the_way(recording):
         watched.told(few)
         shown = watched.until(lambda shown: shown.parameters.filter.max_particles == 200)
         assert stands(shown)
-        watched.replay.ask(position_s=5.5)
+        watched.replay.asked.ask(position_s=5.5)
         watched.until(lambda shown: shown.replay.catching_up is not None)
         watched.told(fewer)
         there = watched.until(at(5.5))
@@ -165,11 +165,11 @@ def test_parameters_are_taken_while_it_stands_and_on_the_way(recording):
 
 def test_a_scatter_acts_while_it_stands_and_is_gone_with_a_seek(recording, straight):
     with running(recording, paused=True) as watched:
-        watched.replay.ask(position_s=4.0)
+        watched.replay.asked.ask(position_s=4.0)
         here = watched.until(at(4.0))
         watched.told(ScatterCommand(type="scatter"))
         watched.until(lambda shown: shown.estimate is None and stands(shown))
-        watched.replay.ask(position_s=4.0)
+        watched.replay.asked.ask(position_s=4.0)
         again = watched.until(lambda shown: at(4.0)(shown) and shown.estimate is not None)
         assert gist(again) == gist(here) == straight[here.stamp]
 
@@ -177,6 +177,6 @@ def test_a_scatter_acts_while_it_stands_and_is_gone_with_a_seek(recording, strai
 def test_a_speed_may_change_while_it_plays(recording):
     with running(recording, speed=0.5) as watched:
         watched.until(lambda shown: shown.replay.speed == 0.5)
-        watched.replay.ask(speed=1e9)
+        watched.replay.asked.ask(speed=1e9)
         watched.until(lambda shown: shown.replay.speed == 50.0)
         watched.until(stands)

@@ -63,7 +63,7 @@ class _Way:
 
 
 class Replay:
-    """Owns the pace; ``ask`` from any thread, all else from the engine's."""
+    """Owns the pace; ``asked`` from any thread, all else from the engine's."""
 
     def __init__(
         self,
@@ -75,7 +75,7 @@ class Replay:
         speed: float = 1,
     ) -> None:
         self.course = course
-        self._asked = Asked()
+        self.asked = Asked()
         self._file = file
         self.duration_s = duration_s
         """From the first to the last tick [s]."""
@@ -88,16 +88,6 @@ class Replay:
         self._ticks = 0
         self._zero: float | None = None
         """When the recording began, as played at this speed without a stop [s]."""
-
-    def ask(
-        self,
-        paused: bool | None = None,
-        speed: float | None = None,
-        position_s: float | None = None,
-        step: int | None = None,
-    ) -> None:
-        """Ask for something, from any thread: to stand, a speed, a place [s], pictures to go on."""
-        self._asked.ask(paused, speed, position_s, step)
 
     def run(self, stop: threading.Event) -> None:
         """Replay until told to stop; the file is closed whatever happens."""
@@ -119,7 +109,7 @@ class Replay:
             engine.robot.close()
 
     def _take_wishes(self) -> None:
-        wishes = self._asked.take()
+        wishes = self.asked.take()
         over = self.course.robot.next_ns is None
         if wishes.speed is not None:
             self._speed, self._zero = wishes.speed, None
@@ -130,7 +120,7 @@ class Replay:
         if wishes.position_s is not None:
             self._go_to(self._start_ns + round(1e9 * wishes.position_s))
         if wishes.steps and self._way is not None:
-            self._asked.ask(step=wishes.steps)  # when it has got there
+            self.asked.ask(step=wishes.steps)  # when it has got there
         elif wishes.steps:
             self._paused = True
             self._step(wishes.steps)
@@ -152,7 +142,7 @@ class Replay:
             if next_s - last_s > LONGEST_GAP_S:
                 self._zero -= (next_s - last_s - LONGEST_GAP_S) / self._speed
         due = self._zero + next_s / self._speed
-        if due > now and self._asked.wait(min(due - now, STANDING_S)):
+        if due > now and self.asked.wait(min(due - now, STANDING_S)):
             return
         if due > time.monotonic() + SHORT_S:
             self._show(self.course.linger(self.course.engine.commands.take()))
@@ -164,7 +154,7 @@ class Replay:
     def _stand(self) -> None:
         """Say that it stands, and take what is told meanwhile."""
         self._show(self.course.linger(self.course.engine.commands.take()))
-        self._asked.wait(STANDING_S)
+        self.asked.wait(STANDING_S)
 
     def _step(self, pictures: int) -> None:
         """On by pictures, or back."""

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 import anyio
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from app.assembly import Program
 from app.engine.snapshot import Snapshot
@@ -21,6 +21,7 @@ from app.messages.commands import (
 )
 from app.outlets import Outlets
 from app.web.commands import check, parse
+from app.web.outgoing import Outgoing
 from app.web.telemetry import TelemetryWriter
 
 
@@ -60,12 +61,12 @@ class _Viewer:
         self._live = live
         self._engine = live.program.engine
         self._socket = socket
-        self._sending = anyio.Lock()
+        self._outgoing = Outgoing(socket)
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot whenever the last one has gone out."""
         with self._engine.latest.subscribe() as subscription:
-            while await self._send(self._live.text(await subscription.next())):
+            while await self._outgoing.send(self._live.text(await subscription.next())):
                 pass
 
     async def take_commands(self) -> None:
@@ -75,7 +76,7 @@ class _Viewer:
             if message["type"] == "websocket.disconnect":
                 return
             # A binary message has no text; an empty one is refused as no JSON.
-            if not await self._send(self._answer(message.get("text") or "")):
+            if not await self._outgoing.send(self._answer(message.get("text") or "")):
                 return
 
     def _answer(self, text: str) -> str:
@@ -98,7 +99,7 @@ class _Viewer:
             outlets.record(command.on)
         elif isinstance(command, ReplayCommand):
             assert self._live.program.replay is not None  # it was checked
-            self._live.program.replay.ask(
+            self._live.program.replay.asked.ask(
                 command.paused, command.speed, command.position_s, command.step
             )
         elif not isinstance(command, PingCommand):
@@ -109,16 +110,6 @@ class _Viewer:
         """The robot's clock now: the newest stamp and the time since it was published."""
         latest = self._engine.latest.get()
         return None if latest is None else latest.stamp + time.monotonic() - latest.published
-
-    async def _send(self, text: str) -> bool:
-        """Send one message; False if the viewer is gone."""
-        try:
-            async with self._sending:
-                await self._socket.send_text(text)
-        except (WebSocketDisconnect, RuntimeError):
-            # Starlette raises a RuntimeError for what is sent after the close.
-            return False
-        return True
 
 
 def _id_of(text: str) -> int | str | None:

@@ -6,14 +6,14 @@ import asyncio
 import contextlib
 
 import anyio
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
-from app.ros2.rosbridge.outbox import Data
 from app.ros2.rosbridge.session import Session
 from app.web.drivers import Drivers
+from app.web.outgoing import Outgoing
 
 MOST_CLIENTS = 50
 """At a time: each costs a little in every tick."""
@@ -56,7 +56,7 @@ class _Client:
         self._socket = socket
         self._loop = asyncio.get_running_loop()
         self._waiting = asyncio.Event()
-        self._sending = anyio.Lock()
+        self._outgoing = Outgoing(socket)
         self._session = Session(bridge, self._wake)
 
     async def talk(self) -> None:
@@ -79,7 +79,7 @@ class _Client:
             await self._waiting.wait()
             self._waiting.clear()
             while (data := self._session.next()) is not None:
-                if not await self._send(data):
+                if not await self._outgoing.send(data):
                     return
 
     async def _take_requests(self) -> None:
@@ -91,18 +91,5 @@ class _Client:
             data = message.get("text") or message.get("bytes") or ""
             for answer in self._session.receive(data):
                 # A client that does not read its answers is not listened to.
-                if not await self._send(answer):
+                if not await self._outgoing.send(answer):
                     return
-
-    async def _send(self, data: Data) -> bool:
-        """Send one message; False if the client is gone."""
-        try:
-            async with self._sending:
-                if isinstance(data, str):
-                    await self._socket.send_text(data)
-                else:
-                    await self._socket.send_bytes(data)
-        except (WebSocketDisconnect, RuntimeError):
-            # Starlette raises a RuntimeError for what is sent after the close.
-            return False
-        return True
