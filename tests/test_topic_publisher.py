@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.ros2.clock import RosClock
+from app.ros2.message_types import MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
 from app.ros2.source import TopicSource
@@ -124,6 +125,22 @@ def test_a_broken_route_ends_alone_and_says_why(program, publisher):
     run(program, 0.1)
     assert well.next().stamp > before.stamp
     assert "broken route failed: no space left" in publisher.failure
+
+
+def test_a_message_that_a_route_cannot_encode_costs_that_message_alone(program, publisher):
+    class Encoding(Collecting):
+        def take(self, published):
+            if published.topic is ODOM:
+                raise MessageError("no odometry")
+            super().take(published)
+
+    route = Encoding("odom", "joint_states")
+    publisher.add(route)
+    run(program, 0.1)
+    before = route.next()
+    run(program, 0.1)
+    assert route.next().stamp > before.stamp
+    assert publisher.failure == "odom failed: no odometry"
 
 
 def test_a_topic_that_cannot_be_made_ends_no_route(program, publisher, monkeypatch):

@@ -8,6 +8,7 @@ import time
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
+from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.route import Route
 from app.ros2.source import TopicSource
@@ -105,6 +106,8 @@ class TopicPublisher:
         for route in takers:
             try:
                 route.take(published)
+            except MessageError as error:
+                self._complain(topic.name, error)  # one topic, not the route
             except Exception as error:
                 self._end(route, error)
 
