@@ -24,7 +24,7 @@ install: .venv/installed ## set up the virtual environment
 test: .venv/installed-dev browser node-peers dds-peer ## run every test
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not real_time" \
 	  -n 2 --dist loadfile --no-loadscope-reorder
-	$(BIN)/python -m pytest -m real_time
+	$(BIN)/python -m pytest -m real_time $$(grep -l mark.real_time tests/test_*.py)
 
 check: .venv/installed-dev ## lint and types
 	$(BIN)/ruff check .

@@ -15,12 +15,6 @@ settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
 
 
-def pytest_ignore_collect(collection_path, config):
-    """Importing all tests takes long: a file that does not name real time has no such tests."""
-    module = collection_path.suffix == ".py" and config.option.markexpr == "real_time"
-    return True if module and "real_time" not in collection_path.read_text("utf-8") else None
-
-
 @pytest.fixture(autouse=True, scope="session")
 def state_home(tmp_path_factory):
     """Programs under test, and those they start, keep what they keep here, not in the home."""
@@ -117,3 +111,29 @@ def pty(nothing_is_left):
 
     with closing(Pty()) as made:
         yield made
+
+
+@pytest.fixture(scope="module")
+def program():
+    """A robot with perfect wheels that has seen its first pictures; stepped by hand."""
+    from engine_runs import kinematic, run
+
+    program = kinematic()
+    run(program, 0.2)
+    return program
+
+
+@pytest.fixture
+def bridge(program):
+    """rosbridge around it."""
+    from rosbridge_sessions import bridge_of
+
+    return bridge_of(program)
+
+
+@pytest.fixture
+def client(bridge):
+    """One that talks to it."""
+    from rosbridge_sessions import Client
+
+    return Client(bridge)

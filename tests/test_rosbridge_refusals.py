@@ -16,23 +16,6 @@ from app.ros2.rosbridge.subscription import MOST_REQUESTS
 SCAN = "sensor_msgs/msg/LaserScan"
 
 
-@pytest.fixture(scope="module")
-def program():
-    program = kinematic()
-    run(program, 0.2)
-    return program
-
-
-@pytest.fixture
-def bridge(program):
-    return bridge_of(program)
-
-
-@pytest.fixture
-def client(bridge):
-    return Client(bridge)
-
-
 @pytest.mark.parametrize(
     ("op", "request_", "words"),
     [

@@ -3,29 +3,11 @@
 import re
 
 import pytest
-from engine_runs import kinematic, run
-from rosbridge_sessions import Client, bridge_of
+from engine_runs import run
 
 from app.messages.commands import ScatterCommand, SetPoseCommand
 
 SCAN = "sensor_msgs/msg/LaserScan"
-
-
-@pytest.fixture(scope="module")
-def program():
-    program = kinematic()
-    run(program, 0.2)
-    return program
-
-
-@pytest.fixture
-def bridge(program):
-    return bridge_of(program)
-
-
-@pytest.fixture
-def client(bridge):
-    return Client(bridge)
 
 
 def test_services_are_commands(program, client):

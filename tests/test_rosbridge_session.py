@@ -17,23 +17,6 @@ from app.ros2.settings import Ros2Settings
 SCAN = "sensor_msgs/msg/LaserScan"
 
 
-@pytest.fixture(scope="module")
-def program():
-    program = kinematic()
-    run(program, 0.2)
-    return program
-
-
-@pytest.fixture
-def bridge(program):
-    return bridge_of(program)
-
-
-@pytest.fixture
-def client(bridge):
-    return Client(bridge)
-
-
 def test_a_topic_comes_as_json_by_the_name_it_was_asked_for(bridge, program, client):
     assert client.ask("subscribe", topic="/scan", type="sensor_msgs/LaserScan") == []
     (snapshot,) = run(program, 0.02)

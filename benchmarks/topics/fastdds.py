@@ -18,7 +18,8 @@ from types import TracebackType
 from typing import Self
 
 from app.config import ROOT
-from app.ros2.dds.plan import dds_type
+from app.ros2.dds.plan import dds_topic, dds_type
+from app.ros2.topics import TOPICS
 
 SOURCES = ROOT / "tests" / "fastdds_peer"
 HEADER = Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp")
@@ -139,10 +140,12 @@ class Peer:
         """The first message of a topic."""
         return bytes.fromhex(self.wait("data", topic, after=after, seconds=seconds)[3])
 
-    def all_data(self, topic: str) -> list[bytes]:
-        """All messages of a topic so far."""
-        told = [one for one in self.events if one[0] == "data" and one[1] == topic]
-        return [bytes.fromhex(one[3]) for one in told]
+    def read_live_topics(self) -> None:
+        """Subscribe to all that a robot tells; only how many bytes come is told."""
+        for topic in TOPICS:
+            if topic.live:
+                latched = topic.quality.latched
+                self.read(dds_topic(f"/{topic.name}"), topic.type, latched=latched, lengths=True)
 
     def close(self) -> None:
         """End it."""

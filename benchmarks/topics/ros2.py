@@ -29,7 +29,6 @@ from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
-from app.ros2.topics import TOPICS
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters
@@ -64,10 +63,7 @@ def measure() -> Result:
         running = stack.enter_context(_running())
         peers = [stack.enter_context(Peer(running.domain)) for _ in range(READERS)]
         for peer in peers:
-            for topic in TOPICS:
-                if topic.live:
-                    name, latched = dds_topic(f"/{topic.name}"), topic.quality.latched
-                    peer.read(name, topic.type, latched=latched, lengths=True)
+            peer.read_live_topics()
         steps = running.steps_in_turns()
         with running.route() as route:
             for peer in peers:

@@ -21,9 +21,7 @@ from app.assembly import Program, assemble, build_simulated
 from app.config import MAPS, ROOT, Config
 from app.messages.commands import FigureEightCommand
 from app.recording.settings import RecordingSettings
-from app.ros2.dds.plan import dds_topic
 from app.ros2.settings import Ros2Settings
-from app.ros2.topics import TOPICS
 from app.web.serving import Server, listen
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
@@ -156,11 +154,7 @@ def _readers(settings: Ros2Settings, address: str) -> Iterator[None]:
     time.sleep(SETTLE_S)
     with ExitStack() as stack:
         for _ in range(READERS):
-            peer = stack.enter_context(Peer(settings.domain_id))
-            for topic in TOPICS:
-                if topic.live:
-                    name, latched = dds_topic(f"/{topic.name}"), topic.quality.latched
-                    peer.read(name, topic.type, latched=latched, lengths=True)
+            stack.enter_context(Peer(settings.domain_id)).read_live_topics()
         port = f"127.0.0.1:{settings.foxglove_port}"
         clients = subprocess.Popen([*command, port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
         try:
