@@ -270,6 +270,7 @@ class Engine:
             odom_from_robot=odometry.odom_from_robot,
             pose=belief.pose(odometry.odom_from_robot) if belief else None,
             estimate=belief.estimate if belief else None,
+            integrity=localization.integrity,
             twist=applied,
             mode=self._driving.mode,
             cloud=localization.cloud,

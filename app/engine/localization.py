@@ -16,6 +16,7 @@ from robot.interface import Frame
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.filters import going_on, make_filter
+from robot.localization.integrity import Integrity
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
@@ -85,6 +86,11 @@ class Localization:
     def cloud(self) -> Cloud:
         """The particles as last weighed."""
         return self._localizer.filter.cloud
+
+    @property
+    def integrity(self) -> Integrity:
+        """What is claimed of the newest estimate."""
+        return self._localizer.integrity
 
     @property
     def updates(self) -> int:

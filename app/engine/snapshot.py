@@ -16,6 +16,7 @@ from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
+from robot.localization.integrity import Integrity
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan
 
@@ -56,6 +57,8 @@ class Snapshot:
     """The estimate, carried forward to the stamp; None before the first measurement."""
     estimate: Estimate | None
     """The filter's newest answer, at its own stamp."""
+    integrity: Integrity
+    """What is claimed of it."""
     twist: Twist2
     """As applied."""
     mode: Mode

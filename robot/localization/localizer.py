@@ -8,6 +8,7 @@ from dataclasses import replace
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud, Filter
+from robot.localization.integrity import SEARCHING, Integrity, State
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
 from robot.scan import Scan
@@ -31,6 +32,8 @@ class Localizer:
         """Makes the heaviest hypothesis finer; None leaves it as the filter has it."""
         self.updates = 0
         """Scans taken since the belief was last made anew."""
+        self.integrity: Integrity = SEARCHING
+        """What is claimed of the newest estimate."""
         self.now: Pose2 | None = None
         """The robot in the odom frame when a pose is told; None takes that of the next scan."""
         self._odometry: Pose2 | None = None
@@ -103,10 +106,12 @@ class Localizer:
     def estimate(self, stamp: float) -> Estimate | None:
         """What the filter says now; None while it cannot say anything."""
         found = self.filter.hypotheses
+        self.integrity = _claimed(found)
         return Estimate(stamp, found, self.filter.effective) if found else None
 
     def _restart(self) -> None:
         self.updates = 0
+        self.integrity = SEARCHING
         # The belief is about the robot where it is now: what it drove before is in it already.
         self._odometry = self.now
         self._forced = True
@@ -119,3 +124,9 @@ class Localizer:
     def _is_due(self, moved: Pose2) -> bool:
         far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d
         return far or abs(moved.theta) >= self.parameters.update_min_a
+
+
+def _claimed(found: tuple[Hypothesis, ...]) -> Integrity:
+    if not found:
+        return SEARCHING
+    return Integrity(State.CERTAIN if found[0].weight > 0.95 else State.AMBIGUOUS)
