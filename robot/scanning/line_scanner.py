@@ -85,6 +85,14 @@ class LineScannerSettings:
         high=0.5,
     )
 
+    bend_radius: float = setting(
+        0.070,
+        "Tightest bend of an edge that is tape's; large, and only straight tape counts",
+        unit="m",
+        low=0.03,
+        high=1000,
+    )
+
     def __post_init__(self) -> None:
         check_settings(self)
 
@@ -180,6 +188,7 @@ class LineScanner:
             wanted.support,
             wanted.straightness,
             wanted.taper,
+            wanted.bend_radius,
         )
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, directions)
         if self._a_row > 0:
