@@ -39,7 +39,9 @@ class Config:
     """Everything that can be set; each table of the TOML file is a field."""
 
     robot: str = setting("auto", "Which robot", choices=("auto", *ROBOTS))
-    map: str = setting("square", "A field by name, or a file (.svg, .yaml)")
+    map: str = setting(
+        "square", "A field by name, generated-N (from a seed), or a file (.svg, .yaml)"
+    )
     host: str = setting("127.0.0.1", "Address to listen on")
     port: int = setting(8080, "Port to listen on", low=0, high=65535)
     allowed_origins: tuple[str, ...] = setting(

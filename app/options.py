@@ -18,7 +18,8 @@ def add_map(command: argparse.ArgumentParser) -> None:
         "--map",
         metavar="NAME|FILE",
         default=argparse.SUPPRESS,
-        help=f"a field of maps/, or an .svg or .yaml file (default: {Config().map})",
+        help="a field of maps/, generated-N (from a seed), or an .svg or .yaml file "
+        f"(default: {Config().map})",
     )
 
 

@@ -24,7 +24,7 @@ import shapely
 
 from robot.fields.drawing.fills import fill_area
 from robot.fields.drawing.strokes import stroke_area
-from robot.fields.drawing.svg_file import SvgError, SvgFile, numbers, read_svg, shown
+from robot.fields.drawing.svg_file import SvgError, SvgFile, check_svg, numbers, read_svg, shown
 from robot.fields.drawing.svg_shapes import Ink, Page, Shape, read_page
 from robot.fields.edges import outline
 from robot.fields.field import Field, FieldError
@@ -51,20 +51,35 @@ def load_svg(path: Path) -> Field:
         FieldError: the file is absent, broken or absurd, or draws no tape; one line says why.
     """
     try:
-        svg = read_svg(path)
-        page = read_page(svg, TOLERANCE_MM)
-        coats = list(_coats(page))
-        tape = _tape(coats)
-        extent = _extent(svg, page)
-        return Field(
-            name=path.stem,
-            floor=paint(extent, [coat.layer for coat in coats]),
-            edges=outline(_within(tape, extent)),
-            tape_width=_tape_width(coats),
-            start=_start(svg.start),
-        )
+        return _field(read_svg(path), path.stem)
     except (FieldError, SvgError, shapely.errors.GEOSException) as error:
         raise FieldError(f"{path}: {error}") from error
+
+
+def field_of_drawing(text: str, name: str) -> Field:
+    """Make a field from a drawing's text.
+
+    Raises:
+        FieldError: the drawing cannot be used; one line says why.
+    """
+    try:
+        return _field(check_svg(text.encode()), name)
+    except (FieldError, SvgError, shapely.errors.GEOSException) as error:
+        raise FieldError(f"{name}: {error}") from error
+
+
+def _field(svg: SvgFile, name: str) -> Field:
+    page = read_page(svg, TOLERANCE_MM)
+    coats = list(_coats(page))
+    tape = _tape(coats)
+    extent = _extent(svg, page)
+    return Field(
+        name=name,
+        floor=paint(extent, [coat.layer for coat in coats]),
+        edges=outline(_within(tape, extent)),
+        tape_width=_tape_width(coats),
+        start=_start(svg.start),
+    )
 
 
 @dataclass(frozen=True, slots=True)

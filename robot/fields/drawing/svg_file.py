@@ -53,7 +53,16 @@ def read_svg(path: Path) -> SvgFile:
     Raises:
         SvgError: there is no such file, or it is no drawing that can be used.
     """
-    root = _parse(_read(path))
+    return check_svg(_read(path))
+
+
+def check_svg(data: bytes) -> SvgFile:
+    """Check a drawing that is at hand as a document.
+
+    Raises:
+        SvgError: it is no drawing that can be used.
+    """
+    root = _parse(data)
     if _local_name(root) != "svg":
         raise SvgError(f"the document is a {shown(root.tag)}; valid is an svg")
     _remove_foreign(root)

@@ -1,0 +1,1 @@
+"""Fields that nobody drew: ordinary drawings, made from a seed."""

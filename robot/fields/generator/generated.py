@@ -1,0 +1,160 @@
+"""Drawings from a seed: the same seed is the same drawing, to the byte."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from robot.fields.generator.marks import MARKS
+from robot.fields.generator.outlines import GRID, OUTLINES, inside
+from robot.fields.generator.strokes import TAPE, Stroke
+
+SMALLEST, LARGEST = 600, 2950
+"""Sides of the middle of the outermost tape [mm]: with the tape 0.65 to 3 m."""
+
+MARGIN = 250
+"""Floor beyond the middle of the outermost tape [mm], as in the drawings of maps/."""
+
+SYMMETRIC = 0.3
+"""Share of the fields that half a turn does not change, on purpose."""
+
+PREFIX = "generated-"
+MAX_SEED = 2**32 - 1
+
+_ALIKE = 30
+"""Lines of tape stay farther apart than twice this, or cross: nobody lays slits [mm]."""
+_SLIT = 2500
+"""So much floor may be lost between lines that cross askew [mm²]."""
+_CROSSING = 8000
+"""Lines that share more floor than this in one place lie along each other [mm²]."""
+_CLEAR = (100, 60, 25, 1)
+"""How far the start is from tape, if it can be [mm]."""
+
+
+def generated_seed(name: str) -> int | None:
+    """The seed in a name such as ``generated-17``; None if it is no such name."""
+    match = re.fullmatch(rf"{PREFIX}(0|[1-9]\d{{0,9}})", name)
+    seed = int(match[1]) if match else None
+    return seed if seed is not None and seed <= MAX_SEED else None
+
+
+def write_drawing(seed: int, path: Path) -> None:
+    """Write a generated drawing to a file.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    path.write_text(drawing(seed), encoding="utf-8")
+
+
+@lru_cache(maxsize=64)
+def drawing(seed: int) -> str:
+    """The SVG drawing of a seed: millimetres, 50 mm tape, its start where there is room."""
+    rng = np.random.default_rng([seed, 0xF1E1D])
+    width, height = _size(rng)
+    same = bool(rng.random() < SYMMETRIC)
+    outline, name = _outline(rng, width, height, same)
+    area = inside(outline, width, height)
+    strokes, names = _marked(rng, outline, area, same)
+    title = f"{PREFIX}{seed}: {' '.join([name, *names])}{', symmetric' if same else ''}"
+    return _page(title, strokes, _start(rng, strokes, area))
+
+
+def _size(rng: np.random.Generator) -> tuple[float, float]:
+    """Width and height of the outermost line [mm]; as many small as large ones."""
+    long = np.exp(rng.uniform(np.log(SMALLEST), np.log(LARGEST)))
+    short = max(long * rng.uniform(0.55, 1.0), SMALLEST)
+    sides = [float(GRID * max(round(side / GRID), SMALLEST // GRID)) for side in (long, short)]
+    return (sides[0], sides[1]) if rng.random() < 0.6 else (sides[1], sides[0])
+
+
+def _outline(
+    rng: np.random.Generator, width: float, height: float, same: bool
+) -> tuple[list[Stroke], str]:
+    draw = OUTLINES[int(rng.choice(len(OUTLINES), p=[share for _, share in OUTLINES]))][0]
+    return draw(rng, width, height, same), draw.__name__.replace("_", "-")
+
+
+def _marked(
+    rng: np.random.Generator, outline: list[Stroke], area: shapely.Geometry, same: bool
+) -> tuple[list[Stroke], list[str]]:
+    """The outline with marks in it, as many as there is room for: one a quarter square metre."""
+    wanted = int(rng.integers(0, 2 + min(int(shapely.area(area) / 0.4e6), 6)))
+    if same:
+        wanted = (wanted + 1) // 2
+    strokes = list(outline)
+    names: list[str] = []
+    for _ in range(8 * wanted):
+        if len(names) == wanted:
+            break
+        draw = MARKS[int(rng.choice(len(MARKS), p=[share for _, share in MARKS]))][0]
+        more = draw(rng, area)
+        if same:
+            more += [one.turned() for one in more]
+        laid = _laid(strokes, more)
+        if laid and _can_be_laid(laid, area):
+            strokes = laid
+            names.append(draw.__name__)
+    return strokes, names
+
+
+def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
+    """Old and new lines; none if there is nothing new, or it lies along another line."""
+    laid = list(strokes)
+    for one in more:
+        tape = shapely.union_all([other.area for other in laid])
+        shared = shapely.get_parts(shapely.intersection(tape, one.area))
+        if max((part.area for part in shared), default=0.0) > _CROSSING:
+            return []
+        laid.append(one)
+    return laid if more else []
+
+
+def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
+    """Whether no slits are between the lines, and enough floor is left."""
+    tape = shapely.union_all([one.area for one in strokes])
+    closed = shapely.buffer(shapely.buffer(tape, _ALIKE), -_ALIKE)
+    slits = shapely.get_parts(shapely.difference(closed, shapely.buffer(tape, 0.5)))
+    widest = max((slit.area for slit in slits), default=0.0)
+    free = shapely.area(shapely.difference(area, tape))
+    return widest < _SLIT and bool(free > 0.5 * shapely.area(area))
+
+
+def _start(
+    rng: np.random.Generator, strokes: list[Stroke], area: shapely.Geometry
+) -> tuple[float, float, float]:
+    """x, y [mm] and heading [degrees]: as near to the middle as is clear of tape."""
+    tape = shapely.union_all([one.area for one in strokes])
+    heading = float(rng.integers(-11, 13) * 15)
+    middle = shapely.centroid(area)
+    for margin in _CLEAR:
+        free = shapely.difference(area, shapely.buffer(tape, margin))
+        if not free.is_empty:
+            x, y = shapely.shortest_line(free, middle).coords[0]
+            return float(np.round(x)), float(np.round(y)), heading
+    raise AssertionError("a generated field has free floor")
+
+
+def _page(title: str, strokes: list[Stroke], start: tuple[float, float, float]) -> str:
+    lines = shapely.union_all([one.line for one in strokes])
+    xmin, ymin, xmax, ymax = shapely.bounds(lines)
+    left, top = np.floor(xmin) - MARGIN, np.floor(-ymax) - MARGIN
+    width = np.ceil(xmax) + MARGIN - left
+    height = np.ceil(-ymin) + MARGIN - top
+    shown = f"{start[0]:g} {start[1]:g} {start[2]:g}"
+    drawn = "\n".join(f"    {one.element()}" for one in strokes)
+    return f"""\
+<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" \
+viewBox="{left:g} {top:g} {width:g} {height:g}" data-start="{shown}">
+  <title>{title}</title>
+  <rect x="{left:g}" y="{top:g}" width="{width:g}" height="{height:g}" fill="#d7d5cf"/>
+  <!-- Inside, y points up as it does in the map. -->
+  <g transform="scale(1 -1)" fill="none" stroke="#202225" stroke-width="{TAPE}">
+{drawn}
+  </g>
+</svg>
+"""
