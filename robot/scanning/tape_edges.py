@@ -1,8 +1,8 @@
 """Compiled decision which edges are tape's: those on a line or an arc, a tape's width apart.
 
 A pair is a place on a ray where it gets darker (entry) and the next where it gets brighter (exit).
-It counts if the entries on neighbouring rays lie on a line, or on an arc that bends no tighter than
-tape does, and the distance from entry to exit, measured across it, is the tape's width and stays so.
+It counts if the entries on neighbouring rays lie on a line, or on an arc that bends no tighter
+than tape does, and if the distance from entry to exit across it is the tape's width and stays so.
 """
 
 from __future__ import annotations
