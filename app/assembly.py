@@ -88,7 +88,11 @@ def assemble(
         robot,
         Odometry(kinematics, config.odometry),
         localization,
-        Driving(DriveController(kinematics, config.drive), config.drive.cmd_vel_timeout),
+        Driving(
+            DriveController(kinematics, config.drive),
+            config.drive.cmd_vel_timeout,
+            config.figure_eight,
+        ),
         odometry_start(begin, robot, field),
     )
     if begin.complaint is not None:

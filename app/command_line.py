@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from app.conditions import in_condition
 from app.config import ROBOTS, Config, load_config
 from app.console import say
 from app.doctor.options import add_doctor
 from app.evaluation.options import add_evaluate
 from app.hat_emulator.options import add_emulate_hat
 from app.localize.options import add_localize
-from app.options import add_camera, add_config, add_map, add_serial_port
+from app.options import add_camera, add_condition, add_config, add_map, add_serial_port
 from app.recording.options import add_record
 from app.replay.options import add_replay
 from app.ros2.export.options import add_export
@@ -110,6 +111,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         default=argparse.SUPPRESS,
         help=f"seed of everything random (default: {default.seed})",
     )
+    add_condition(run)
     add_config(run)
     _add_models(run)
     _add_start_pose(run)
@@ -205,6 +207,10 @@ def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
             raise SettingError(
                 f"{option} has no effect with --robot {config.robot}; valid is buildhat"
             )
+    if "condition" in parsed and config.robot == "buildhat":
+        raise SettingError(
+            "--condition has no effect with --robot buildhat; valid are sim, kinematic"
+        )
 
 
 def _bench(parsed: argparse.Namespace) -> int:
@@ -227,7 +233,8 @@ def config_from(parsed: argparse.Namespace) -> Config:
         recording = replace(config.recording, record=True, folder=given["record"])
         config = replace(config, recording=recording)
     routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
-    return replace(config, ros2=replace(config.ros2, **routes))
+    config = replace(config, ros2=replace(config.ros2, **routes))
+    return in_condition(config, given["condition"]) if "condition" in given else config
 
 
 def _complain(error: Exception, code: int) -> int:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
+from app.engine.figure_eight import FigureEight
 from app.recording.settings import RecordingSettings
 from app.ros2.settings import Ros2Settings
 from app.start_pose.settings import StartPoseSettings
@@ -56,6 +57,7 @@ class Config:
         "auto", "The real robot's camera: auto, pi, /dev/video0, a folder of pictures, a video file"
     )
     drive: DriveSettings = DriveSettings()
+    figure_eight: FigureEight = FigureEight()
     odometry: OdometrySettings = OdometrySettings()
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()

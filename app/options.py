@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from app.conditions import condition_names
 from app.config import Config
 
 Commands = Any
@@ -20,6 +21,19 @@ def add_map(command: argparse.ArgumentParser) -> None:
         default=argparse.SUPPRESS,
         help="a field of maps/, generated-N (from a seed), or an .svg or .yaml file "
         f"(default: {Config().map})",
+    )
+
+
+def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
+    """What is worse than usual with a simulated robot."""
+    again = "; may be given more than once" if many else ""
+    command.add_argument(
+        "--condition",
+        metavar="NAME",
+        action="append" if many else "store",
+        default=argparse.SUPPRESS,
+        help=f"what is worse than usual in a simulation{again}: {condition_names()} "
+        "(default: default)",
     )
 
 

@@ -57,4 +57,4 @@ def _jobs(seeds: range, seconds: float) -> list[SweepJob]:
         for seed in seeds
         for weight in WEIGHTS
     }
-    return jobs_of(configs, seconds, ())
+    return jobs_of(configs, seconds / Config().figure_eight.lap, ())

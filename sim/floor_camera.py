@@ -22,7 +22,7 @@ from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 from sim.clutter import KINDS, cluttered
-from sim.lighting import lit_unevenly
+from sim.lighting import lit_unevenly, with_glare
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows that see the floor at a steeper slant take more."""
@@ -56,12 +56,32 @@ class CameraSettings:
     stamp_error: float = setting(
         0.0, "How much later a picture is stamped than it was exposed", unit="s", low=0, high=1
     )
+    light: float = setting(
+        1.0, "Share of the light that there is; noise stays as it is", low=0.01, high=1
+    )
     uneven_light: float = setting(
         0.0, "Share of the light that is lost where the floor is farthest from the lamp",
         low=0, high=0.95,
     )  # fmt: skip
     clutter: str = setting(
         "none", "Things on the floor that are no tape and in no map", choices=KINDS
+    )
+
+    glare: float = setting(
+        0.0, "Grey levels that the reflections of lamps on the floor add at most", low=0, high=255
+    )
+    lost_share: float = setting(
+        0.0, "Share of the pictures that never arrive, in bursts", low=0, high=0.99
+    )
+    lost_burst: float = setting(
+        0.0, "How long such a burst lasts on average; 0 is one picture", unit="s", low=0, high=60
+    )
+    gap: float = setting(
+        0.0,
+        "How long no picture arrives, once in each 15 s, at a moment drawn by chance",
+        unit="s",
+        low=0,
+        high=14,
     )
 
     def __post_init__(self) -> None:
@@ -79,14 +99,16 @@ class FloorCamera:
         rng: np.random.Generator,
     ) -> None:
         # Streams of their own: with or without clutter, noise is the same.
-        for_clutter, for_light = rng.spawn(2)
+        for_clutter, for_light, for_glare = rng.spawn(3)
         littered = cluttered(floor, settings.clutter, for_clutter)
-        self._floor = lit_unevenly(littered, settings.uneven_light, for_light)
+        lit = lit_unevenly(littered, settings.uneven_light, for_light)
+        self._floor = with_glare(lit, settings.glare, for_glare)
         self._settings = settings
         self._rng = rng
         self._bands = _bands(view)
         self._looks_at, self._times = _samples(view, self._bands, settings.exposure)
         self._light = _vignette(view.lens.width, view.lens.height, settings.vignetting)
+        self._light *= settings.light
         self._noise = _noise_table(view, settings.noise, rng)
         self._size = (view.lens.height, view.lens.width)
 

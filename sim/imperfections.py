@@ -43,6 +43,9 @@ class Imperfections:
     camera_position_sd: float = setting(
         0.0, "Error of the camera's place along each axis", unit="m", low=0, high=0.05
     )
+    focal_length_sd: float = setting(
+        0.0, "Relative error of the lens's focal length", low=0, high=0.1
+    )
     robot: int = setting(
         -1, "Seed of what one robot keeps: wheels, track, mounting; -1 is the run's seed",
         low=-1, high=2**32 - 1,
@@ -84,7 +87,8 @@ def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator
         for joint, error in zip(spec.joints, errors, strict=False)
     ]
     true = spec.with_wheels(radii, spec.track * (1 + imperfections.track_sd * errors[-1]))
-    if imperfections.camera_angle_sd == imperfections.camera_position_sd == 0:
+    off = imperfections.camera_angle_sd, imperfections.camera_position_sd
+    if not any((*off, imperfections.focal_length_sd)):
         return true
     return _askew(true, imperfections, _beside(rng))
 
@@ -103,7 +107,11 @@ def _askew(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generat
     robot_from_camera = spec.robot_from_camera.copy()
     robot_from_camera[:3, :3] @= Rotation.from_rotvec(angles).as_matrix()
     robot_from_camera[:3, 3] += imperfections.camera_position_sd * np.array(_cut_normal(rng, 3))
-    return replace(spec, robot_from_camera=robot_from_camera)
+    longer = 1 + imperfections.focal_length_sd * _cut_normal(rng, 1)[0]
+    matrix = spec.lens.matrix.copy()
+    matrix[[0, 1], [0, 1]] *= longer
+    lens = replace(spec.lens, matrix=matrix)
+    return replace(spec, robot_from_camera=robot_from_camera, lens=lens)
 
 
 def _cut_normal(rng: np.random.Generator, count: int) -> list[float]:

@@ -1,4 +1,4 @@
-"""One lamp over a floor: what lies farther from it is darker."""
+"""Lamps over a floor: what lies farther from one is darker, and some shine in it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from robot.fields.floor_picture import FloorPicture
+
+REFLECTIONS = 4
+REFLECTION_SD = 0.06
+"""Size of a lamp's reflection on the floor: standard deviation of its brightness [m]."""
 
 
 def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> FloorPicture:
@@ -27,3 +31,26 @@ def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> 
     distance2 = (x * x + y * y) / (max(column, width - column) ** 2 + max(row, height - row) ** 2)
     light = (1 - lost * distance2).astype(np.float32)
     return replace(floor, image=np.rint(floor.image * light).astype(np.uint8))
+
+
+def with_glare(floor: FloorPicture, added: float, rng: np.random.Generator) -> FloorPicture:
+    """A floor that shines: reflections of lamps lie on it, on tape as well.
+
+    They stay where they are while the robot moves, as of lamps that are far above the camera.
+
+    Args:
+        floor: as it was drawn; it is not changed.
+        added: grey levels that a reflection adds in its middle; what is too bright is white.
+        rng: decides where the reflections lie.
+    """
+    if added == 0:
+        return floor
+    height, width = floor.image.shape
+    glare = np.zeros((height, width), dtype=np.float32)
+    sd = REFLECTION_SD / floor.resolution
+    for column, row in rng.uniform(0.2, 0.8, (REFLECTIONS, 2)) * (width, height):
+        across = np.exp(-0.5 * ((np.arange(width) - column) / sd) ** 2)
+        down = np.exp(-0.5 * ((np.arange(height) - row) / sd) ** 2)
+        glare += (added * down[:, None] * across).astype(np.float32)
+    image = np.minimum(np.rint(floor.image + glare), 255).astype(np.uint8)
+    return replace(floor, image=image)

@@ -53,7 +53,7 @@ class SimulatedRobot:
             raise ValueError(f"{PERIOD} s is no whole number of steps of {world.step_time} s")
         self._command = np.zeros(len(spec.joints))
         self._tick = 0
-        self._exposures = Exposures(camera, spec.lens.readout)
+        self._exposures = Exposures(camera, spec.lens.readout, rng.spawn(1)[0])
         self._past = PastPoses()
         self._closed = False
         self._remember()

@@ -12,7 +12,7 @@ from app.config import Config
 from app.evaluation.convergence import errors
 from app.evaluation.drives import record
 from app.evaluation.runs import follow
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world
 from benchmarks.accuracy import (
     CARRIED_FOR,
     FINDERS_AGAIN,
@@ -38,7 +38,7 @@ def drive():
 
 def test_a_robot_whose_camera_is_mounted_askew_is_not_lost():
     """Of the plain square, whose four places look alike: it once ended at one of the others."""
-    config = WORLDS["as-real"](Config(seed=108))
+    config = in_world(Config(seed=108), "as-real")
     run = follow(askew := record(config, SECONDS), config, askew.ticks[0].truth, TOLD)
     assert errors(run, run.estimate)[0].max() < 0.05
 

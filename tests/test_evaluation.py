@@ -18,7 +18,7 @@ from app.evaluation.evaluate import evaluate
 from app.evaluation.experiment import Experiment
 from app.evaluation.results import METHODS, condition_table, spread
 from app.evaluation.runs import EvaluationError, Run, follow
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world
 from app.messages.commands import FigureEightCommand, SetPoseCommand
 from app.trajectories.files.reading import read_trajectory
 from robot.settings import SettingError
@@ -192,7 +192,7 @@ def test_what_is_interrupted_leaves_nothing(tmp_path):
     [
         ({"seeds": 0}, "seeds is 0; valid is 1 or more"),
         ({"laps": 0}, "laps is 0"),
-        ({"worlds": ("moon",)}, "no world 'moon'; valid are sim, as-real, kinematic"),
+        ({"worlds": ("moon",)}, "no world 'moon'; valid are sim, as-real, hand-built, kinematic"),
         ({"offset": (0.0, float("nan"), 0.0)}, "not finite"),
         ({"first_seed": -1}, "first seed is -1"),
     ],
@@ -203,7 +203,7 @@ def test_what_cannot_be_evaluated_is_refused(wrong, message):
 
 
 def test_the_world_as_real_is_what_it_says():
-    real = WORLDS["as-real"](Config())
+    real = in_world(Config(), "as-real")
     assert real.imperfections.slip_sd == 2 * Config().imperfections.slip_sd
     assert (real.imperfections.camera_angle_sd, real.imperfections.camera_position_sd) == (
         0.3,

@@ -193,7 +193,8 @@ def test_an_interrupted_sweep_leaves_no_table_of_before(tmp_path):
 
 def test_a_figure_of_files_far_down_in_folders_tells_them_apart_by_their_ends(tmp_path):
     models = [f"/{'far/' * 40}{name}.py:Model" for name in ("one", "other")]
-    rows = [{"world": "sim", "sensor_model": model, "ate_rmse_m": 0.01} for model in models]
+    about = {"world": "sim", "condition": "default", "ate_rmse_m": 0.01}
+    rows = [about | {"sensor_model": model} for model in models]
     plot_setting(tmp_path / "figure.svg", "sensor_model", rows, steady=False)
     drawing = (tmp_path / "figure.svg").read_text(encoding="utf-8")
     assert "/one.py:Model" in drawing

@@ -99,7 +99,7 @@ def test_drives_are_shared_by_what_follows_them_alone():
         for slip in (0.01, 0.02)
         for weight in [0.01 * n for n in range(1, AT_ONCE + 2)]
     }
-    jobs = jobs_of(configs, 16.0, ())
+    jobs = jobs_of(configs, 1, ())
     assert sorted(len(job.configs) for job in jobs) == [1, 1, AT_ONCE, AT_ONCE]
     assert sorted(key for job in jobs for key in job.configs) == sorted(configs)
 
@@ -113,8 +113,12 @@ def test_drives_are_shared_by_what_follows_them_alone():
         ("[settings]\nmap = 'tee'", "line 2: map needs a list"),
         ("[settings]\nseed = [1]", "line 2: seed is no setting that can be swept"),
         ("[sweep]\nseeds = 0\n[settings]\nmap=['tee']", "line 2: seeds is 0; valid is 1 to 10000"),
-        ("[sweep]\nsteps = 1", "line 2: steps is unknown; valid are first_seed"),
-        ("[sweep]\nworlds = ['moon']", "worlds has 'moon'; valid are sim, as-real, kinematic"),
+        ("[sweep]\nsteps = 1", "line 2: steps is unknown; valid are conditions"),
+        (
+            "[sweep]\nworlds = ['moon']",
+            "worlds has 'moon'; valid are sim, as-real",
+        ),
+        ("[sweep]\nconditions = ['wet']", "no condition 'wet'; valid are default, noisy, dark"),
         ("[sweep]\noffset = [1.0]", "offset is not"),
         ("[swoop]\nseeds = 1", "line 1: swoop is unknown; valid are sweep, settings"),
         ("[sweep]\nseeds = 1", "no settings; valid is a table"),

@@ -14,11 +14,13 @@ Mode = Literal["idle", "drive", "figure_eight"]
 class Driving:
     """One rule for all: what is not renewed within the time-out ends, and the robot stands."""
 
-    def __init__(self, controller: DriveController, timeout: float) -> None:
+    def __init__(
+        self, controller: DriveController, timeout: float, eight: FigureEight | None = None
+    ) -> None:
         self.mode: Mode = "idle"
         self._controller = controller
         self._timeout = timeout
-        self._eight = FigureEight()
+        self._eight = eight or FigureEight()
         self._began = 0.0
         self._renewed = 0.0
 

@@ -6,16 +6,18 @@ import math
 from dataclasses import dataclass
 
 from robot.geometry import Twist2
+from robot.settings import check_settings, setting
 
 
 @dataclass(frozen=True, slots=True)
 class FigureEight:
-    """Two circles that touch where the robot starts."""
+    """The figure-eight that is driven by itself: two circles that touch where the robot starts."""
 
-    radius: float = 0.19
-    """[m]"""
-    speed: float = 0.15
-    """[m/s]"""
+    radius: float = setting(0.19, "Of both circles", unit="m", low=0.02, high=10)
+    speed: float = setting(0.15, "Speed along them", unit="m/s", low=0.01, high=2)
+
+    def __post_init__(self) -> None:
+        check_settings(self)
 
     @property
     def lap(self) -> float:

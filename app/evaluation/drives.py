@@ -52,12 +52,12 @@ class Drive:
         return interpolate(low.truth, high.truth, min(max(part, 0.0), 1.0))
 
 
-def on_eight(rng: np.random.Generator, elapsed: float) -> Pose2:
+def on_eight(rng: np.random.Generator, elapsed: float, eight: FigureEight | None = None) -> Pose2:
     """Where a robot may be a time [s] after the start of a figure-eight.
 
     The path is turned at random about the field's centre, and the robot a little off it.
     """
-    eight = FigureEight()
+    eight = eight or FigureEight()
     left = min(elapsed % eight.lap, eight.lap / 2)
     right = elapsed % eight.lap - left
     on_path = eight.twist(0.0).integrate(left) @ eight.twist(eight.lap / 2).integrate(right)
@@ -77,7 +77,7 @@ def record(
     """Drive the figure-eight and keep readings and scans.
 
     Args:
-        config: robot, map and seed.
+        config: robot, map, seed and figure-eight.
         seconds: how long.
         start: pose in the map; by default the field's.
         elapsed: time on the figure-eight at the start [s].
@@ -110,7 +110,7 @@ def record(
             robot.place(kidnap[1])
             kidnap = None
         since = reading.stamp - ticks[0].stamp
-        controller.command(FigureEight().twist(elapsed + since), reading.stamp)
+        controller.command(config.figure_eight.twist(elapsed + since), reading.stamp)
         robot.write(kinematics.wheels(controller.update(reading.stamp)))
     robot.close()
     return Drive(of, ticks)

@@ -14,10 +14,9 @@ from tqdm import tqdm
 
 from app.batch.workers import Workers
 from app.config import Config
-from app.engine.figure_eight import FigureEight
 from app.evaluation.drives import Drive, record
 from app.evaluation.runs import EvaluationError, Run, follow
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world, require_world
 from robot.geometry import Pose2
 from robot.settings import SettingError
 
@@ -41,8 +40,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         for name in self.worlds:
-            if name not in WORLDS:
-                raise SettingError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
+            require_world(name)
         for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
             if value < low:
                 raise SettingError(f"{name} is {value}; valid is {low} or more")
@@ -54,7 +52,7 @@ class Experiment:
     @property
     def duration(self) -> float:
         """Of a drive [s]."""
-        return self.laps * FigureEight().lap
+        return self.laps * self.config.figure_eight.lap
 
     @property
     def all_seeds(self) -> range:
@@ -64,7 +62,7 @@ class Experiment:
     def jobs(self) -> list[Job]:
         """All drives, each robot's in one world after the other."""
         return [
-            Job(replace(WORLDS[world](self.config), seed=seed), world, self.duration, self.offset)
+            Job(replace(in_world(self.config, world), seed=seed), world, self.duration, self.offset)
             for seed in self.all_seeds
             for world in self.worlds
         ]

@@ -119,7 +119,7 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--world",
         action="append",
-        choices=("sim", "as-real", "kinematic"),
+        choices=("sim", "as-real", "hand-built", "kinematic"),
         help="may be given more than once (default: sim and as-real; of models sim; kinematic "
         "without pybullet)",
     )

@@ -10,7 +10,7 @@ from tqdm import tqdm
 from app.batch.workers import Workers
 from app.config import Config
 from app.evaluation.runs import EvaluationError
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world
 from app.model_fits.motion.coverage import Region, fit_regions, share_held, usable_horizons
 from app.model_fits.motion.drive_correction import DriveCorrection
 from app.model_fits.motion.drive_fit import DriveFit, fit_drive
@@ -68,7 +68,7 @@ def repeated_motions(
         EvaluationError: a motion cannot be driven.
         FitError: too few repeats to tell.
     """
-    spec, config = RobotSpec.load(), WORLDS[world](config)
+    spec, config = RobotSpec.load(), in_world(config, world)
     robot = trial_robot(spec, config)
     jobs = trials(robot, repeats)
     runs: dict[int, MotionRun] = {}

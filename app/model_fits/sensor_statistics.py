@@ -10,7 +10,7 @@ from app.batch.workers import Workers
 from app.config import MAPS, Config
 from app.evaluation.drives import record
 from app.evaluation.runs import EvaluationError
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world
 from app.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
 from app.model_fits.sensor.fit import SensorFit, fit_sensor
 from app.model_fits.sensor.range_pairs import RangePairs, pair_ranges
@@ -66,7 +66,7 @@ def scanned_drives(
         EvaluationError: a drive cannot be made.
         FitError: the ranges have no edges in them.
     """
-    config = WORLDS[world](config)
+    config = in_world(config, world)
     seeds = range(config.seed, config.seed + drives)
     jobs = [(replace(config, seed=seed), seconds) for seed in seeds]
     found = dict(workers.each(scans_of, jobs))

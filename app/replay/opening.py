@@ -133,7 +133,8 @@ class _Begin:
     def engine(self) -> ReplayEngine:
         """A new one, before the first tick."""
         first, drive = self({}, None), self.config.drive
-        driving = Driving(DriveController(self.drive, drive), drive.cmd_vel_timeout)
+        controller = DriveController(self.drive, drive)
+        driving = Driving(controller, drive.cmd_vel_timeout, self.config.figure_eight)
         return ReplayEngine(
             self.robot, first.odometry, first.localization, driving, first.map_from_odom
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 
 from app.console import say
@@ -15,6 +16,9 @@ from app.sweep.table import require_format
 def sweep_command(parsed: argparse.Namespace) -> int:
     """Do what is not done yet."""
     file, base = load_sweep(parsed.file), config_of(vars(parsed))
+    if "condition" in parsed:
+        conditions = tuple(dict.fromkeys(parsed.condition))
+        file = replace(file, sweep=replace(file.sweep, conditions=conditions))
     require_format(parsed.format)
     folder = parsed.out or Path("sweeps") / file.name
     crew = crew_of(vars(parsed))

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from app.evaluation.options import add_workers
-from app.options import Commands, add_config
+from app.options import Commands, add_condition, add_config
 
 EXAMPLE = """\
 A sweep file names settings by their path (docs/configuration.md) and their values:
@@ -14,7 +14,8 @@ A sweep file names settings by their path (docs/configuration.md) and their valu
   [sweep]
   seeds = 4                # robots at each point
   laps = 1
-  worlds = ["sim"]         # sim, as-real, kinematic
+  worlds = ["sim"]         # sim, as-real, hand-built, kinematic
+  # conditions = ["default", "askew"]   # as --condition
   # sample = 30            # so many random points instead of all combinations
   # offset = [-0.1, -0.1, 0.3]   # the start is told wrong [m, m, rad]
 
@@ -39,6 +40,7 @@ def add_sweep(commands: Commands) -> None:
     )
     command.add_argument("file", type=Path, metavar="FILE.toml", help="what to sweep")
     add_config(command)
+    add_condition(command, many=True)
     command.add_argument(
         "--out", type=Path, metavar="DIR", default=None,
         help="where the results go (default: sweeps/ and the file's name)",

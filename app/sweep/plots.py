@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,10 @@ FEW = 12
 """So many values at most have medians of their own: more are a random sample's."""
 WORD = 24
 """Of longer values, as of a file far down in folders, so many letters at the end are shown."""
-MARKS = (("o", "#0072b2"), ("^", "#d55e00"), ("s", "#009e73"))
-"""Worlds, by mark and colour (Okabe and Ito)."""
+MARKS = tuple(zip("o^sDvP*X", (
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999",
+), strict=True))  # fmt: skip
+"""Worlds and conditions, by mark and colour (Okabe and Ito); of more, they come again."""
 
 
 def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: bool) -> None:
@@ -41,9 +44,9 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
     done: list[str] = []
     with drawn(5.2, 3.2, done) as figure:
         axes = figure.add_subplot()
-        worlds = list(dict.fromkeys(row["world"] for row in rows))
-        for (mark, colour), world in zip(MARKS, worlds, strict=False):
-            of_world = [row for row in shown if row["world"] == world]
+        worlds = list(dict.fromkeys(_where(row) for row in rows))
+        for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):
+            of_world = [row for row in shown if _where(row) == world]
             x = [at[row[setting]] for row in of_world]
             y = [1e3 * row[measure] for row in of_world]
             axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
@@ -70,6 +73,12 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
         axes.legend(frameon=False)
     with file_written_whole(path) as new:
         new.write_text(done[0], encoding="utf-8")
+
+
+def _where(row: dict[str, Any]) -> str:
+    """The world, and the condition if it is not the usual one."""
+    usual = row["condition"] == "default"
+    return str(row["world"]) if usual else f"{row['world']}, {row['condition']}"
 
 
 def _word(value: Any) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import itertools
 import json
 import math
 from collections.abc import Iterable
@@ -12,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from app.batch.provenance import settings_of, versions
+from app.conditions import in_condition
 from app.config import MAPS, Config, with_settings
-from app.engine.figure_eight import FigureEight
-from app.evaluation.worlds import WORLDS
+from app.evaluation.worlds import in_world
 from app.sweep.sweep_file import Settings, SweepFile
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
@@ -32,6 +33,7 @@ class Point:
 
     settings: Settings = field(hash=False)
     world: str
+    condition: str
     seed: int
     config: Config | None
     """None if the settings are invalid."""
@@ -58,20 +60,20 @@ def points_of(file: SweepFile, base: Config) -> list[Point]:
     sweep = file.sweep
     seeds = range(sweep.first_seed, sweep.first_seed + sweep.seeds)
     found = []
+    everywhere = list(itertools.product(sweep.worlds, sweep.conditions, seeds))
     for settings in file.points(base):
-        for world in sweep.worlds:
-            for seed in seeds:
-                found.append(_point(settings, world, seed, base))
+        for world, condition, seed in everywhere:
+            found.append(_point(settings, world, condition, seed, base))
     return found
 
 
-def _point(settings: Settings, world: str, seed: int, base: Config) -> Point:
+def _point(settings: Settings, world: str, condition: str, seed: int, base: Config) -> Point:
     try:
-        config = WORLDS[world](replace(base, seed=seed))
-        # What is swept wins over what the world sets.
-        return Point(settings, world, seed, with_settings(config, settings))
+        config = in_condition(in_world(replace(base, seed=seed), world), condition)
+        # What is swept wins over what world and condition set.
+        return Point(settings, world, condition, seed, with_settings(config, settings))
     except SettingError as error:
-        return Point(settings, world, seed, None, str(error))
+        return Point(settings, world, condition, seed, None, str(error))
 
 
 def key_of(config: Config, duration: float, offset: tuple[float, ...]) -> str:
@@ -91,14 +93,14 @@ def key_of(config: Config, duration: float, offset: tuple[float, ...]) -> str:
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:24]
 
 
-def duration_of(file: SweepFile) -> float:
+def duration_of(file: SweepFile, config: Config) -> float:
     """Of a drive [s]."""
-    return file.sweep.laps * FigureEight().lap
+    return file.sweep.laps * config.figure_eight.lap
 
 
 def jobs_of(
     configs: dict[str, Config],
-    duration: float,
+    laps: float,
     offset: tuple[float, ...],
     most: int = AT_ONCE,
 ) -> list[SweepJob]:
@@ -107,7 +109,7 @@ def jobs_of(
     for key, config in configs.items():
         by_drive.setdefault(_drive_of(config), {})[key] = config
     return [
-        SweepJob(drive, duration, offset, dict(some))
+        SweepJob(drive, laps * drive.figure_eight.lap, offset, dict(some))
         for drive, alike in by_drive.items()
         for some in _batches(alike.items(), most)
     ]

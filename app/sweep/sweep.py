@@ -48,8 +48,8 @@ def sweep(
     make_folder(folder)
     _remove_former(folder)
     points = points_of(file, base)
-    duration, offset = duration_of(file), file.sweep.offset
-    keys = [key_of(point.config, duration, offset) if point.config else "" for point in points]
+    offset = file.sweep.offset
+    keys = [_key(file, point) for point in points]
     configs = {key: point.config for key, point in zip(keys, points, strict=True) if point.config}
     kept = Kept(folder / "points")
     found = {key: one for key in configs if (one := kept.get(key)) is not None}
@@ -58,7 +58,7 @@ def sweep(
     with tqdm(total=len(configs), initial=done_before, unit="point", disable=None) as progress:
         # Of several points that ended their worker together, one alone may be to blame.
         for most in (at_once(len(left), workers.count), 1):
-            jobs = jobs_of(left, duration, offset, most)
+            jobs = jobs_of(left, file.sweep.laps, offset, most)
             found |= _do(jobs, workers, kept, progress)
             left = {key: config for key, config in left.items() if key not in found}
     rows = [_row(point, found.get(key)) for point, key in zip(points, keys, strict=True)]
@@ -100,8 +100,19 @@ def _remove_former(folder: Path) -> None:
     shutil.rmtree(folder / "plots", ignore_errors=True)
 
 
+def _key(file: SweepFile, point: Point) -> str:
+    """What a point's result is kept under; empty if there can be none."""
+    if point.config is None:
+        return ""
+    return key_of(point.config, duration_of(file, point.config), file.sweep.offset)
+
+
 def _row(point: Point, measured: Measured | None) -> Row:
-    about = point.settings | {"world": point.world, "seed": point.seed}
+    about = point.settings | {
+        "world": point.world,
+        "condition": point.condition,
+        "seed": point.seed,
+    }
     if measured is None:
         measured = dict.fromkeys(MEASURES) | {"error": point.error}
     return about | measured

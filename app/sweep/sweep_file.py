@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from app.batch.provenance import settings_of
+from app.conditions import condition_names, require_condition
 from app.config import Config, from_table
 from app.evaluation.worlds import WORLDS
 from robot.settings import SettingError, check_settings, setting
@@ -30,6 +31,8 @@ class SweepSettings:
     first_seed: int = setting(0, "Seed of the first robot", low=0, high=2**31)
     laps: int = setting(1, "Laps of the figure-eight", low=1, high=1000)
     worlds: tuple[str, ...] = ("sim",)
+    conditions: tuple[str, ...] = ("default",)
+    """Each world in each of them."""
     offset: tuple[float, ...] = ()
     """How far the told pose is off [m, m, rad]; none is a start that is known."""
     sample: int = setting(0, "Random points; 0 is all combinations", low=0, high=1_000_000)
@@ -42,6 +45,10 @@ class SweepSettings:
                 raise SettingError(f"worlds has {world!r}; valid are {', '.join(WORLDS)}")
         if not self.worlds:
             raise SettingError(f"worlds is empty; valid are {', '.join(WORLDS)}")
+        if not self.conditions:
+            raise SettingError(f"conditions is empty; valid are {condition_names()}")
+        for condition in self.conditions:
+            require_condition(condition)
         if len(self.offset) not in (0, 3) or not np.isfinite(self.offset).all():
             raise SettingError("offset is not [m, m, rad]")
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from sim.floor_camera import CameraSettings
 from sim.hat_emulator.picture_server import Shot
 from sim.pictures.exposures import Exposures
@@ -30,7 +32,7 @@ class CameraFeed:
         """
         self._world = world
         self._settings = settings
-        self._exposures = Exposures(settings, readout)
+        self._exposures = Exposures(settings, readout, np.random.default_rng(0))
         self._past = PastPoses()
         self._wall = wall
         self._take = take

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from sim.floor_camera import CameraSettings
+from sim.pictures.losses import Losses
 
 
 class Exposures:
     """The moments of a camera's pictures, each handed out once; one that was overtaken never."""
 
-    def __init__(self, settings: CameraSettings, readout: float) -> None:
-        """``readout`` is the time from the first row's exposure to the last row's [s]."""
+    def __init__(self, settings: CameraSettings, readout: float, rng: np.random.Generator) -> None:
+        """
+        Args:
+            settings: how often, how long, and how many pictures are lost.
+            readout: time from the first row's exposure to the last row's [s].
+            rng: decides which pictures are lost.
+        """
         self._rate = settings.frame_rate
         self._until_read = settings.exposure / 2 + readout / 2
         self._until_here = self._until_read + settings.delay
+        self._losses = Losses(settings, rng)
         self._next = 0
 
     @property
@@ -29,7 +38,8 @@ class Exposures:
         """The newest stamp [s] up to a moment that was not handed out before, if there is one."""
         newest = None
         while self._next / self._rate <= until + 1e-9:
-            newest = self._next / self._rate
+            stamp = self._next / self._rate
+            newest = newest if self._losses.lost(stamp) else stamp
             self._next += 1
         return newest
 
