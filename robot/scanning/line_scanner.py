@@ -171,7 +171,7 @@ class LineScanner:
         """
         picture = self._checked(frame.image)
         table, wanted, directions = self.table, self.settings, self._directions
-        pairs, met, noise, kernel = find_edges(
+        pairs, met, noise, kernel, clear = find_edges(
             picture,
             table.places,
             table.counts,
@@ -204,7 +204,7 @@ class LineScanner:
                 twist.v,
                 twist.omega,
             )
-        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight)
+        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=clear)
         return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
 
     def pixels(self, positions: Array) -> Array:

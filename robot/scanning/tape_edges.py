@@ -103,7 +103,9 @@ def judge_pairs(
         elif met[ray] == 1:
             verdicts[ray] = _NO_EXIT
         for pair in range(met[ray] // 2):
-            verdict, across = _judge(pairs, ray, pair, limits, chain, curve)
+            left = _collect(pairs, ray, pair, -1, support, chain)
+            right = _collect(pairs, ray, pair, 1, support, chain)
+            verdict, across = judge_chain(chain, left, right, limits, curve)
             if pair == 0 or verdict == _COUNTED or verdict > verdicts[ray]:
                 chosen[ray], verdicts[ray], widths[ray] = pair, verdict, across
                 curves[ray] = curve
@@ -161,23 +163,28 @@ def _go_on(
 
 
 @njit(cache=True, nogil=True)
-def _judge(
-    pairs: Array,
-    ray: int,
-    pair: int,
-    limits: tuple[float, float, float, float, float, float],
+def judge_chain(
     chain: Array,
+    left: int,
+    right: int,
+    limits: tuple[float, float, float, float, float, float],
     curve: Array,
 ) -> tuple[int, float]:
-    """Verdict of a pair and its width [m]; puts the line or arc of its entry edge into ``curve``.
+    """Verdict of the pair in the middle of a chain and its width [m].
 
-    Nan and inf stand there without one. A line is tried on the entries to both sides and to one; an
-    arc only where no line makes it tape.
+    Puts the line or arc of its entry edge into ``curve``; nan and inf stand there without one. A
+    line is tried on the entries to both sides and to one; an arc only where no line makes it tape.
+
+    Args:
+        chain: (2 * NEIGHBOURS + 1, 4) pairs along an edge, the middle one at NEIGHBOURS.
+        left: how many stand before the middle.
+        right: how many stand after it.
+        limits: as ``judge_pairs`` takes them: tape_width, width_tolerance, support, straightness,
+            most_taper, bend_radius [m].
+        curve: (6,) to be filled in.
     """
     tape_width, width_tolerance, support, straightness, most_taper, _ = limits
     middle = NEIGHBOURS
-    left = _collect(pairs, ray, pair, -1, support, chain)
-    right = _collect(pairs, ray, pair, 1, support, chain)
     verdict, across = _TOO_SHORT, np.nan
     curve[:] = np.nan
     curve[3] = np.inf
