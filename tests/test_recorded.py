@@ -9,6 +9,7 @@ import pytest
 from shared_data import SHARED
 
 from app.command_line import main
+from app.trajectories.files.reading import read_trajectory
 from app.trajectories.files.tum import write_tum
 from app.trajectories.trajectory import Trajectory
 
@@ -89,6 +90,23 @@ def test_truth_with_a_repeated_stamp_is_read(tmp_path):
     code, results = evaluate(tmp_path, "--truth", str(tmp_path / "truth.tum"))
     assert code == 0
     assert mean(results) == pytest.approx(0.001 * math.sqrt(2), rel=0.2)
+
+
+@pytest.mark.data
+@pytest.mark.skipif(not TUM.exists(), reason="needs recorded trajectories")
+@pytest.mark.parametrize("scale", [0.1, 0.4, 6.0])
+def test_a_single_cameras_estimate_of_freiburg1_xyz(tmp_path, capsys, scale):
+    found = read_trajectory(TUM / "freiburg1_xyz-rgbdslam.txt")
+    found = replace(found, positions=found.positions * scale).shifted(777.0)
+    write_tum(tmp_path / "estimate.tum", found)
+    truth = ("--truth", str(TUM / "freiburg1_xyz-groundtruth.txt"))
+    code, results = evaluate(tmp_path, *truth)
+    assert code == 0, capsys.readouterr().err
+    similarity = results["experiment"]["similarity"]
+    assert similarity["is_free"]
+    assert similarity["scale"] == pytest.approx(1 / scale, rel=0.02)
+    assert similarity["ate_rmse_m"] == pytest.approx(0.0134, abs=5e-4)
+    assert results["experiment"]["clock_offset_added_s"] == pytest.approx(-777, abs=0.02)
 
 
 @pytest.mark.parametrize("scale", [0.21, 1.0, 1.03, 4.2])

@@ -144,7 +144,7 @@ def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
         larger, smaller = (true, estimate) if sizes[0] > sizes[1] else (estimate, true)
         raise TrajectoryError(
             f"{larger.name} is {ratio:.0f} times as large as {smaller.name}; valid are metres; "
-            "an estimate of a single camera has no scale and is to be given one first"
+            "an estimate of a single camera is in none, and is to be given a scale first"
         )
 
 
