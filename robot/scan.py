@@ -28,6 +28,9 @@ class Scan:
     """(k, 2) from where to where each ray can see [m], nan if nowhere; None is everywhere."""
     extra_sd: float = 0.0
     """Standard deviation [m] that a sensor model adds to its own for this scan."""
+    clear: Array | None = None
+    """(k,) probability that a ray returns an edge which is due, as far as noise and light of the
+    picture let it; None is certainty."""
 
     def within(self, low: float, high: float) -> Scan:
         """The same scan as a laser of such a range would report it.

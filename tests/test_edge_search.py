@@ -13,9 +13,8 @@ from robot.scanning.edge_search import (
     differences,
     find_edges,
     find_pairs,
-    kernel_for,
-    noise_of,
 )
+from robot.scanning.picture_noise import kernel_for, noise_of
 
 LIGHT, DARK = 200, 40
 
@@ -119,7 +118,7 @@ def test_an_edge_is_found_between_the_pixels(shift: float, sd: float) -> None:
     places, pixels = vertical_ray()
     picture = blurred_stripe(40 + shift, 60 + shift, sd)
     counts = np.array([60], dtype=np.int32)
-    edges, met, noise, half = find_edges(picture, places, counts, pixels, 1, 2, 25.0)
+    edges, met, noise, half, _ = find_edges(picture, places, counts, pixels, 1, 2, 25.0)
     assert met[0] == 2 and half == 2 and noise == 0
     assert edges[0, 0] == pytest.approx([20 - shift, 40 - shift], abs=0.05)
     assert np.isnan(edges[0, 1:]).all()
@@ -138,9 +137,7 @@ def test_a_search_that_would_leave_the_picture_stays_at_its_sample(beyond: int) 
     rows = np.minimum(28 + np.arange(70), 86)
     pixels = np.column_stack([np.full(70, 20.5), rows]).astype(np.float32)[None]
     places = (rows * 40 + 20).astype(np.uint32)[None]
-    edges, met, _, _ = find_edges(
-        picture, places, np.array([70], dtype=np.int32), pixels, 1, 2, 5.0
-    )
+    edges, met, *_ = find_edges(picture, places, np.array([70], dtype=np.int32), pixels, 1, 2, 5.0)
     assert met[0] == 2
     assert edges[0, 0, 0] == pytest.approx(22.3, abs=0.05)
     assert edges[0, 0, 1] == 54
@@ -148,7 +145,7 @@ def test_a_search_that_would_leave_the_picture_stays_at_its_sample(beyond: int) 
 
 def test_rays_out_of_sight_meet_minus_one_edge() -> None:
     places, pixels = vertical_ray()
-    edges, met, _, _ = find_edges(
+    edges, met, *_ = find_edges(
         blurred_stripe(40, 60), places, np.zeros(1, dtype=np.int32), pixels, 1, 2, 25.0
     )
     assert met[0] == -1 and np.isnan(edges).all()

@@ -15,6 +15,7 @@ from robot.fields.drawing.coverage import coverage
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.floor_picture import Extent, FloorPicture
 from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
+from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
 
 __all__ = ["Field", "FieldError", "FloorPicture"]
@@ -69,6 +70,11 @@ class Field:
     def sharp_ends(self) -> NDArray[np.bool_]:
         """Whether each edge ends, or turns sharply, at its start and at its end (n, 2)."""
         return edge_geometry.sharp_ends(self.edges)
+
+    @cached_property
+    def visibility(self) -> Visibility:
+        """Which parts of the edges the line scanner sees, as it is set by default."""
+        return visibility(self.edges, self.tape_width)
 
     @property
     def extent(self) -> Extent:

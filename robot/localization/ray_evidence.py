@@ -2,9 +2,9 @@
 
 Particles are weighed by where rays end. To tell one place from another that looks much like it, it
 also counts that a mark should have been seen and was not. So each ray is cast, as in the beam model
-(Probabilistic Robotics, Table 6.1), and what the line scanner cannot see is left out: what lies
-nearer or farther than the picture shows, and tape that is met close to its end, which may be too
-short to be taken for tape.
+(Probabilistic Robotics, Table 6.1), and what the line scanner may not see is left out: what lies
+nearer or farther than the picture shows, tape that is met close to its end, and edges at which the
+scanner's own judgement finds no tape (``robot.fields.visibility``).
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.field import Field
 from robot.fields.ray_casting import cast_toward
+from robot.fields.visibility import Visibility
 from robot.geometry import Array, Pose2
 
 SEEN, STRAY, MISSED = 0.85, 0.12, 0.03
-"""Of rays where an edge is due, the shares that return it, something else, and nothing. The scanner
-does better (1 % missed, hardly anything else): these leave room for a floor that is less clean."""
+"""Of rays where an edge is due, the shares that return it, something else, and nothing, in a clear
+picture. The scanner does better (1 % missed, hardly anything else): these leave room for a floor
+that is less clean. In noise and in the dark a scan says itself how much less returns."""
 SURPRISE = 0.05
 """Share of the rays that return something where no edge is due."""
 NEAR, FAR = 0.015, 0.06
@@ -39,8 +39,8 @@ class RayEvidence:
     """Weighs poses by rays that return and rays that do not."""
 
     index: EdgeIndex = field(repr=False)
-    ends: NDArray[np.bool_] = field(repr=False)
-    """(n, 2) whether an edge ends at its start and at its end, as ``Field.sharp_ends`` tells."""
+    sight: Visibility = field(repr=False)
+    """Which edges the scanner sees."""
     range_max: float
     """How far rays reach [m]."""
     sd: float
@@ -51,7 +51,7 @@ class RayEvidence:
     @classmethod
     def of(cls, field: Field, range_max: float, sd: float) -> RayEvidence:
         """For the edges of a field."""
-        return cls(field.edge_index, field.sharp_ends, range_max, sd)
+        return cls(field.edge_index, field.visibility, range_max, sd)
 
     @property
     def log_peak(self) -> float:
@@ -59,9 +59,9 @@ class RayEvidence:
         return math.log(SEEN / (self.sd * math.sqrt(2 * math.pi)) + STRAY / self.range_max)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
-        """Log-likelihood of rays (n, 6) at a pose, on average of all of them."""
+        """Log-likelihood of rays (n, 7) at a pose, on average of all of them."""
         return ray_log_likelihood(
-            pose.to_array(), rays, self.index, self.ends, self.range_max, self.sd, self.missed
+            pose.to_array(), rays, self.index, self.sight, self.range_max, self.sd, self.missed
         )
 
 
@@ -70,12 +70,12 @@ def ray_log_likelihood(
     pose: Array,
     rays: Array,
     index: EdgeIndex,
-    ends: NDArray[np.bool_],
+    sight: Visibility,
     range_max: float,
     sd: float,
     missed: float,
 ) -> float:
-    """Log-likelihood of rays (n, 6) at a pose (3,), on average of all of them; 0 without rays."""
+    """Log-likelihood of rays (n, 7) at a pose (3,), on average of all of them; 0 without rays."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
     total, counted = 0.0, 0
     for i in range(len(rays)):
@@ -90,37 +90,41 @@ def ray_log_likelihood(
         due, edge = cast_toward(x, y, dx, dy, index, far - near)
         at_end, across = False, 1.0
         if edge >= 0:
-            at_end, across = _met(x + due * dx, y + due * dy, dx, dy, edge, index.edges, ends)
+            at_end, across = _met(x + due * dx, y + due * dy, dx, dy, edge, index.edges, sight)
         found = rays[i, 3] - near
         if math.isfinite(found):
             density = SURPRISE / range_max
             if edge >= 0:
-                density = _density(found - due, sd, range_max)
+                density = _density(found - due, sd, range_max, rays[i, 6])
             if at_end:
                 past = due + 0.005
                 behind, edge = cast_toward(
                     x + past * dx, y + past * dy, dx, dy, index, far - near - past
                 )
                 if edge >= 0:
-                    density = max(density, _density(found - past - behind, sd, range_max))
+                    beyond = _density(found - past - behind, sd, range_max, rays[i, 6])
+                    density = max(density, beyond)
             total += math.log(density)
         elif edge >= 0 and not at_end and NEAR < due < far - near - FAR / across:
-            total += math.log(missed)
+            total += math.log(missed + SEEN * (1 - rays[i, 6]) * (1 - missed))
     return total / max(counted, 1)
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _density(off: float, sd: float, range_max: float) -> float:
+def _density(off: float, sd: float, range_max: float, clear: float) -> float:
     """Of a return that is off the edge which is due [1/m]."""
-    peak = SEEN / (sd * math.sqrt(2 * math.pi))
+    peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
     return peak * math.exp(-0.5 * (off / sd) ** 2) + STRAY / range_max
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _met(
-    x: float, y: float, dx: float, dy: float, edge: int, edges: Array, ends: NDArray[np.bool_]
+    x: float, y: float, dx: float, dy: float, edge: int, edges: Array, sight: Visibility
 ) -> tuple[bool, float]:
-    """Whether a point of an edge is close to where it ends; the sine of its angle to the ray."""
+    """Whether a point of an edge may be missed as it is near an end, or blind there.
+
+    Also the sine of the edge's angle to the ray.
+    """
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
     length = math.hypot(ex, ey)
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
@@ -128,5 +132,7 @@ def _met(
     # A ray that grazes goes on along the tape, from its start or to it.
     ahead = ACROSS * abs(cosine) / max(sine, 1e-9)
     to_start, to_end = (END, max(END, ahead)) if cosine > 0 else (max(END, ahead), END)
+    ends, first, last = sight.ends, sight.starts[edge], sight.starts[edge + 1]
+    part = first + min(max(int(along / length * (last - first)), 0), last - first - 1)
     at_end = (ends[edge, 0] and along < to_start) or (ends[edge, 1] and length - along < to_end)
-    return at_end, sine
+    return at_end or not sight.seen[part], sine

@@ -9,15 +9,16 @@ from robot.scan import Scan, evenly
 
 
 def rays_of(scan: Scan, most: int) -> Array:
-    """At most so many rays of a scan (n, 6).
+    """At most so many rays of a scan (n, 7).
 
     Columns: x, y [m], direction [rad], range [m] or +inf; from where to where the ray sees [m], nan
-    if it sees nowhere.
+    if it sees nowhere; the probability that it returns an edge which is due.
     """
     used = evenly(len(scan.ranges), most)
-    rays = np.empty((len(used), 6))
+    rays = np.empty((len(used), 7))
     rays[:, 0], rays[:, 1] = scan.robot_from_scan.x, scan.robot_from_scan.y
     rays[:, 2] = scan.robot_from_scan.theta + scan.bearings[used]
     rays[:, 3] = scan.ranges[used]
-    rays[:, 4:] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
+    rays[:, 4:6] = (0.0, np.inf) if scan.sight is None else scan.sight[used]
+    rays[:, 6] = 1.0 if scan.clear is None else scan.clear[used]
     return rays

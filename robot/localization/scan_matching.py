@@ -14,6 +14,8 @@ from robot.geometry import Array, Pose2
 
 STEPS = 6
 """Gauss-Newton steps, at most; from a few centimetres off four are enough."""
+LENGTHS = 3
+"""Lengths of a step that are tried, each half of the one before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,7 @@ class ScanMatcher:
     """Ranges that are farther off than this do not measure the edge [m]."""
 
     def match(self, pose: Pose2, rays: Array, information: Array | None = None) -> Match:
-        """Move a pose to where rays (n, 6) fit.
+        """Move a pose to where rays (n, 7) fit.
 
         Args:
             pose: the robot in the map, supposed.
@@ -71,10 +73,13 @@ def fit_rays(
     how the difference changes with the pose give one equation of a least-squares problem. Casting
     also says which edge it met: one that faces it, and none that is hidden.
 
+    As a ray may change over to another edge, a step counts only if the cost falls by it; it is
+    shortened twice at most, and then not taken.
+
     Args:
         start: the supposed pose (3,).
         known: its information (3, 3), the inverse of its covariance; zeros if nothing is known.
-        rays: (n, 6) as ``rays_of`` makes them.
+        rays: (n, 7) as ``rays_of`` makes them.
         index: the field's edges.
         range_max: how far rays reach [m].
         sd: standard deviation of a range [m].
@@ -84,26 +89,37 @@ def fit_rays(
         The pose (3,) that fits, its information (3, 3), and how many rays fit.
     """
     pose = start.copy()
-    total = known.copy()
-    used = 0
+    total, pull = np.empty((3, 3)), np.empty(3)
+    next_total, next_pull = np.empty((3, 3)), np.empty(3)
+    used, cost = _normal_equations(
+        pose, start, known, rays, index, range_max, sd, gate, total, pull
+    )
     for _ in range(STEPS):
-        total[:] = known
-        off = start - pose
-        off[2] = (off[2] + math.pi) % (2 * math.pi) - math.pi
-        pull = known @ off
-        used = _add_rays(pose, rays, index, range_max, sd, gate, total, pull)
         # Along what nothing is known of, the pose stays.
         step = np.linalg.solve(total + 1e-3 * np.eye(3), pull)
-        pose += step
-        pose[2] = (pose[2] + math.pi) % (2 * math.pi) - math.pi
+        for _ in range(LENGTHS):
+            ahead = pose + step
+            ahead[2] = (ahead[2] + math.pi) % (2 * math.pi) - math.pi
+            next_used, next_cost = _normal_equations(
+                ahead, start, known, rays, index, range_max, sd, gate, next_total, next_pull
+            )
+            if next_cost < cost:
+                break
+            step *= 0.5
+        if next_cost >= cost:
+            break
+        pose, used, cost = ahead, next_used, next_cost
+        total[:], pull[:] = next_total, next_pull
         if np.abs(step).max() < 1e-6:
             break
     return pose, total, used
 
 
 @njit(cache=True, nogil=True)
-def _add_rays(
+def _normal_equations(
     pose: Array,
+    start: Array,
+    known: Array,
     rays: Array,
     index: EdgeIndex,
     range_max: float,
@@ -111,23 +127,34 @@ def _add_rays(
     gate: float,
     total: Array,
     pull: Array,
-) -> int:
-    """Add J^T W J and J^T W r of all rays that fit; returns their number."""
+) -> tuple[int, float]:
+    """Put J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
+
+    Returns how many rays fit, and the cost: the squares of all residuals, where a ray that returned
+    something and fits no edge costs the gate's.
+    """
+    off = start - pose
+    off[2] = (off[2] + math.pi) % (2 * math.pi) - math.pi
+    total[:] = known
+    pull[:] = known @ off
+    cost = off @ pull
+    most = (gate / sd) ** 2
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = 0
     for i in range(len(rays)):
+        near = rays[i, 4]
+        if math.isnan(near) or not math.isfinite(rays[i, 3]):
+            continue
         # Where the ray starts, which moves when the robot turns.
         ahead = c * rays[i, 0] - s * rays[i, 1]
         aside = s * rays[i, 0] + c * rays[i, 1]
         heading = pose[2] + rays[i, 2]
         dx, dy = math.cos(heading), math.sin(heading)
-        near = rays[i, 4]
-        if math.isnan(near):
-            continue
         x, y = pose[0] + ahead + near * dx, pose[1] + aside + near * dy
         expected, edge = cast_toward(x, y, dx, dy, index, range_max - near)
         expected += near
-        if edge < 0 or not abs(rays[i, 3] - expected) <= gate:
+        if edge < 0 or abs(rays[i, 3] - expected) > gate:
+            cost += most
             continue
         ex = index.edges[edge, 2] - index.edges[edge, 0]
         ey = index.edges[edge, 3] - index.edges[edge, 1]
@@ -142,8 +169,9 @@ def _add_rays(
         pull[0] += residual * by_x
         pull[1] += residual * by_y
         pull[2] += residual * by_theta
+        cost += residual * (rays[i, 3] - expected)
         used += 1
-    return used
+    return used, cost
 
 
 @njit(cache=True, nogil=True, inline="always")

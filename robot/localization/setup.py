@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from robot.fields.field import Field
@@ -24,6 +25,8 @@ class Setup:
     sensor: SensorModel
     matcher: ScanMatcher
     """Lays rays on edges where places are looked for."""
+    fine_matcher: ScanMatcher
+    """The same at places that are known to millimetres: rays are not laid on another edge."""
     evidence: RayEvidence
     """Weighs places."""
     parameters: LocalizationParameters
@@ -46,6 +49,7 @@ class Setup:
             motion,
             sensor,
             ScanMatcher(field.edge_index, reach, p.fit_sd, p.fit_gate),
+            ScanMatcher(field.edge_index, reach, p.fit_sd, min(p.fit_gate, _half(field))),
             RayEvidence.of(field, reach, p.fit_sd),
             parameters,
         )
@@ -69,3 +73,8 @@ class Setup:
     def hypotheses(self) -> HypothesisParameters:
         """Those of the hypotheses."""
         return self.parameters.hypotheses
+
+
+def _half(field: Field) -> float:
+    """Half the width of the tape [m]: farther off, a ray is nearer to its other edge."""
+    return math.inf if field.tape_width is None else field.tape_width / 2

@@ -13,20 +13,16 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
+from robot.scanning.picture_noise import clearness, kernel_for, noise_of
 
 PAIRS = 4
 """Pairs kept on one ray; farther ones are left out."""
-CERTAIN = 3.5
-"""Standard deviations of noise by which an edge stands out of it."""
 PARTS = 2
 """A sample is cut into so many parts to find an edge's place."""
 REACH = 4
 """Parts, to either side, in which the place is searched."""
 _NEAR = 2
 """Parts from the top of the kernel's answer to the neighbours that its parabola goes through."""
-
-_EVERY = 16
-"""Of the samples, one in so many is looked at to measure noise."""
 
 
 SLANTED = 8.0
@@ -42,7 +38,7 @@ def find_edges(
     apart: int,
     kernel: int,
     threshold: float,
-) -> tuple[Array, NDArray[np.int32], float, int]:
+) -> tuple[Array, NDArray[np.int32], float, int, Array]:
     """Entries and exits of dark stripes on each ray, between the pixels.
 
     Args:
@@ -58,7 +54,7 @@ def find_edges(
         Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; how many edges
         were met (k,), where an odd number means that the last entry has no exit, and -1 that the
         ray is out of sight; the picture's noise [grey levels]; half width of the kernel that
-        suited it [samples].
+        suited it [samples]; the probability (k,) that tape in the way of a ray is found.
     """
     grey = sample_rays(picture, places, counts)
     noise = noise_of(grey, counts, apart)
@@ -79,7 +75,7 @@ def find_edges(
                 room = (min(place, counts[ray] - 1 - place) + 1) / (kernel + REACH / PARTS)
                 scale = max(1.0, min(room, length / _sharp(half), SLANTED))
                 edges[ray, pair, side] = refine(flat, width, pixels[ray], place, kernel, scale)
-    return edges, met, noise, half
+    return edges, met, noise, half, clearness(grey, counts, noise, half, weakest)
 
 
 @njit(cache=True, nogil=True)
@@ -96,45 +92,6 @@ def sample_rays(
         for i in range(counts[ray]):
             grey[ray, i] = pixels[places[ray, i]]
     return grey
-
-
-@njit(cache=True, nogil=True)
-def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> float:
-    """Standard deviation of the picture's noise [grey levels], by the median second difference.
-
-    A slope has none, and edges are too few to move the median. Of normal noise, a second
-    difference has sqrt(6) the standard deviation, and a median size of 0.6745 of that.
-
-    ``apart`` is from one sample to the next that shares no pixel with it.
-    """
-    tally = np.zeros(1024, dtype=np.int32)
-    total = 0
-    for ray in range(len(counts)):
-        for i in range(apart, counts[ray] - apart, _EVERY):
-            bend = grey[ray, i - apart] - 2 * grey[ray, i] + grey[ray, i + apart]
-            tally[abs(bend)] += 1
-            total += 1
-    below = size = 0
-    while size < len(tally) - 1 and 2 * (below + tally[size]) < total:
-        below += tally[size]
-        size += 1
-    if size == 0:
-        return 0.0
-    median = size - 0.5 + (0.5 * total - below) / tally[size]
-    return float(median / (0.6745 * math.sqrt(6.0)))
-
-
-@njit(cache=True, nogil=True)
-def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]:
-    """Half width of the edge kernel and threshold that suit a picture's noise [grey levels].
-
-    Between the means of h samples ahead and behind, noise alone makes a difference of
-    sqrt(2 / h) its size. The kernel grows by up to half, lest far tape's edges run into one
-    another, then the threshold.
-    """
-    wanted = math.ceil(2 * (CERTAIN * noise / threshold) ** 2)
-    half = min(max(kernel, wanted), kernel + (kernel + 1) // 2)
-    return half, max(threshold, CERTAIN * noise * math.sqrt(2 / half))
 
 
 @njit(cache=True, nogil=True)

@@ -85,6 +85,14 @@ class LineScannerSettings:
         high=0.5,
     )
 
+    bend_radius: float = setting(
+        0.070,
+        "Tightest bend of an edge that is tape's; large, and only straight tape counts",
+        unit="m",
+        low=0.03,
+        high=1000,
+    )
+
     def __post_init__(self) -> None:
         check_settings(self)
 
@@ -163,7 +171,7 @@ class LineScanner:
         """
         picture = self._checked(frame.image)
         table, wanted, directions = self.table, self.settings, self._directions
-        pairs, met, noise, kernel = find_edges(
+        pairs, met, noise, kernel, clear = find_edges(
             picture,
             table.places,
             table.counts,
@@ -180,6 +188,7 @@ class LineScanner:
             wanted.support,
             wanted.straightness,
             wanted.taper,
+            wanted.bend_radius,
         )
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, directions)
         if self._a_row > 0:
@@ -195,7 +204,7 @@ class LineScanner:
                 twist.v,
                 twist.omega,
             )
-        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight)
+        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=clear)
         return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
 
     def pixels(self, positions: Array) -> Array:

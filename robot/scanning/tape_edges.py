@@ -1,13 +1,12 @@
-"""Compiled decision which edges are tape's: those that lie on a line, a tape's width apart.
+"""Compiled decision which edges are tape's: those on a line or an arc, a tape's width apart.
 
 A pair is a place on a ray where it gets darker (entry) and the next where it gets brighter (exit).
-It counts if the entries on neighbouring rays lie on a line and the distance between entry and exit,
-measured across that line, is the tape's width and stays so.
+It counts if the entries on neighbouring rays lie on a line, or on an arc that bends no tighter
+than tape does, and if the distance from entry to exit across it is the tape's width and stays so.
 """
 
 from __future__ import annotations
 
-import math
 from enum import IntEnum
 
 import numpy as np
@@ -15,12 +14,25 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
+from robot.scanning.edge_curves import (
+    bow,
+    distance,
+    fit_arc,
+    fit_line,
+    meet,
+    squared,
+    taper,
+    width,
+)
 
 NEIGHBOURS = 48
 """Rays to either side that may support a pair."""
 
 GAP = 2.0
 """Neighbouring entries of one edge lie at most so many times the support apart."""
+
+STRICTER = 2.0
+"""So many times closer than on a line must entries lie on an arc, and its width be tape's."""
 
 SIDE = 4
 """Neighbours to each side that are asked, however far away they lie."""
@@ -52,53 +64,63 @@ _WRONG_WIDTH = int(Verdict.WRONG_WIDTH)
 def judge_pairs(
     pairs: Array,
     met: NDArray[np.int32],
-    width: float,
+    tape_width: float,
     width_tolerance: float,
     support: float,
     straightness: float,
-    taper: float,
+    most_taper: float,
+    bend_radius: float,
 ) -> tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]:
     """Which pairs are tape.
 
     Args:
         pairs: (k, p, 4) x and y [m] of entry and exit; nan after a ray's last pair.
         met: (k,) edges that each ray met, two a pair; -1 if it is out of sight.
-        width: the tape's width [m].
+        tape_width: [m].
         width_tolerance: how far the measured width may be off [m].
         support: length of edge [m] that must be seen on neighbouring rays.
-        straightness: how far entries may lie off their common line [m].
-        taper: how much the width may change along that line [m].
+        straightness: how far entries may lie off their common line or arc [m].
+        most_taper: how much the width may change along it [m].
+        bend_radius: of the tightest arc that is an edge of tape [m].
 
     Returns:
         For each ray the nearest pair that counts, or the one that came closest to counting:
         its index (k,), the ``Verdict`` (k,), its width (k,) [m] and the line of its entry edge
-        (k, 3): unit normal toward the rays' side, and n . p where the ray meets it; else nan.
+        (k, 3), the tangent of an arc: unit normal toward the rays' side, and n . p where the ray
+        meets it; else nan.
     """
     rays = len(pairs)
     chosen = np.zeros(rays, dtype=np.int8)
     verdicts = np.full(rays, _NO_EDGE, dtype=np.int8)
     widths = np.full(rays, np.nan)
-    lines = np.full((rays, 3), np.nan)
+    curves = np.full((rays, 6), np.nan)
+    limits = (tape_width, width_tolerance, support, straightness, most_taper, bend_radius)
     chain = np.empty((2 * NEIGHBOURS + 1, 4))
-    line = np.empty(5)
+    curve = np.empty(6)
     for ray in range(rays):
         if met[ray] < 0:
             verdicts[ray] = _OUT_OF_SIGHT
         elif met[ray] == 1:
             verdicts[ray] = _NO_EXIT
         for pair in range(met[ray] // 2):
-            verdict = _fit_edge(pairs, ray, pair, support, straightness, taper, chain, line)
-            across = _width(chain, NEIGHBOURS, line) if verdict == _COUNTED else np.nan
-            if abs(across - width) > width_tolerance:
-                verdict = _WRONG_WIDTH
+            left = _collect(pairs, ray, pair, -1, support, chain)
+            right = _collect(pairs, ray, pair, 1, support, chain)
+            verdict, across = judge_chain(chain, left, right, limits, curve)
             if pair == 0 or verdict == _COUNTED or verdict > verdicts[ray]:
                 chosen[ray], verdicts[ray], widths[ray] = pair, verdict, across
-                lines[ray, 0], lines[ray, 1], lines[ray, 2] = line[0], line[1], line[2]
+                curves[ray] = curve
             if verdict == _COUNTED:
                 break
     sure = verdicts == _COUNTED
     for step in (1, -1):
-        _go_on(pairs, step, support, straightness, chosen, verdicts, widths, lines, sure)
+        _go_on(pairs, step, support, straightness, chosen, verdicts, widths, curves, sure)
+    lines = np.full((rays, 3), np.nan)
+    for ray in range(rays):
+        entry = pairs[ray, chosen[ray]]
+        if verdicts[ray] == _COUNTED:
+            meet(entry[0], entry[1], curves[ray], lines[ray])
+        else:
+            lines[ray] = curves[ray, :3]
     return chosen, verdicts, widths, lines
 
 
@@ -111,10 +133,10 @@ def _go_on(
     chosen: NDArray[np.int8],
     verdicts: NDArray[np.int8],
     widths: Array,
-    lines: Array,
+    curves: Array,
     sure: NDArray[np.bool_],
 ) -> None:
-    """Count rays whose entry goes on the line of the ray beside them, though their exit does not.
+    """Count rays whose entry goes on the edge of the ray beside them, though their exit does not.
 
     So it is by corners, where rays leave through another tape, and where they all but run along an
     edge. It goes on by as many rays at most as are sure of it.
@@ -130,54 +152,97 @@ def _go_on(
         if strength < 0 or verdicts[beside] != _COUNTED:
             strength = 0
             continue
-        last, line = pairs[beside, chosen[beside]], lines[beside]
+        last, curve = pairs[beside, chosen[beside]], curves[beside]
         for pair in range(most):
             x, y = pairs[ray, pair, 0], pairs[ray, pair, 1]
-            near = _squared(pairs[ray, pair], last) <= (GAP * support) ** 2
-            if near and abs(line[0] * x + line[1] * y - line[2]) <= straightness:
+            near = squared(pairs[ray, pair], last) <= (GAP * support) ** 2
+            if near and abs(distance(x, y, curve)) <= straightness:
                 chosen[ray], verdicts[ray] = pair, _COUNTED
-                lines[ray], widths[ray] = lines[beside], widths[beside]
+                curves[ray], widths[ray] = curves[beside], widths[beside]
                 break
 
 
 @njit(cache=True, nogil=True)
-def _fit_edge(
-    pairs: Array,
-    ray: int,
-    pair: int,
-    support: float,
-    straightness: float,
-    taper: float,
+def judge_chain(
     chain: Array,
-    line: Array,
-) -> int:
-    """The line through a pair's entry and its neighbours, to both sides or to one.
+    left: int,
+    right: int,
+    limits: tuple[float, float, float, float, float, float],
+    curve: Array,
+) -> tuple[int, float]:
+    """Verdict of the pair in the middle of a chain and its width [m].
 
-    Puts it into ``line`` as ``_fit_line`` does: nan and inf without one.
+    Puts the line or arc of its entry edge into ``curve``; nan and inf stand there without one. A
+    line is tried on the entries to both sides and to one; an arc only where no line makes it tape.
+
+    Args:
+        chain: (2 * NEIGHBOURS + 1, 4) pairs along an edge, the middle one at NEIGHBOURS.
+        left: how many stand before the middle.
+        right: how many stand after it.
+        limits: as ``judge_pairs`` takes them: tape_width, width_tolerance, support, straightness,
+            most_taper, bend_radius [m].
+        curve: (6,) to be filled in.
     """
+    tape_width, width_tolerance, support, straightness, most_taper, _ = limits
     middle = NEIGHBOURS
-    left = _collect(pairs, ray, pair, -1, support, chain)
-    right = _collect(pairs, ray, pair, 1, support, chain)
-    line[:] = np.nan
-    line[3] = np.inf
-    trial = np.empty(5)
+    verdict, across = _TOO_SHORT, np.nan
+    curve[:] = np.nan
+    curve[3] = np.inf
+    trial = np.empty(6)
     # Both halves first: it is the best fit; beside a corner or an end one side alone is straight.
-    for first, last in (
+    spans = (
         (middle - left, middle + right),
         (middle - left // 2, middle + right // 2),
         (middle - left, middle),
         (middle, middle + right),
-    ):
-        if last - first < 2 or _squared(chain[first], chain[last]) < (0.9 * support) ** 2:
+    )
+    for first, last in spans:
+        if last - first < 2 or squared(chain[first], chain[last]) < (0.9 * support) ** 2:
             continue
-        _fit_line(chain, first, last, trial)
-        straight = trial[3] <= straightness and _taper(chain, first, last, trial) <= taper
-        if straight or trial[3] < line[3]:
-            line[:] = trial
+        fit_line(chain, first, last, trial)
+        straight = trial[3] <= straightness and taper(chain, first, last, trial) <= most_taper
+        if straight or trial[3] < curve[3]:
+            curve[:] = trial
+            verdict = _NOT_STRAIGHT
         if straight:
-            line[2] += _bow(chain, first, last, line)
-            return _COUNTED
-    return _TOO_SHORT if np.isinf(line[3]) else _NOT_STRAIGHT
+            curve[2] += bow(chain, first, last, curve, middle)
+            across = width(chain, middle, curve)
+            if abs(across - tape_width) <= width_tolerance:
+                return _COUNTED, across
+            verdict = _WRONG_WIDTH
+            break
+    for first, last in spans:
+        if last - first < 2 or squared(chain[first], chain[last]) < (0.9 * support) ** 2:
+            continue
+        bent = _fit_bend(chain, first, last, limits, trial)
+        if bent > 0:
+            curve[:] = trial
+            return _COUNTED, bent
+    return verdict, across
+
+
+@njit(cache=True, nogil=True)
+def _fit_bend(
+    chain: Array,
+    first: int,
+    last: int,
+    limits: tuple[float, float, float, float, float, float],
+    curve: Array,
+) -> float:
+    """The width [m] of tape whose entries lie on an arc; -1 if they do not.
+
+    An arc fits more than a line does, so it must fit ``STRICTER``: else cables and shoes pass.
+    """
+    tape_width, width_tolerance, _, straightness, most_taper, bend_radius = limits
+    fit_line(chain, first, last, curve)
+    fit_arc(chain, first, last, curve)
+    # Of nan never true.
+    if not (curve[3] <= straightness / STRICTER and abs(curve[5]) * bend_radius <= 1):
+        return -1.0
+    across = width(chain, NEIGHBOURS, curve)
+    if not abs(across - tape_width) <= width_tolerance / STRICTER:
+        return -1.0
+    return across if taper(chain, first, last, curve) <= most_taper else -1.0
 
 
 @njit(cache=True, nogil=True)
@@ -193,7 +258,7 @@ def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain
             return count - 1
         best, gap = -1, (GAP * support) ** 2
         for candidate in range(most):
-            away = _squared(pairs[other, candidate], chain[at])
+            away = squared(pairs[other, candidate], chain[at])
             # Never true of nan, where there is no pair.
             if away < gap:
                 best, gap = candidate, away
@@ -202,95 +267,6 @@ def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain
         at += step
         for j in range(4):
             chain[at, j] = pairs[other, best, j]
-        if count >= SIDE and _squared(chain[at], chain[NEIGHBOURS]) >= support * support:
+        if count >= SIDE and squared(chain[at], chain[NEIGHBOURS]) >= support * support:
             return count
     return NEIGHBOURS
-
-
-@njit(cache=True, nogil=True)
-def _fit_line(chain: Array, first: int, last: int, line: Array) -> None:
-    """Total least squares through the entries first..last of a chain.
-
-    Puts unit normal (2), n . p, the worst distance and the mean place along it into ``line`` (5,).
-    """
-    count = last - first + 1
-    mean_x = mean_y = xx = xy = yy = 0.0
-    for i in range(first, last + 1):
-        mean_x += chain[i, 0] / count
-        mean_y += chain[i, 1] / count
-    for i in range(first, last + 1):
-        dx, dy = chain[i, 0] - mean_x, chain[i, 1] - mean_y
-        xx += dx * dx
-        xy += dx * dy
-        yy += dy * dy
-    along = 0.5 * math.atan2(2 * xy, xx - yy)
-    nx, ny = -math.sin(along), math.cos(along)
-    if nx * mean_x + ny * mean_y > 0:
-        nx, ny = -nx, -ny
-    offset = nx * mean_x + ny * mean_y
-    worst = 0.0
-    for i in range(first, last + 1):
-        worst = max(worst, abs(nx * chain[i, 0] + ny * chain[i, 1] - offset))
-    line[0], line[1], line[2], line[3] = nx, ny, offset, worst
-    line[4] = ny * mean_x - nx * mean_y
-
-
-@njit(cache=True, nogil=True)
-def _taper(chain: Array, first: int, last: int, line: Array) -> float:
-    """How much the width grows or shrinks from end to end of an edge, by its trend [m]."""
-    squares = product = 0.0
-    for i in range(first, last + 1):
-        t = _place(chain, i, line)
-        squares += t * t
-        product += t * _width(chain, i, line)
-    return abs(product / squares) * math.sqrt(_squared(chain[first], chain[last]))
-
-
-@njit(cache=True, nogil=True)
-def _bow(chain: Array, first: int, last: int, line: Array) -> float:
-    """How far a curved edge lies off its line at the middle of the chain; 0 if it is straight.
-
-    By the parabola through the entries first..last, if it stands out of their noise.
-    """
-    count = last - first + 1
-    if count < 6:
-        return 0.0
-    squares = cubes = 0.0
-    for i in range(first, last + 1):
-        t = _place(chain, i, line)
-        squares += t * t
-        cubes += t * t * t
-    # The square less its own line: what a parabola adds to the line that is there already.
-    tilt, level = cubes / squares, squares / count
-    product = total = rest = 0.0
-    for i in range(first, last + 1):
-        t = _place(chain, i, line)
-        off = line[0] * chain[i, 0] + line[1] * chain[i, 1] - line[2]
-        shape = t * t - tilt * t - level
-        product += shape * off
-        total += shape * shape
-        rest += off * off
-    explained = product * product / total
-    # Three standard errors.
-    if explained < 9 * (rest - explained) / (count - 3):
-        return 0.0
-    t = _place(chain, NEIGHBOURS, line)
-    return float(product / total * (t * t - tilt * t - level))
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _place(chain: Array, i: int, line: Array) -> float:
-    """Where along a line an entry lies, from the mean of all [m]."""
-    return float(line[1] * chain[i, 0] - line[0] * chain[i, 1] - line[4])
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _width(chain: Array, i: int, line: Array) -> float:
-    """Distance from an entry to its exit across a line [m]."""
-    across = line[0] * (chain[i, 2] - chain[i, 0]) + line[1] * (chain[i, 3] - chain[i, 1])
-    return float(abs(across))
-
-
-@njit(cache=True, nogil=True, inline="always")
-def _squared(a: Array, b: Array) -> float:
-    return float((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]))

@@ -30,7 +30,7 @@ class Elsewhere:
     def weigh(
         self, best: Pose2, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
-        """Compare the pose where rays (n, 6) fit best with a place that fits but badly."""
+        """Compare the pose where rays (n, 7) fit best with a place that fits but badly."""
         hits = float(np.isfinite(rays[:, 3]).mean())
         anywhere = (evidence.log_peak - WORSE_ANYWHERE) * hits - MISSED_ANYWHERE * (1 - hits)
         gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))

@@ -77,7 +77,7 @@ class LocalMap:
         return True
 
     def rays(self, scans: int, beams: int) -> Array:
-        """At most so many rays of so many scans (n, 6), as ``rays_of`` has them, from the newest.
+        """At most so many rays of so many scans (n, 7), as ``rays_of`` has them, from the newest.
 
         They are seen from where the robot was at the newest kept scan.
         """
@@ -120,9 +120,9 @@ def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
 
 
 def _stacked(scans: list[Array]) -> Array:
-    """Rays of several scans (m, k, 6), filled up with rays that see nowhere."""
+    """Rays of several scans (m, k, 7), filled up with rays that see nowhere."""
     most = max(len(rays) for rays in scans)
-    stacked = np.full((len(scans), most, 6), np.nan)
+    stacked = np.full((len(scans), most, 7), np.nan)
     for place, rays in enumerate(scans):
         stacked[place, : len(rays)] = rays
     return stacked

@@ -36,9 +36,6 @@ LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
 BORN_SHARE = 0.05
 """A place is found within centimetres: a few particles do to begin with."""
-INDIFFERENT = 0.5
-"""Less than this, in log-likelihood, a scan does not tell for one place or another: no more than
-one ray makes. Such small differences come from where a fit ends, and would add up."""
 REMEMBERED = 4
 """Short maps' lengths for which it counts what was told of the start: then more has been seen."""
 
@@ -168,12 +165,10 @@ class MultiHypothesisFilter:
         rays = rays[~np.isnan(rays[:, 4])]
         if not self._tracks or not len(rays):
             return
-        p, matcher, evidence = self.setup.hypotheses, self.setup.matcher, self.setup.evidence
-        fits = np.array([track.fit(rays, matcher, evidence) for track in self._tracks])
-        lost = p.scan_worth * (fits.max() - fits)
-        # No single scan decides alone.
-        for track, loss in zip(self._tracks, np.minimum(lost, p.most_a_scan), strict=True):
-            track.log_weight -= float(loss) if loss > INDIFFERENT else 0.0
+        p, evidence = self.setup.hypotheses, self.setup.evidence
+        fits = np.array([track.fit(rays, self.setup) for track in self._tracks])
+        for track, loss in zip(self._tracks, p.scan_worth * (fits.max() - fits), strict=True):
+            track.lose(float(loss), p.most_a_scan)
         best = self._tracks[int(fits.argmax())]
         # As the filter has it: laid on the edges, a wrong place would fit too well to be noticed.
         self._elsewhere.weigh(best.pose, rays, evidence, p)

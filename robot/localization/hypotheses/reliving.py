@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from robot.fields.edge_index import EdgeIndex
+from robot.fields.visibility import Visibility
 from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
 from robot.localization.scan_matching import ScanMatcher, fit_rays
@@ -32,7 +32,7 @@ class Past:
     noise: Array = field(repr=False)
     """(m, 3, 3) covariance of each step, seen from its start."""
     rays: Array = field(repr=False)
-    """(m, k, 6) of each scan, as ``rays_of`` makes them."""
+    """(m, k, 7) of each scan, as ``rays_of`` makes them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence
         past.noise,
         past.rays,
         matcher.index,
-        evidence.ends,
+        evidence.sight,
         matcher.range_max,
         matcher.sd,
         matcher.gate,
@@ -73,7 +73,7 @@ def _relive(
     noise: Array,
     rays: Array,
     index: EdgeIndex,
-    ends: NDArray[np.bool_],
+    sight: Visibility,
     range_max: float,
     sd: float,
     gate: float,
@@ -88,7 +88,7 @@ def _relive(
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
             pose, information, _ = fit_rays(pose, information, rays[k], index, range_max, sd, gate)
-        fits[k] = ray_log_likelihood(pose, rays[k], index, ends, range_max, evidence_sd, missed)
+        fits[k] = ray_log_likelihood(pose, rays[k], index, sight, range_max, evidence_sd, missed)
     return newest, known, fits
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.ray_evidence import RayEvidence
-from robot.localization.scan_matching import ScanMatcher
+from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
 """How far a hypothesis may be moved to where a scan fits, beyond its covariance [m², m², rad²]: a
@@ -20,8 +19,17 @@ FARTHEST = 11.3
 """Squared Mahalanobis distance beyond which it would be another place: chi-square, 3, 99 %."""
 FAR, STUCK = 3.0, 3
 """So many scans in a row that fit so far off, as squared Mahalanobis distance: the filter is surer
-of itself than it should be, would hold on until it is lost, and is set to where they fit. Also
-beyond FARTHEST: of 12 robots with cameras askew two are lost if such scans do not count."""
+of itself than it should be, would hold on until it is lost, and is set to where they fit, if they
+fit better there. Also beyond FARTHEST: of 12 robots with cameras askew two are lost if such scans
+do not count."""
+NARROW = 0.012
+"""Of a cloud less wide than this [m] no ray can be of another edge than the nearest."""
+STEADY, FORGETTING = 0.6, 0.2
+"""A scan counts for so much more than the mean of those before it, as log-likelihood, and for so
+much in their mean."""
+INDIFFERENT = 0.5
+"""Less than this, in log-likelihood, a scan does not tell for one place or another: no more than
+one ray makes. Such small differences come from where a fit ends, and would add up."""
 
 STRAY = 0.05
 """Clusters below this share of a track's heaviest are no places of their own."""
@@ -43,10 +51,12 @@ class Track:
     """Relative to the heaviest."""
     born: int = 0
     """Scans that had been kept when it was found."""
-    strayed: int = 0
-    """Scans in a row that fit far off."""
-    fitting: Pose2 | None = None
+    _gains: tuple[float, ...] = ()
+    """How much better the last scans fit where they were laid; of those in a row that lie far off."""
+    _fitting: Pose2 | None = None
     """Where the last scan fits."""
+    _mean_loss: float = 0.0
+    """What a scan tells against this place, on average of the last."""
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
@@ -66,7 +76,7 @@ class Track:
         """Where it says the robot is."""
         return self.best.pose
 
-    def fit(self, rays: Array, matcher: ScanMatcher, evidence: RayEvidence) -> float:
+    def fit(self, rays: Array, setup: Setup) -> float:
         """How well rays fit here, once they are laid on the edges.
 
         So that the filter's luck in finding its mean does not count: of places that look the same,
@@ -74,16 +84,32 @@ class Track:
         """
         best = self.best
         known = np.linalg.inv(best.covariance + POLISH)
+        narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
+        matcher = setup.fine_matcher if narrow else setup.matcher
         fitting = matcher.match(best.pose, rays, known).pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
-        self.fitting = fitting
-        self.strayed = self.strayed + 1 if far > FAR else 0
+        here = setup.evidence.log_likelihood(best.pose, rays)
+        there = setup.evidence.log_likelihood(fitting, rays)
+        self._fitting = fitting
+        self._gains = (*self._gains, there - here)[-STUCK:] if far > FAR else ()
         # Farther than it may be, it would live on what fits another place.
-        return evidence.log_likelihood(fitting if far < FARTHEST else best.pose, rays)
+        return there if far < FARTHEST else here
+
+    def lose(self, loss: float, most: float) -> None:
+        """Take off what a scan tells against this place, and for the best one.
+
+        Successive scans err together: one piece of tape that is seen badly is seen so for a dozen
+        pictures. So a scan counts for little more than the mean of those before it, and a steady
+        difference in full after some scans.
+        """
+        counted = min(loss, self._mean_loss + STEADY, most)
+        self._mean_loss += FORGETTING * (min(loss, most) - self._mean_loss)
+        self.log_weight -= counted if counted > INDIFFERENT else 0.0
 
     def come_unstuck(self) -> None:
-        """Begin anew where scans fit, if they have fitted far off for long enough."""
-        if self.strayed >= STUCK and self.fitting is not None:
-            self.filter.set_pose(self.fitting, self.best.covariance + POLISH)
-            self.strayed = 0
+        """Begin anew where scans fit, if they have fitted far off, and better, for long enough."""
+        better = len(self._gains) == STUCK and self._gains[-1] > 0 and sum(self._gains) > 0
+        if better and self._fitting is not None:
+            self.filter.set_pose(self._fitting, self.best.covariance + POLISH)
+            self._gains = ()

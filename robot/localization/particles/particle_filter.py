@@ -206,4 +206,12 @@ class ParticleFilter:
 
 def _believed(scan: Scan, extra_sd: float) -> Scan:
     """A scan believed so much less; ``dataclasses.replace`` would take thrice as long."""
-    return Scan(scan.stamp, scan.bearings, scan.ranges, scan.robot_from_scan, scan.sight, extra_sd)
+    return Scan(
+        scan.stamp,
+        scan.bearings,
+        scan.ranges,
+        scan.robot_from_scan,
+        scan.sight,
+        extra_sd,
+        scan.clear,
+    )
