@@ -12,10 +12,11 @@ from tqdm import tqdm
 from app.batch.workers import Workers
 from app.conditions import in_condition, require_condition
 from app.config import MAPS, Config
-from app.evaluation.integrity.claims import STARTS, Claims, follow_claims
+from app.evaluation.integrity.claims import STARTS, follow_claims
 from app.evaluation.integrity.claims_file import claims_csv
-from app.evaluation.integrity.drives import carried_drive, lap_drive
+from app.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
 from app.evaluation.integrity.measures import measures
+from app.evaluation.integrity.oracle import decided_stamp, decision_measures
 from app.evaluation.integrity.stanford import Stanford, counted
 from app.evaluation.runs import EvaluationError
 from robot.fields.field_loading import load_field
@@ -94,17 +95,20 @@ def do_job(job: IntegrityJob) -> list[IntegrityRun]:
     """Drive once, follow from each start; the same job has the same outcome to the last digit."""
     is_carried = CARRIED in job.starts
     trial = carried_drive(job.config) if is_carried else lap_drive(job.config, job.laps)
-    return [_run(job, start, follow_claims(trial, job.config, start)) for start in job.starts]
+    return [_run(job, trial, start) for start in job.starts]
 
 
-def _run(job: IntegrityJob, start: str, claims: Claims) -> IntegrityRun:
+def _run(job: IntegrityJob, trial: TrialDrive, start: str) -> IntegrityRun:
+    claims = follow_claims(trial, job.config, start)
+    decided = decided_stamp(trial, claims, job.config, start)
     about = {
         "map": map_stem(job.config.map),
         "condition": job.condition,
         "start": start,
         "seed": job.config.seed,
     }
-    return IntegrityRun(about | measures(claims), claims_csv(claims), counted(claims))
+    row = about | measures(claims) | decision_measures(claims, decided)
+    return IntegrityRun(row, claims_csv(claims), counted(claims))
 
 
 def map_stem(name: str) -> str:

@@ -64,6 +64,8 @@ def measures(claims: Claims) -> Measures:
         "sure": _share(certain(claims)),
         "misleading": _share(wrong_claim),
         "misleading_longest_s": longest(claims.stamps, wrong_claim),
+        "sure_wrong": _share(certain(claims) & ~is_right),
+        "sure_wrong_longest_s": longest(claims.stamps, certain(claims) & ~is_right),
         "lost_again": bool(_lost_again(claims)),
         "right_to_the_end": right_to_the_end(claims.stamps[after], is_right[after]),
         "alarm_while_right": _share(alarm & within),
