@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from app.config import Config
+from app.evaluation.drives import Drive
 from app.evaluation.integrity.claims import Claims
 from app.evaluation.integrity.drives import TrialDrive
 from app.evaluation.integrity.measures import RIGHT_THETA, RIGHT_XY, Mask, certain, right
-from app.evaluation.integrity.rivals import Way, rivals_of, setup_over
+from app.evaluation.integrity.rivals import Way, lookalikes, rivals_of, setup_over
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence
@@ -58,6 +59,22 @@ def decided_stamp(
     before = None if carry is None else trial.drive.truth_at(carry)
     rivals = rivals_of(way, claims, start, before, setup)
     return decides(way, rivals, RayEvidence.of(field, REACH, SD), setup)
+
+
+def field_decides(drive: Drive, since: float, config: Config | None = None) -> float:
+    """The same without a filter: rivals are turned fields, and what a search finds.
+
+    Args:
+        drive: what the robot saw and where it was.
+        since: when it began to know nothing [s].
+        config: how places are looked for.
+
+    Returns:
+        The stamp [s]; inf if it never decides.
+    """
+    way = Way.since(drive, since)
+    setup = setup_over(drive.field, config or Config())
+    return decides(way, lookalikes(way, setup), RayEvidence.of(drive.field, REACH, SD), setup)
 
 
 def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) -> float:

@@ -88,10 +88,16 @@ def rivals_of(
         dx, dy, turn = OFFSET
         rivals = [Pose2(here.x + dx, here.y + dy, here.theta + turn), *claimed]
     else:
-        rivals = [*_turned(here, setup.field), *_searched(way, setup), *claimed]
+        rivals = [*lookalikes(way, setup), *claimed]
     if before is not None:
         rivals.append(before)
     return distinct(rivals, here)
+
+
+def lookalikes(way: Way, setup: Setup) -> list[Pose2]:
+    """Rivals that the field itself has, whatever a filter claims: turned and searched ones."""
+    here = way.truths[0]
+    return distinct([*_turned(here, setup.field), *_searched(way, setup)], here)
 
 
 def distinct(rivals: list[Pose2], here: Pose2) -> list[Pose2]:
