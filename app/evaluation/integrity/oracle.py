@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from app.config import Config
+from app.evaluation.convergence import PLACE_THETA, PLACE_XY, Mask
 from app.evaluation.drives import Drive
 from app.evaluation.integrity.claims import Claims
 from app.evaluation.integrity.drives import TrialDrive
-from app.evaluation.integrity.measures import RIGHT_THETA, RIGHT_XY, Mask, certain, right
+from app.evaluation.integrity.measures import certain, right
 from app.evaluation.integrity.rivals import Way, lookalikes, rivals_of, setup_over
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -112,7 +113,7 @@ def _last_doubt(
         fits = evidence.log_likelihood(laid, rays)
         if fits > there:
             rival, there = laid, fits
-        if rival.distance_to(truth) < RIGHT_XY and abs(rival.turn_to(truth)) < RIGHT_THETA:
+        if rival.distance_to(truth) < PLACE_XY and abs(rival.turn_to(truth)) < PLACE_THETA:
             return 0
         total += float(np.clip(WORTH * (here[place] - there), -MOST, MOST))
         if total <= DECIDED:

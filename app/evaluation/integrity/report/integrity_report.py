@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from app.batch.provenance import settings_of
+from app.evaluation.convergence import Mask
 from app.evaluation.integrity.claims_file import STATE, read_numbers
 from app.evaluation.integrity.drives import CARRY_STAMP
 from app.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
-from app.evaluation.integrity.measures import Mask
 from app.evaluation.integrity.report import stanford_figures
 from app.evaluation.integrity.stanford import Stanford
 from app.evaluation.integrity.summary import NO_ALERT, Row

@@ -10,7 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 
-from app.evaluation.integrity.measures import NARROW, RIGHT_XY, Mask
+from app.evaluation.convergence import PLACE_XY, Mask
+from app.evaluation.integrity.measures import NARROW
 from app.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford
 from app.evaluation.report.figures import drawn
 from robot.geometry import Array
@@ -84,7 +85,7 @@ def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float |
             stamps, 0, 1, where=certain, transform=axes.get_xaxis_transform(),
             color="#009e73", alpha=0.12, lw=0, label="says certain",
         )  # fmt: skip
-        axes.axhline(1e3 * RIGHT_XY, color="#888888", lw=0.7)
+        axes.axhline(1e3 * PLACE_XY, color="#888888", lw=0.7)
         if carry_stamp is not None:
             axes.axvline(carry_stamp, color="#888888", lw=0.7, ls=":")
         axes.set(yscale="log", xlabel="time [s]", ylabel="[mm]")
