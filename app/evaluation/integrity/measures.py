@@ -116,7 +116,8 @@ def _carry_measures(claims: Claims, wrong_claim: Mask) -> Measures:
     if claims.carry_stamp is None:
         return {}
     since = claims.stamps - claims.carry_stamp
-    first, later = (since > 1e-6) & (since <= FIRST), since > FIRST
+    later = since > FIRST + 1e-6
+    first = (since > 1e-6) & ~later
     before = since <= 1e-6
     return {
         "misleading_before_carry": _share(wrong_claim[before]),
