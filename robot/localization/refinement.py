@@ -20,6 +20,10 @@ FEWEST_BEAMS = 100
 """Of a scan, if it has so many: rays cost little here, and each makes the pose finer."""
 GATE = 10.0
 """Ranges that are off by so many standard deviations do not measure the edge."""
+SLOPE = 25.0
+"""Of the spread of a range with its square [1/m²]: one over the square of the camera's height."""
+NEAR_SHARE = 0.025
+"""Spread of a near range as a share of ``sigma_hit``, which has to cover a cloud's gaps."""
 WIDEST = 5.0
 """A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
 lie between two places."""
@@ -41,15 +45,16 @@ class Refinement:
         sensor = setup.parameters.sensor
         if not setup.filter.refine:
             return None
-        sd = sensor.sigma_hit
-        matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
+        slope = 0.0 if setup.field.tape_width is None else SLOPE
+        sd = sensor.sigma_hit * (NEAR_SHARE if slope else 1.0)
+        gate = GATE * sensor.sigma_hit
+        matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, gate, slope)
         return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS))
 
     def refine(self, one: Hypothesis, scan: Scan) -> Hypothesis:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
-        if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.sd:
+        if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
             return one
         known = np.linalg.inv(one.covariance + LUCK)
-        return replace(
-            one, pose=self.matcher.match(one.pose, rays_of(scan, self.max_beams), known).pose
-        )
+        match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
+        return replace(one, pose=match.pose, covariance=np.linalg.inv(match.information))

@@ -14,6 +14,8 @@ from robot.geometry import Array, Pose2
 
 STEPS = 6
 """Gauss-Newton steps, at most; from a few centimetres off four are enough."""
+TAIL = 9.0
+"""Square of the standard deviations from which on residuals pull less (Cauchy's weights)."""
 LENGTHS = 3
 """Lengths of a step that are tried, each half of the one before."""
 
@@ -40,6 +42,9 @@ class ScanMatcher:
     """Standard deviation of a range [m]."""
     gate: float
     """Ranges that are farther off than this do not measure the edge [m]."""
+    slope: float = 0.0
+    """How the spread grows with a range r, as 1 + slope * r^2 [1/m²]: the farther the floor, the more
+    of it a pixel sees. 0 is a laser's."""
 
     def match(self, pose: Pose2, rays: Array, information: Array | None = None) -> Match:
         """Move a pose to where rays (n, 7) fit.
@@ -52,7 +57,7 @@ class ScanMatcher:
         """
         known = np.zeros((3, 3)) if information is None else information
         found, total, used = fit_rays(
-            pose.to_array(), known, rays, self.index, self.range_max, self.sd, self.gate
+            pose.to_array(), known, rays, self.index, self.range_max, self.sd, self.gate, self.slope
         )
         return Match(Pose2(*found.tolist()), total, used)
 
@@ -66,6 +71,7 @@ def fit_rays(
     range_max: float,
     sd: float,
     gate: float,
+    slope: float,
 ) -> tuple[Array, Array, int]:
     """Lay rays on the edges of the map by Gauss-Newton steps.
 
@@ -84,6 +90,7 @@ def fit_rays(
         range_max: how far rays reach [m].
         sd: standard deviation of a range [m].
         gate: ranges that are farther off than this do not measure the edge [m].
+        slope: how the spread grows with the square of a range [1/m²].
 
     Returns:
         The pose (3,) that fits, its information (3, 3), and how many rays fit.
@@ -92,7 +99,7 @@ def fit_rays(
     total, pull = np.empty((3, 3)), np.empty(3)
     next_total, next_pull = np.empty((3, 3)), np.empty(3)
     used, cost = _normal_equations(
-        pose, start, known, rays, index, range_max, sd, gate, total, pull
+        pose, start, known, rays, index, range_max, sd, gate, slope, total, pull
     )
     for _ in range(STEPS):
         # Along what nothing is known of, the pose stays.
@@ -101,7 +108,7 @@ def fit_rays(
             ahead = pose + step
             ahead[2] = (ahead[2] + math.pi) % (2 * math.pi) - math.pi
             next_used, next_cost = _normal_equations(
-                ahead, start, known, rays, index, range_max, sd, gate, next_total, next_pull
+                ahead, start, known, rays, index, range_max, sd, gate, slope, next_total, next_pull
             )
             if next_cost < cost:
                 break
@@ -125,20 +132,21 @@ def _normal_equations(
     range_max: float,
     sd: float,
     gate: float,
+    slope: float,
     total: Array,
     pull: Array,
 ) -> tuple[int, float]:
     """Put J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
 
-    Returns how many rays fit, and the cost: the squares of all residuals, where a ray that returned
+    Returns how many rays fit, and the cost: Cauchy's of all residuals, where a ray that returned
     something and fits no edge costs the gate's.
     """
     off = start - pose
     off[2] = (off[2] + math.pi) % (2 * math.pi) - math.pi
     total[:] = known
     pull[:] = known @ off
-    cost = off @ pull
-    most = (gate / sd) ** 2
+    cost = float(off @ pull)
+    most = _cauchy((gate / sd) ** 2)
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = 0
     for i in range(len(rays)):
@@ -163,15 +171,24 @@ def _normal_equations(
         by_x, by_y = -ey / across, ex / across
         by_theta = expected * (dx * ex + dy * ey) / across - aside * by_x + ahead * by_y
         # It is the end's distance from the edge that errs evenly: a ray that grazes says less.
-        weight = across * across / ((ex * ex + ey * ey) * sd * sd)
+        spread = sd * (1 + slope * expected * expected)
+        weight = across * across / ((ex * ex + ey * ey) * spread * spread)
+        square = weight * (rays[i, 3] - expected) ** 2
+        weight /= 1 + square / TAIL
         _add_outer(total, weight, by_x, by_y, by_theta)
         residual = weight * (rays[i, 3] - expected)
         pull[0] += residual * by_x
         pull[1] += residual * by_y
         pull[2] += residual * by_theta
-        cost += residual * (rays[i, 3] - expected)
+        cost += _cauchy(square)
         used += 1
     return used, cost
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _cauchy(square: float) -> float:
+    """What a residual's square costs: some rays are far off, and shall not pull."""
+    return TAIL * math.log1p(square / TAIL)
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -82,12 +82,14 @@ def _relive(
 ) -> tuple[Array, Array, Array]:
     """Pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
-    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], index, range_max, sd, gate)
+    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], index, range_max, sd, gate, 0.0)
     pose, information = newest, known
     for k in range(len(moves)):
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
-            pose, information, _ = fit_rays(pose, information, rays[k], index, range_max, sd, gate)
+            pose, information, _ = fit_rays(
+                pose, information, rays[k], index, range_max, sd, gate, 0.0
+            )
         fits[k] = ray_log_likelihood(pose, rays[k], index, sight, range_max, evidence_sd, missed)
     return newest, known, fits
 

@@ -1,0 +1,188 @@
+"""Which parts of a field's edges can the line scanner see?
+
+The scanner's own judgement, asked of the map: pairs of entry and exit are laid along the outline of
+the tape as rays would meet them straight on, and ``judge_chain`` says whether they are tape. So
+what bends too tightly, is too short, or has no width of tape behind it counts as blind: there the
+scanner may see the edge from some places and not from others.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.fields.edge_index import EdgeIndex, index_edges
+from robot.fields.edges import lengths, sharp_ends
+from robot.fields.ray_casting import cast_toward
+from robot.geometry import Array
+from robot.scanning.line_scanner import LineScannerSettings
+from robot.scanning.tape_edges import NEIGHBOURS, Verdict, judge_chain
+
+STEP = 0.005
+"""An edge is judged in parts not longer than this [m]."""
+SPACING = 0.003
+"""Distance of the pairs along the outline [m]."""
+ASIDE = 0.3
+"""So far away on the light side the rays come from [m]."""
+BORDER = 0.010
+"""What lies so close to a blind part is blind, too [m]: rays come from aside."""
+
+_COUNTED = int(Verdict.COUNTED)
+
+
+class Visibility(NamedTuple):
+    """Which parts of which edges are seen; compiled functions take it as it is."""
+
+    ends: NDArray[np.bool_]
+    """(n, 2) whether each edge ends, or turns sharply, at its start and at its end."""
+    starts: NDArray[np.int64]
+    """(n + 1,) the first part of each edge; an edge is cut into equal parts."""
+    seen: NDArray[np.bool_]
+    """(m,) whether the scanner sees each part."""
+
+
+def visibility(
+    edges: Array, tape_width: float | None, settings: LineScannerSettings | None = None
+) -> Visibility:
+    """Of edges (n, 4) around tape of a width [m]; without one they are walls, and all seen."""
+    ends = sharp_ends(edges)
+    if tape_width is None:
+        return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_))
+    rules = settings or LineScannerSettings()
+    parts = np.maximum(np.ceil(lengths(edges) / STEP - 1e-9), 1).astype(np.int64)
+    starts = np.concatenate([[0], np.cumsum(parts)])
+    after = _followers(edges)
+    before = np.full(len(edges), -1)
+    before[after[after >= 0]] = np.flatnonzero(after >= 0)
+    limits = (
+        tape_width,
+        rules.width_tolerance,
+        rules.support,
+        rules.straightness,
+        rules.taper,
+        rules.bend_radius,
+    )
+    inward = index_edges(np.ascontiguousarray(edges[:, [2, 3, 0, 1]]))
+    seen = _judge_parts(edges, starts, before, after, inward, limits)
+    return Visibility(ends, starts, _without_border(seen, starts, edges, before, after))
+
+
+def _followers(edges: Array) -> NDArray[np.int64]:
+    """Which edge goes on where each ends (n,); -1 if none does."""
+    first = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges])
+
+
+@njit(cache=True, nogil=True)
+def _judge_parts(
+    edges: Array,
+    starts: NDArray[np.int64],
+    before: NDArray[np.int64],
+    after: NDArray[np.int64],
+    inward: EdgeIndex,
+    limits: tuple[float, float, float, float, float, float],
+) -> NDArray[np.bool_]:
+    seen = np.zeros(starts[-1], dtype=np.bool_)
+    chain = np.empty((2 * NEIGHBOURS + 1, 4))
+    curve = np.empty(6)
+    support = limits[2]
+    for edge in range(len(edges)):
+        x0, y0, x1, y1 = edges[edge]
+        length = math.hypot(x1 - x0, y1 - y0)
+        count = starts[edge + 1] - starts[edge]
+        # The light side lies to the right of the way along an edge.
+        away_x, away_y = ASIDE * (y1 - y0) / length, -ASIDE * (x1 - x0) / length
+        for part in range(count):
+            along = (part + 0.5) / count * length
+            x = x0 + (x1 - x0) * along / length + away_x
+            y = y0 + (y1 - y0) * along / length + away_y
+            left = _lay(edges, edge, along, -1, before, after, x, y, support, inward, chain)
+            right = _lay(edges, edge, along, 1, before, after, x, y, support, inward, chain)
+            verdict, _ = judge_chain(chain, left, right, limits, curve)
+            seen[starts[edge] + part] = verdict == _COUNTED
+    return seen
+
+
+@njit(cache=True, nogil=True)
+def _lay(
+    edges: Array,
+    edge: int,
+    along: float,
+    way: int,
+    before: NDArray[np.int64],
+    after: NDArray[np.int64],
+    x: float,
+    y: float,
+    support: float,
+    inward: EdgeIndex,
+    chain: Array,
+) -> int:
+    """Lay pairs along the outline to one side, seen from (x, y); returns how many."""
+    for count in range(NEIGHBOURS + 1):
+        x0, y0, x1, y1 = edges[edge]
+        length = math.hypot(x1 - x0, y1 - y0)
+        tx, ty = (x1 - x0) / length, (y1 - y0) / length
+        at = NEIGHBOURS + way * count
+        px, py = x0 + along * tx, y0 + along * ty
+        # Into the dark, which lies to the left.
+        deep, _ = cast_toward(px - 1e-7 * ty, py + 1e-7 * tx, -ty, tx, inward, 1.0)
+        chain[at, 0], chain[at, 1] = px - x, py - y
+        chain[at, 2], chain[at, 3] = px - deep * ty - x, py + deep * tx - y
+        if count * SPACING >= support:
+            return count
+        along += way * SPACING
+        while along < 0 or along > length:
+            following = after[edge] if way > 0 else before[edge]
+            if following < 0:
+                return count
+            along = along - length if way > 0 else along
+            edge = following
+            x0, y0, x1, y1 = edges[edge]
+            length = math.hypot(x1 - x0, y1 - y0)
+            along = along if way > 0 else along + length
+    return NEIGHBOURS
+
+
+@njit(cache=True, nogil=True)
+def _without_border(
+    seen: NDArray[np.bool_],
+    starts: NDArray[np.int64],
+    edges: Array,
+    before: NDArray[np.int64],
+    after: NDArray[np.int64],
+) -> NDArray[np.bool_]:
+    """Parts that are seen, less those that lie within ``BORDER`` of a blind one."""
+    kept = seen.copy()
+    for edge in range(len(edges)):
+        for part in range(starts[edge], starts[edge + 1]):
+            if not seen[part]:
+                _blind_beside(edge, part, -1, starts, edges, before, kept)
+                _blind_beside(edge, part, 1, starts, edges, after, kept)
+    return kept
+
+
+@njit(cache=True, nogil=True)
+def _blind_beside(
+    edge: int,
+    part: int,
+    way: int,
+    starts: NDArray[np.int64],
+    edges: Array,
+    following: NDArray[np.int64],
+    kept: NDArray[np.bool_],
+) -> None:
+    gone = 0.0
+    while gone < BORDER:
+        part += way
+        if not starts[edge] <= part < starts[edge + 1]:
+            edge = following[edge]
+            if edge < 0:
+                return
+            part = starts[edge] if way > 0 else starts[edge + 1] - 1
+        kept[part] = False
+        x0, y0, x1, y1 = edges[edge]
+        gone += math.hypot(x1 - x0, y1 - y0) / (starts[edge + 1] - starts[edge])

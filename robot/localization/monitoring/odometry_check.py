@@ -1,0 +1,186 @@
+"""Do steps of the pose agree with odometry? What they differ by tells which of the two errs, and how.
+
+Over a third of a second the pose moved by M and odometry by D; e = D^-1 M is what they differ by.
+It is explained by seven errors that do not change: pictures stamped late by tau; wheels whose
+radii are off (as a share k_f of the way, a turn k_t a metre) or whose track is (k_w of a turn);
+and a camera that sees the floor from (o_x, o_y, psi) beside its place. They are estimated together
+(recursive least squares with a prior): from few motions one looks like another, and the covariance
+says so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+from numba import njit
+
+from robot.geometry import Array, Pose2, Twist2
+
+LAG, LONGEST = 0.33, 1.2
+"""Time over which steps are compared, and most where pictures are few [s]."""
+MEMORY = 20.0
+"""Steps older than this hardly count for errors that stay [s]."""
+RECENT = 3.0
+"""The same for what is left unexplained [s]."""
+CORRELATION = 3.0
+"""Slip lasts for about a second: so many steps are worth one."""
+ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
+PRIOR_SD = np.array([0.020, 0.03, 0.4, 0.04, 0.004, 0.004, 0.010])
+"""How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
+SMALL = 1e-4
+TAIL = 9.0
+
+
+@dataclass(frozen=True, slots=True)
+class OdometryErrors:
+    """What steady errors the steps of the last seconds tell of."""
+
+    values: Array = field(repr=False)
+    """(7,) in the order of ``ERRORS``."""
+    covariance: Array = field(repr=False)
+    """(7, 7)"""
+    rest: Array = field(repr=False)
+    """(3,) root mean square of what is left of steps ahead, aside and in heading, by its spread."""
+    steps: float
+    """Steps that they are made of; those of long ago count less."""
+
+    def value(self, name: str) -> float:
+        """One of the errors."""
+        return float(self.values[ERRORS.index(name)])
+
+    def sd(self, name: str) -> float:
+        """Its standard deviation."""
+        place = ERRORS.index(name)
+        return math.sqrt(float(self.covariance[place, place]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    stamp: float
+    pose: Pose2
+    odometry: Pose2
+    covariance: Array
+    """(3, 3) of the pose along the robot's axes."""
+    twist: Twist2
+
+
+class OdometryCheck:
+    """Compares each pose with that of a third of a second before."""
+
+    def __init__(self) -> None:
+        self._steps: deque[_Step] = deque()
+        self._information = np.zeros((7, 7))
+        self._pull = np.zeros(7)
+        self._squares = np.zeros(3)
+        self._recent = 0.0
+        self._count = 0.0
+        self.innovation = 0.0
+        """Squared Mahalanobis distance of the last step from what it should have been."""
+
+    def jump(self) -> None:
+        """Another place is followed from now on: no step leads there."""
+        self._steps.clear()
+
+    def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
+        """Take a pose in the map with its covariance (3, 3), and odometry's, at a stamp."""
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        robot_from_map = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        local = robot_from_map @ covariance @ robot_from_map.T
+        twist = Twist2(0.0, 0.0)
+        elapsed = 0.0
+        if self._steps:
+            last = self._steps[-1]
+            elapsed = max(stamp - last.stamp, 1e-3)
+            moved = last.odometry.inverse() @ odometry
+            twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
+        now = _Step(stamp, pose, odometry, local, twist)
+        before = self._before(stamp)
+        if before is not None and elapsed < LONGEST:
+            self._compare(before, now, elapsed)
+        self._steps.append(now)
+        while self._steps and stamp - self._steps[0].stamp > LONGEST:
+            self._steps.popleft()
+
+    def _before(self, stamp: float) -> _Step | None:
+        before = None
+        for step in self._steps:
+            if stamp - step.stamp < LAG:
+                break
+            before = step
+        return before
+
+    def _compare(self, before: _Step, now: _Step, elapsed: float) -> None:
+        moved = before.odometry.inverse() @ now.odometry
+        went = before.pose.inverse() @ now.pose
+        off = (moved.inverse() @ went).to_array()
+        way = abs(moved.x) + 0.06 * abs(moved.theta)
+        spread = np.array([0.0003 + 0.012 * way, 0.0002 + 0.003 * way, 0.001 + 0.18 * way])
+        variance = np.square(spread) + np.diag(before.covariance) + np.diag(now.covariance)
+        columns = step_columns(
+            moved.to_array(),
+            np.array([before.twist.v, 0.0, before.twist.omega]),
+            np.array([now.twist.v, 0.0, now.twist.omega]),
+        )
+        share = elapsed / max(now.stamp - before.stamp, 1e-3)
+        errors = self.errors()
+        left = off - columns @ errors.values
+        squares = np.square(left) / variance
+        known = np.einsum("ij,jk,ik->i", columns, errors.covariance, columns)
+        self.innovation = float((np.square(left) / (variance + known)).sum())
+        # What slips now says less of what stays.
+        wide = variance * np.maximum(errors.rest**2, 1.0) * CORRELATION / share
+        weights = 1 / (wide * (1 + squares / TAIL))
+        keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
+        self._information = keep * self._information + (columns.T * weights) @ columns
+        self._pull = keep * self._pull + (columns.T * weights) @ off
+        self._squares = recent * self._squares + share * np.minimum(squares, 100.0)
+        self._recent = recent * self._recent + share
+        self._count = keep * self._count + share
+
+    def errors(self) -> OdometryErrors:
+        """The likeliest steady errors."""
+        covariance = np.linalg.inv(self._information + np.diag(PRIOR_SD**-2))
+        # As if a step before any had been as usual.
+        rest = np.sqrt((self._squares + 1) / (self._recent + 1))
+        return OdometryErrors(covariance @ self._pull, covariance, rest, self._count)
+
+
+@njit(cache=True, nogil=True)
+def step_columns(moved: Array, first: Array, last: Array) -> Array:
+    """How a step (3, 7) changes by a unit of each of ``ERRORS``, seen from its end.
+
+    Args:
+        moved: the step (3,) by odometry.
+        first: velocity (3,) at its start.
+        last: velocity (3,) at its end.
+    """
+    columns = np.zeros((3, 7))
+    inverse = _inverse(moved)
+    # Where it was tau earlier, at both ends.
+    late = _compose(_compose(SMALL * first, moved), -SMALL * last)
+    columns[:, 0] = _compose(inverse, late) / SMALL
+    c, s = math.cos(moved[2]), math.sin(moved[2])
+    columns[0, 1], columns[1, 1] = c * moved[0] + s * moved[1], c * moved[1] - s * moved[0]
+    columns[1, 2], columns[2, 2] = 0.5 * moved[0] * moved[0], moved[0]
+    columns[1, 3], columns[2, 3] = 0.5 * moved[0] * moved[2], moved[2]
+    for axis in range(3):
+        offset = np.zeros(3)
+        offset[axis] = SMALL
+        beside = _compose(_compose(_inverse(offset), moved), offset)
+        columns[:, 4 + axis] = _compose(inverse, beside) / SMALL
+    return columns
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _compose(a: Array, b: Array) -> Array:
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return np.array([a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]])
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _inverse(a: Array) -> Array:
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return np.array([-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]])
