@@ -19,12 +19,12 @@ import numpy as np
 
 from app.config import Config
 from app.evaluation.drives import Drive, on_eight, record
+from app.evaluation.integrity.oracle import field_decides
 from app.trajectories.metrics import rms
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,
     Shown,
-    decided_at,
     is_right,
     right_for_good,
     setup_of,
@@ -153,7 +153,7 @@ def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
     of, seed = map_and_seed
     drive = lap(of, seed)
     tried = {name: try_filter(drive, p, seed) for name, p in FINDERS.items()}
-    return decided_at(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
+    return field_decides(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
 
 
 def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
@@ -171,7 +171,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
     )
     tried = {name: try_filter(drive, p, seed, start) for name, p in FINDERS_AGAIN.items()}
     after = CARRIED_AT + 0.05
-    return decided_at(drive, after) - CARRIED_AT, {
+    return field_decides(drive, after) - CARRIED_AT, {
         name: judged(shown, after) for name, shown in tried.items()
     }
 

@@ -19,8 +19,6 @@ from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.ray_evidence import RayEvidence
-from robot.localization.rays import rays_of
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
 
@@ -33,10 +31,6 @@ _ENTRIES: dict[tuple[str, float, float], EntryField] = {}
 RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
 """A hypothesis this close to the truth is right [m], [rad]."""
 CERTAIN = 0.95
-ORACLE_REACH, ORACLE_SD, ORACLE_BEAMS, ORACLE_WORTH = 1.0, 0.01, 60, 4.5
-"""The oracle's own: range [m], its spread [m], rays of a scan, and independent rays it is worth."""
-DECIDED = 3.0
-"""Log-likelihood ratio from which on the field has told one place from another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,29 +144,6 @@ def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
     return Setup.of(
         of, entries, parameters.motion.model(), sensor_model(sensor, entries, of.edges), parameters
     )
-
-
-def decided_at(drive: Drive, since: float) -> float:
-    """Stamp at which the field has told the true place from its rotations; inf if it never does.
-
-    An oracle that knows the truth adds up, scan by scan, how much better the rays fit there than
-    at the pose turned by a quarter, a half and three quarters about the field's centre.
-    """
-    evidence = RayEvidence.of(drive.field, ORACLE_REACH, ORACLE_SD)
-    told, scans = np.zeros(3), 0
-    for tick in drive.ticks:
-        if tick.scan is None or tick.scan.stamp < since:
-            continue
-        scans += 1
-        if scans % 2:
-            continue  # neighbouring pictures err together
-        rays, truth = rays_of(tick.scan, ORACLE_BEAMS), drive.truth_at(tick.scan.stamp)
-        turned = [Pose2(theta=quarter * math.pi / 2) @ truth for quarter in (1, 2, 3)]
-        here = evidence.log_likelihood(truth, rays)
-        told += [ORACLE_WORTH * (here - evidence.log_likelihood(pose, rays)) for pose in turned]
-        if told.min() > DECIDED:
-            return tick.scan.stamp
-    return math.inf
 
 
 def right_for_good(shown: list[Shown], since: float) -> float:

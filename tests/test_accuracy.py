@@ -11,6 +11,7 @@ import pytest
 from app.config import Config
 from app.evaluation.convergence import errors
 from app.evaluation.drives import record
+from app.evaluation.integrity.oracle import field_decides
 from app.evaluation.runs import follow
 from app.evaluation.worlds import in_world
 from benchmarks.accuracy import (
@@ -24,7 +25,7 @@ from benchmarks.accuracy import (
     rms,
     with_filter,
 )
-from benchmarks.trials import Shown, decided_at, try_filter
+from benchmarks.trials import Shown, try_filter
 from sim.floor_camera import CameraSettings
 
 SEED = 3
@@ -77,7 +78,7 @@ def test_clutter_on_the_floor_does_not_lead_it_astray():
 @pytest.mark.parametrize(("field", "seed"), [("tee", 0), ("stub", 4)])
 def test_scattered_on_a_marked_field_it_finds_itself_and_is_not_sure_before(field, seed):
     drive = lap(field, seed)
-    assert decided_at(drive, 0.0) < math.inf
+    assert field_decides(drive, 0.0) < math.inf
     shown = try_filter(drive, with_filter(), seed)
     found = judged(shown, 0.0)
     assert found.right and not found.wrong_claim

@@ -220,7 +220,15 @@ def run_of(distances, period=0.1):
     estimate[:, 0] = distances
     zeros = np.zeros((count, 3))
     covariance = np.tile(np.eye(3), (count, 1, 1))
-    return Run(period * np.arange(count), zeros, zeros, estimate, covariance, np.zeros(count))
+    return Run(
+        period * np.arange(count),
+        zeros,
+        zeros,
+        estimate,
+        covariance,
+        np.zeros(count),
+        np.ones(count, dtype=bool),
+    )
 
 
 def test_convergence_is_being_right_for_a_second():
@@ -230,6 +238,16 @@ def test_convergence_is_being_right_for_a_second():
     assert run.stamps[settled(run)][0] == pytest.approx(2.5)
     assert time_to_converge(run.stamps, off, 0 * off + 0.2) == np.inf
     assert time_to_converge(run.stamps[:20], off[:20], 0 * off[:20]) == np.inf
+
+
+def test_a_loss_is_not_hidden_by_having_been_right():
+    kept, lost = run_of([0.2] * 5 + [0.0] * 30), run_of([0.0] * 20 + [0.06] + [0.0] * 20)
+    table = condition_table([kept, lost])["convergence"]
+    assert (table["converged"], table["right_to_the_end"], table["lost_again"]) == (2, 1, 1)
+    assert table["right_to_the_end_per_seed"] == [True, False]
+    assert table["lost_again_per_seed"] == [False, True]
+    unsure = replace(lost, certain=np.zeros(41, dtype=bool))
+    assert condition_table([kept, unsure])["convergence"]["lost_again"] == 0
 
 
 def test_robots_that_never_converge_are_counted_and_not_averaged():

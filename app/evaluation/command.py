@@ -96,8 +96,9 @@ def _line(condition: dict[str, Any]) -> str:
     return (
         f"{condition['world']}, start {told}: "
         f"odometry {millimetres(ate['odometry'])}, AMCL {millimetres(ate['amcl'])}; "
-        f"{after['converged']} of {after['of']} right, after {seconds(median)}, "
-        f"then {millimetres(after['steady_ate_rmse_m']['mean'])}"
+        f"{after['converged']} of {after['of']} right, after {seconds(median)}; "
+        f"{after['right_to_the_end']} right to the end, {after['lost_again']} lost again; "
+        f"once right {millimetres(after['steady_ate_rmse_m']['mean'])}"
     )
 
 

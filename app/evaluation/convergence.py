@@ -1,10 +1,11 @@
-"""When does an estimate that began wrong become right?"""
+"""When does an estimate that began wrong become right, and does it stay so?"""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.evaluation.runs import Run
 from app.trajectories.metrics import rms
@@ -12,8 +13,12 @@ from robot.geometry import Array, wrap_angle
 
 RIGHT_XY, RIGHT_THETA = 0.02, 0.1
 """An estimate so close to the truth is right [m], [rad]."""
+PLACE_XY, PLACE_THETA = 0.05, math.radians(10)
+"""Farther than this from the truth it is another place [m], [rad]."""
 HELD = 1.0
 """For so long, to count [s]."""
+
+Mask = NDArray[np.bool_]
 
 
 def errors(run: Run, poses: Array) -> tuple[Array, Array]:
@@ -34,11 +39,40 @@ def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
         inf if it never is.
     """
     right = (distances < RIGHT_XY) & (np.abs(turns) < RIGHT_THETA)
-    for first in np.flatnonzero(right & ~np.concatenate([[False], right[:-1]])):
+    first = first_held(stamps, right)
+    return math.inf if first is None else float(stamps[first] - stamps[0])
+
+
+def first_held(stamps: Array, some: Mask) -> int | None:
+    """The first of n pictures from which on something holds for a second; None if it never does.
+
+    Args:
+        stamps: (n,) [s].
+        some: (n,) whether it holds.
+    """
+    for first in np.flatnonzero(some & ~np.concatenate([[False], some[:-1]])):
         until = int(np.searchsorted(stamps, stamps[first] + HELD - 1e-9))
-        if until < len(stamps) and right[first : until + 1].all():
-            return float(stamps[first] - stamps[0])
-    return math.inf
+        if until < len(stamps) and some[first : until + 1].all():
+            return int(first)
+    return None
+
+
+def in_place(distances: Array, turns: Array) -> Mask:
+    """Whether estimates (n,) are about the truth, by distance [m] and turn [rad]."""
+    near: Mask = (distances < PLACE_XY) & (np.abs(turns) < PLACE_THETA)
+    return near
+
+
+def right_to_the_end(stamps: Array, right: Mask) -> bool:
+    """Whether it was once right for a second, and at each picture (n,) from then on."""
+    first = first_held(stamps, right)
+    return first is not None and bool(right[first:].all())
+
+
+def lost_again(stamps: Array, right: Mask, certain: Mask) -> bool:
+    """Whether it was right and certain for a second, and wrong at a picture (n,) after that."""
+    first = first_held(stamps, right & certain)
+    return first is not None and not right[first:].all()
 
 
 def steady_error(run: Run) -> float:

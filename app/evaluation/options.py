@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from app.conditions import condition_names
 from app.options import Commands, add_config, add_map
 from robot.settings import SettingError
 
@@ -20,38 +21,95 @@ VALID = {
     ("models", True): (*RECORDED, "config"),
 }
 """By what is evaluated and whether it is recorded; ``out`` goes with all."""
+INTEGRITY = (
+    "map", "condition", "start", "first_seed", "seeds", "laps", "config", "workers", "cluster",
+)  # fmt: skip
+"""Options of integrity; ``out`` goes with it, too."""
+KINDS = {
+    "experiment": "The paper's experiment: what is done if none of these is named.",
+    "models": "Statistics of the models: of the motion and sensor models of one robot, or of "
+    "recorded odometry with truth, and fitted parameters for --config.",
+    "integrity": "Is it right when it says so: robots x fields x conditions x starts, what was "
+    "claimed and what was true at each picture, Stanford diagrams and causes.",
+}
+"""What can be evaluated."""
 
 
 def add_evaluate(commands: Commands) -> None:
     """Add the command."""
     command = commands.add_parser(
         "evaluate",
-        help="the paper's experiment, or statistics of the models",
+        help="the paper's experiment, statistics of the models, or integrity",
         description="Drive the open-loop figure-eight with simulated robots, follow each with the "
         "pose known and with it told wrong, and write a report. With --recording and --truth: "
-        "compare a recorded trajectory with the true one. As `evaluate models`: statistics of the "
-        "motion and sensor models of one robot, or of recorded odometry with truth, and fitted "
-        "parameters for --config. Metres, radians, seconds.",
+        "compare a recorded trajectory with the true one. Metres, radians, seconds.",
         argument_default=argparse.SUPPRESS,
         allow_abbrev=False,
     )
-    command.add_argument(
-        "what",
-        nargs="?",
-        choices=("experiment", "models"),
-        default="experiment",
-        help="the experiment (default), or statistics of the models",
-    )
+    _add_common(command)
+    command.set_defaults(command=_evaluate, what="experiment")
+    kinds = command.add_subparsers(metavar="{experiment,models,integrity}")
+    for name, about in KINDS.items():
+        kind = kinds.add_parser(
+            name,
+            help=about.partition(":")[0],
+            description=about,
+            argument_default=argparse.SUPPRESS,
+            allow_abbrev=False,
+        )
+        (_add_integrity if name == "integrity" else _add_common)(kind)
+        kind.set_defaults(what=name)
+
+
+def _add_common(command: argparse.ArgumentParser) -> None:
+    _add_out(command)
+    _add_simulation(command)
+    add_workers(command)
+    _add_recording(command)
+
+
+def _add_out(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--out",
         type=Path,
         metavar="DIR",
-        help="where the results go (default: evaluation; of models evaluation/models)",
+        help="where the results go (default: evaluation; of models and integrity a folder in it)",
     )
-    _add_simulation(command)
+
+
+def _add_integrity(command: argparse.ArgumentParser) -> None:
+    """Robots x fields x conditions x starts."""
+    several: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        **several,
+        help="fields of maps/, generated-N (from a seed), or files (default: square stub town)",
+    )
+    command.add_argument(
+        "--condition", metavar="NAME", **several,
+        help=f"which (default: default): {condition_names()}",
+    )  # fmt: skip
+    command.add_argument(
+        "--start",
+        metavar="START",
+        **several,
+        help="what is known of the pose (default: all): known, told-wrong, scattered, carried",
+    )
+    command.add_argument(
+        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
+    )
+    command.add_argument(
+        "--seeds", type=int, metavar="N",
+        help="how many robots on each field in each condition (default: 12)",
+    )  # fmt: skip
+    command.add_argument(
+        "--laps", type=int, metavar="N",
+        help="laps of the figure-eight (default: 1); carried drives take 17 s",
+    )  # fmt: skip
+    _add_out(command)
+    add_config(command)
     add_workers(command)
-    _add_recording(command)
-    command.set_defaults(command=_evaluate)
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:
@@ -156,6 +214,10 @@ def _add_recording(command: argparse.ArgumentParser) -> None:
 
 
 def _evaluate(parsed: argparse.Namespace) -> int:
+    if parsed.what == "integrity":
+        from app.evaluation.integrity.command import integrity_command  # noqa: PLC0415
+
+        return integrity_command(_own_options(vars(parsed)))
     check_options(vars(parsed))
     if parsed.what == "models":
         from app.model_fits.command import models_command  # noqa: PLC0415
@@ -164,3 +226,19 @@ def _evaluate(parsed: argparse.Namespace) -> int:
     from app.evaluation.command import evaluate_command  # noqa: PLC0415
 
     return evaluate_command(vars(parsed))
+
+
+def _own_options(given: dict[str, Any]) -> dict[str, Any]:
+    """Options of integrity; refuse what stands before it and belongs to the experiment.
+
+    Raises:
+        SettingError: names one, and what goes with integrity.
+    """
+    for name in given:
+        if name not in (*INTEGRITY, "out", "what", "command"):
+            options = ", ".join(_option(one) for one in ("out", *INTEGRITY))
+            raise SettingError(f"{_option(name)} does not go with integrity; valid are {options}")
+    for name in ("map", "condition", "start"):
+        if isinstance(given.get(name), str):
+            given = given | {name: [given[name]]}
+    return given

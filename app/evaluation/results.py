@@ -9,7 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from app.evaluation.convergence import errors, steady_error, time_to_converge
+from app.evaluation.convergence import (
+    errors,
+    in_place,
+    lost_again,
+    right_to_the_end,
+    steady_error,
+    time_to_converge,
+)
 from app.evaluation.runs import Run
 from app.evaluation.scores import SHOWN, Score, score
 from app.trajectories.consistency import ConsistencyError, anees_bounds, nees
@@ -86,11 +93,22 @@ def condition_table(runs: Sequence[Run]) -> Table:
 
 
 def convergence_table(runs: Sequence[Run]) -> Table:
-    """When estimates became right (20 mm and 0.1 rad for a second), and how good they then are."""
+    """When estimates became right (20 mm and 0.1 rad for a second), how good they then are, and
+    whether they stayed at that place (50 mm and 10 degrees).
+    """
+    stayed, left = [], []
+    for run in runs:
+        right = in_place(*errors(run, run.estimate))
+        stayed.append(right_to_the_end(run.stamps, right))
+        left.append(lost_again(run.stamps, right, run.certain))
     seconds = [time_to_converge(run.stamps, *errors(run, run.estimate)) for run in runs]
     return {
         "converged": sum(map(math.isfinite, seconds)),
         "of": len(runs),
+        "right_to_the_end": sum(stayed),
+        "right_to_the_end_per_seed": stayed,
+        "lost_again": sum(left),
+        "lost_again_per_seed": left,
         "seconds": spread(seconds),
         "steady_ate_rmse_m": spread([steady_error(run) for run in runs]),
     }

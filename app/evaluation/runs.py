@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from app.assembly import own_models
 from app.config import Config
@@ -13,6 +14,7 @@ from app.engine.localization import Localization
 from app.evaluation.drives import Drive
 from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2
+from robot.localization.integrity import State
 from robot.scanning.line_scanner import LineScanner
 
 
@@ -34,6 +36,8 @@ class Run:
     """Of the estimate (n, 3, 3) [m, m, rad], as the filter says."""
     cpu: Array
     """Time of a processor that the filter took (n,) [s]."""
+    certain: NDArray[np.bool_]
+    """Whether it claimed to be certain (n,)."""
 
 
 def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None = None) -> Run:
@@ -60,7 +64,7 @@ def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None =
     else:
         localization.set_pose_with(told, covariance)
     map_from_odom = drive.ticks[0].truth @ drive.ticks[0].odometry.inverse()
-    rows: list[tuple[float, Pose2, Pose2, Pose2, Array, float]] = []
+    rows: list[tuple[float, Pose2, Pose2, Pose2, Array, float, bool]] = []
     for tick in drive.ticks:
         localization.note(tick.odometry)
         if tick.scan is None or tick.odometry_at_scan is None:
@@ -82,11 +86,12 @@ def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None =
                     estimate,
                     belief.estimate.covariance,
                     took,
+                    localization.integrity.state is State.CERTAIN,
                 )
             )
     if len(rows) < 3:
         raise EvaluationError("fewer than three pictures were taken; drive for longer")
-    stamps, truth, odometry, estimates, covariances, cpu = zip(*rows, strict=True)
+    stamps, truth, odometry, estimates, covariances, cpu, certain = zip(*rows, strict=True)
     return Run(
         np.array(stamps),
         _poses(truth),
@@ -94,6 +99,7 @@ def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None =
         _poses(estimates),
         np.array(covariances),
         np.array(cpu),
+        np.array(certain),
     )
 
 

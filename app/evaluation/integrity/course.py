@@ -18,12 +18,15 @@ from robot.geometry import Array, Pose2
 
 CELL = 0.02
 """Of the raster of distances from tape [m]."""
-AHEAD, NEAR = 0.28, 0.20
-"""Tape is in sight if it is so near [m] to a point so far ahead [m]."""
+LOOKS = tuple((x, slope * x) for x in (0.2, 0.35, 0.5) for slope in (-0.4, 0.0, 0.4))
+NEAR = 0.08
+"""Tape is in sight if it is so near [m] to one of these points, seen from the robot [m]."""
 RADII = (0.10, 0.30)
 """Least and largest radius of a circle [m]."""
 BY_SIDE = 0.19
 """Radius by the shorter side of the field: on a square of 1 m the paper's."""
+REACH = 1.6
+"""A path reaches two radii from its middle; the rest may lie beyond the tape."""
 STEP = 0.1
 """Between middles that are compared [m]."""
 AS_GOOD = 0.05
@@ -73,10 +76,10 @@ def _drivable(radius: float, config: Config) -> FigureEight:
 
 
 def _middles(field: Field, radius: float) -> Array:
-    """Middles (n, 2) [m] from which the circles stay within the tape's box, its own one first."""
+    """Middles (n, 2) [m] from which the circles stay in or near the tape's box, its own first."""
     box = np.reshape(field.roamed, (2, 2))
     middle = box.mean(axis=0)
-    room = np.maximum(np.ptp(box, axis=0) / 2 - 2 * radius, 0)
+    room = np.maximum(np.ptp(box, axis=0) / 2 - REACH * radius, 0)
     steps = np.floor(room / STEP).astype(int)
     x, y = (STEP * np.arange(-n, n + 1) for n in steps)
     around = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -87,27 +90,28 @@ def _middles(field: Field, radius: float) -> Array:
 
 def _share_in_sight(field: Field, eight: FigureEight, middles: Array) -> Array:
     """Share of the way (n,) on which tape is in sight, by where its middle is (n, 2)."""
-    looks = _points_ahead(eight)
-    points = middles[:, None] + looks
+    points = middles[:, None, None] + _points_ahead(eight)
     xmin, ymin, _, _ = field.extent
     distances = _distances(field)
     cells = np.floor((points - (xmin, ymin)) / CELL).astype(int)
     rows = np.clip(cells[..., 1], 0, distances.shape[0] - 1)
     columns = np.clip(cells[..., 0], 0, distances.shape[1] - 1)
-    share: Array = (distances[rows, columns] < NEAR).mean(axis=1)
+    share: Array = (distances[rows, columns] < NEAR).any(axis=2).mean(axis=1)
     return share
 
 
 def _points_ahead(eight: FigureEight) -> Array:
-    """What the camera looks at (m, 2) [m], on paths of all turns about (0, 0)."""
-    way = []
+    """What the camera looks at (m, k, 2) [m], on paths of all turns about (0, 0)."""
+    way, looks = [], np.array(LOOKS)
     for moment in np.arange(MOMENTS) / MOMENTS * eight.lap:
         left = min(float(moment), eight.lap / 2)
         right = float(moment) - left
         pose = eight.twist(0.0).integrate(left) @ eight.twist(eight.lap / 2).integrate(right)
-        way.append(pose.apply(np.array([[AHEAD, 0.0]]))[0])
+        way.append(pose.apply(looks))
     turns = np.arange(TURNS) * 2 * math.pi / TURNS
-    return np.concatenate([Pose2(theta=float(turn)).apply(np.array(way)) for turn in turns])
+    points = np.concatenate(way)
+    turned = [Pose2(theta=float(turn)).apply(points) for turn in turns]
+    return np.concatenate(turned).reshape(-1, len(looks), 2)
 
 
 def _distances(field: Field) -> NDArray[np.float64]:

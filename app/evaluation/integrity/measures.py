@@ -6,17 +6,19 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from app.evaluation.convergence import (
+    Mask,
+    first_held,
+    in_place,
+    lost_again,
+    right_to_the_end,
+)
 from app.evaluation.integrity.claims import Claims
 from app.trajectories.metrics import rms
 from robot.geometry import Array
 from robot.localization.integrity import Cause, State
 
-RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
-"""An estimate so close to the truth is right [m], [rad]."""
-HELD = 1.0
-"""For so long, to count as known [s]."""
 FIRST = 1.0
 """So long after a carry nobody can know better [s]."""
 SETTLE = 1.0
@@ -26,14 +28,12 @@ NARROW = 0.02
 ELLIPSE = 5.991
 """Squared radius of an ellipse that holds 95 % in two dimensions."""
 
-Mask = NDArray[np.bool_]
 Measures = dict[str, Any]
 
 
 def right(claims: Claims) -> Mask:
     """Which estimates (n,) are right."""
-    near: Mask = (claims.distances < RIGHT_XY) & (claims.turns < RIGHT_THETA)
-    return near
+    return in_place(claims.distances, claims.turns)
 
 
 def certain(claims: Claims) -> Mask:
@@ -64,6 +64,8 @@ def measures(claims: Claims) -> Measures:
         "sure": _share(certain(claims)),
         "misleading": _share(wrong_claim),
         "misleading_longest_s": longest(claims.stamps, wrong_claim),
+        "sure_wrong": _share(certain(claims) & ~is_right),
+        "sure_wrong_longest_s": longest(claims.stamps, certain(claims) & ~is_right),
         "lost_again": bool(_lost_again(claims)),
         "right_to_the_end": right_to_the_end(claims.stamps[after], is_right[after]),
         "alarm_while_right": _share(alarm & within),
@@ -80,20 +82,8 @@ def measures(claims: Claims) -> Measures:
 
 def time_to_right(stamps: Array, is_right: Mask) -> float:
     """Time [s] after the first stamp from which on it is right for a second; inf if never."""
-    first = _held_from(stamps, is_right)
+    first = first_held(stamps, is_right)
     return math.inf if first is None else float(stamps[first] - stamps[0])
-
-
-def right_to_the_end(stamps: Array, is_right: Mask) -> bool:
-    """Whether it was once right for a second, and right from then on."""
-    first = _held_from(stamps, is_right)
-    return first is not None and bool(is_right[first:].all())
-
-
-def lost_after_known(stamps: Array, is_right: Mask, sure: Mask) -> bool:
-    """Whether it was right and certain for a second, and wrong at a picture after that."""
-    first = _held_from(stamps, is_right & sure)
-    return first is not None and not is_right[first:].all()
 
 
 def longest(stamps: Array, some: Mask) -> float:
@@ -107,20 +97,11 @@ def longest(stamps: Array, some: Mask) -> float:
     return longest_yet
 
 
-def _held_from(stamps: Array, some: Mask) -> int | None:
-    """The first picture from which on it holds for a second."""
-    for first in np.flatnonzero(some & ~np.concatenate([[False], some[:-1]])):
-        until = int(np.searchsorted(stamps, stamps[first] + HELD - 1e-9))
-        if until < len(stamps) and some[first : until + 1].all():
-            return int(first)
-    return None
-
-
 def _lost_again(claims: Claims) -> bool:
     """In either part of the drive: to be carried off is not to be lost."""
     is_right, sure, after = right(claims), certain(claims), _after_carry(claims)
     parts = (after,) if claims.carry_stamp is None else (~after, after)
-    return any(lost_after_known(claims.stamps[p], is_right[p], sure[p]) for p in parts)
+    return any(lost_again(claims.stamps[p], is_right[p], sure[p]) for p in parts)
 
 
 def _after_carry(claims: Claims) -> Mask:
@@ -135,7 +116,8 @@ def _carry_measures(claims: Claims, wrong_claim: Mask) -> Measures:
     if claims.carry_stamp is None:
         return {}
     since = claims.stamps - claims.carry_stamp
-    first, later = (since > 1e-6) & (since <= FIRST), since > FIRST
+    later = since > FIRST + 1e-6
+    first = (since > 1e-6) & ~later
     before = since <= 1e-6
     return {
         "misleading_before_carry": _share(wrong_claim[before]),

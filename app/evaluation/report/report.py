@@ -19,7 +19,11 @@ from app.evaluation.runs import Run
 from robot.fields.field import Field
 
 TEMPLATE = "report.html.jinja"
-FOLDERS = (Path(__file__).parent, Path(__file__).parents[2] / "model_fits" / "report")
+FOLDERS = (
+    Path(__file__).parent,
+    Path(__file__).parents[1] / "integrity" / "report",
+    Path(__file__).parents[2] / "model_fits" / "report",
+)
 """With templates."""
 NOTHING = 1e-6
 """What is less, in millimetres or milliradians, is rounding."""

@@ -1,0 +1,1 @@
+"""The report on integrity: a page with Stanford diagrams."""

@@ -1,0 +1,129 @@
+"""What all robots say together, by condition and start."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from robot.localization.integrity import Cause
+
+Row = dict[str, Any]
+
+EXPECTED: dict[str, tuple[Cause, ...]] = {
+    "askew": (Cause.CAMERA_ASKEW,),
+    "late": (Cause.PICTURES_LATE,),
+    "worn": (Cause.WHEEL_SIZE,),
+    "slippery": (Cause.WHEEL_SLIP,),
+    "all-at-once": (
+        Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP, Cause.WHEEL_SIZE,
+    ),
+    "as-real": (Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP),
+    "hand-built": (Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SIZE),
+}  # fmt: skip
+"""Reasons for doubt that are right, by condition; elsewhere every one is a false alarm."""
+
+NO_ALERT = "none"
+
+
+def summary_of(rows: Sequence[Row]) -> dict[str, Any]:
+    """The part ``summary`` of ``results.json``."""
+    groups = grouped(rows, ("condition", "start"))
+    conditions = grouped(rows, ("condition",))
+    return {
+        "all": group_summary(rows),
+        "groups": [
+            {"condition": condition, "start": start} | group_summary(some)
+            for (condition, start), some in groups.items()
+        ],
+        "causes": {
+            condition: causes_of(condition, some) for (condition,), some in conditions.items()
+        },
+    }
+
+
+def grouped(rows: Iterable[Row], names: tuple[str, ...]) -> dict[tuple[str, ...], list[Row]]:
+    """Rows by what they have in common."""
+    found: defaultdict[tuple[str, ...], list[Row]] = defaultdict(list)
+    for row in rows:
+        found[tuple(row[name] for name in names)].append(row)
+    return dict(found)
+
+
+def group_summary(rows: Sequence[Row]) -> Row:
+    """Shares of pictures over all robots of a group, and of robots where it says drives."""
+    weights = np.array([row["pictures"] for row in rows], dtype=float)
+
+    def over_pictures(name: str) -> float | None:
+        return _weighted([row.get(name) for row in rows], weights)
+
+    found = {
+        "drives": len(rows),
+        "pictures": int(weights.sum()),
+        "misleading_drives": sum(row["misleading"] > 0 for row in rows),
+        "misleading_longest_s": max(row["misleading_longest_s"] for row in rows),
+        "lost_again_drives": sum(row["lost_again"] for row in rows),
+        "right_to_the_end_drives": sum(row["right_to_the_end"] for row in rows),
+        "time_to_right_median_s": _median([row["time_to_right_s"] for row in rows]),
+        "ate_rmse_median_m": _median([row["ate_rmse_m"] for row in rows]),
+        "ate_rmse_worst_m": _worst([row["ate_rmse_m"] for row in rows]),
+        "nees_median_of_drives": _median([row["nees_mean"] for row in rows]),
+        "decided_median_s": _median([row.get("decided_s") for row in rows]),
+        "decided_drives": sum(row.get("decided_s") is not None for row in rows),
+    }
+    shares = (
+        "right", "sure", "misleading", "sure_wrong", "alarm_while_right", "sure_while_right",
+        "available",
+        "bound_mean_m", "nees_mean", "inside_95", "alert", "unfounded", "right_after_decided",
+        "sure_after_decided", "misleading_before_carry", "misleading_first_second",
+        "misleading_later",
+    )  # fmt: skip
+    later = [row["misleading_later_longest_s"] for row in rows if "misleading_later" in row]
+    if later:
+        found["misleading_later_longest_s"] = max(later)
+    return found | {name: over_pictures(name) for name in shares}
+
+
+def causes_of(condition: str, rows: Sequence[Row]) -> Row:
+    """Which cause was named first and most, in how many drives, and how soon."""
+    expected = EXPECTED.get(condition, ())
+    names = [*map(str, Cause), NO_ALERT]
+    first = [row["first_cause"] or NO_ALERT for row in rows]
+    main = [row["main_cause"] or NO_ALERT for row in rows]
+    return {
+        "expected": [str(cause) for cause in expected],
+        "drives": len(rows),
+        "first": {name: first.count(name) for name in names},
+        "main": {name: main.count(name) for name in names},
+        "first_right": _among(first, expected),
+        "main_right": _among(main, expected),
+        "first_alert_median_s": _median([row["first_alert_s"] for row in rows]),
+        "pictures_with_alert": _weighted(
+            [row["alert"] for row in rows], np.array([row["pictures"] for row in rows], float)
+        ),
+    }
+
+
+def _among(named: list[str], expected: tuple[Cause, ...]) -> float | None:
+    """Share of drives with a right name; none where none is right."""
+    return sum(name in expected for name in named) / len(named) if expected else None
+
+
+def _weighted(values: Sequence[float | None], weights: Any) -> float | None:
+    known = [place for place, value in enumerate(values) if value is not None]
+    if not known:
+        return None
+    return float(
+        np.average([float(values[place] or 0.0) for place in known], weights=weights[known])
+    )
+
+
+def _median(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None
+
+
+def _worst(values: Sequence[float | None]) -> float | None:
+    return max((value for value in values if value is not None), default=None)
