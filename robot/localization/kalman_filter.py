@@ -156,7 +156,9 @@ def matcher_of(setup: Setup) -> ScanMatcher:
     """
     sensor = setup.parameters.sensor
     sd = sensor.sigma_hit / math.sqrt(sensor.likelihood_weight)
-    return ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
+    return ScanMatcher(
+        setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd, sensor.sigma_slope
+    )
 
 
 def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robot.geometry import Array
 from robot.localization.estimate import Hypothesis
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
@@ -57,4 +58,5 @@ class Refinement:
             return one
         known = np.linalg.inv(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        return replace(one, pose=match.pose, covariance=np.linalg.inv(match.information))
+        covariance: Array = np.linalg.inv(match.information)
+        return replace(one, pose=match.pose, covariance=covariance)

@@ -1,4 +1,4 @@
-"""Do steps of the pose agree with odometry? What they differ by tells which of the two errs, and how.
+"""Do steps of the pose agree with odometry? If not: which of the two errs, and how?
 
 Over a third of a second the pose moved by M and odometry by D; e = D^-1 M is what they differ by.
 It is explained by seven errors that do not change: pictures stamped late by tau; wheels whose
@@ -142,7 +142,7 @@ class OdometryCheck:
 
     def errors(self) -> OdometryErrors:
         """The likeliest steady errors."""
-        covariance = np.linalg.inv(self._information + np.diag(PRIOR_SD**-2))
+        covariance: Array = np.linalg.inv(self._information + np.diag(PRIOR_SD**-2))
         # As if a step before any had been as usual.
         rest = np.sqrt((self._squares + 1) / (self._recent + 1))
         return OdometryErrors(covariance @ self._pull, covariance, rest, self._count)
