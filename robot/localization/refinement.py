@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from robot.geometry import Array
 from robot.localization.estimate import Hypothesis
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
@@ -58,5 +57,5 @@ class Refinement:
             return one
         known = np.linalg.inv(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        covariance: Array = np.linalg.inv(match.information)
+        covariance = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
         return replace(one, pose=match.pose, covariance=covariance)
