@@ -100,6 +100,8 @@ class Localizer:
         self._odometry = odometry
         self.filter.predict(moved)
         seen = scan.within(*self.reach)
+        if self.monitor is not None:
+            seen = self.monitor.corrected(seen)
         self.filter.correct(seen)
         self.updates += 1
         estimate = self.estimate(scan.stamp)

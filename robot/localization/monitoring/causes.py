@@ -18,7 +18,7 @@ PATH_TORN = 2.4
 LATE, LATE_SURE = 0.010, 1.5
 """Pictures that come later than so much [s], and so many standard deviations, are late."""
 TILT = math.radians(0.1)
-TILT_EXPLAINS = 0.2
+TILT_EXPLAINS = 0.4
 """A camera that is askew by so much [rad] explains such a share of what no pose does."""
 RADII, RADII_TURN = 0.030, 0.35
 """Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
@@ -77,10 +77,9 @@ class Causes:
             return Cause.MODEL, "this sensor model rates all poses alike"
         ahead, aside, heading = f.odometry.rest.tolist()
         torn = max(ahead, aside) > PATH_TORN
-        tilted = f.mounting.tilt > TILT and f.mounting.explained > TILT_EXPLAINS
-        if torn and tilted:
+        if f.mounting.tilt > TILT and f.mounting.explained > TILT_EXPLAINS:
             degrees = math.degrees(f.mounting.tilt)
-            return Cause.CAMERA_ASKEW, f"rays fit badly by {degrees:.1f}°: is the camera askew?"
+            return Cause.CAMERA_ASKEW, f"rays fit as if the camera were {degrees:.1f}° askew"
         if heading > WHEELS_SLIP:
             return Cause.WHEEL_SLIP, "the robot turns otherwise than its wheels: do they slip?"
         if torn:

@@ -7,11 +7,11 @@ be off because of it, and what the likeliest reason is.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, heading_angles
 from robot.localization.estimate import Hypothesis
 from robot.localization.integrity import Alert
 from robot.localization.monitoring.causes import Causes, Findings
@@ -48,6 +48,22 @@ class Mounting:
     """Ahead of the robot's origin [m]."""
     height: float
     """Above the floor [m]."""
+
+    def shifts(self, points: Array) -> Array:
+        """How floor points (n, 2) in the robot frame move with pitch and roll (n, 2, 2) [m/rad].
+
+        The first index is the point, the second x or y, the third pitch or roll.
+        """
+        x, y = points[:, 0] - self.x, points[:, 1]
+        h = self.height
+        across = x * y / h
+        return np.stack(
+            [
+                np.column_stack([(x * x + h * h) / h, across]),
+                np.column_stack([across, (y * y + h * h) / h]),
+            ],
+            axis=1,
+        )
 
 
 LASER = Mounting(0.0, math.inf)
@@ -98,12 +114,24 @@ class Monitor:
         """Go on with other parameters."""
         self._evidence = evidence
 
+    def corrected(self, scan: Scan) -> Scan:
+        """A scan as it would be without the tilt that the camera seems to have."""
+        tilt, hit = self._camera.applied, scan.hit
+        if not (tilt.any() and math.isfinite(self._mounting.height) and hit.any()):
+            return scan
+        ends = scan.points()
+        ends = ends - self._mounting.shifts(ends) @ tilt
+        local = scan.robot_from_scan.inverse().apply(ends)
+        bearings, ranges = scan.bearings.copy(), scan.ranges.copy()
+        bearings[hit], ranges[hit] = heading_angles(local), np.hypot(local[:, 0], local[:, 1])
+        return replace(scan, bearings=bearings, ranges=ranges)
+
     def observe(self, one: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
         """Take the heaviest hypothesis after a scan.
 
         Args:
             one: where the robot should be.
-            scan: that was taken there.
+            scan: that was taken there, as ``corrected``.
             odometry: the robot in the odom frame then.
             spread: share of the cloud that is effective; 1 is a scan that told nothing.
         """
@@ -118,21 +146,24 @@ class Monitor:
             self._evidence.range_max,
             self._mounting.x,
             self._mounting.height,
+            *self._camera.applied.tolist(),
         )
         self._camera.observe(sums, used, elapsed, np.diag([1.0, 1.0, 1.0]))
         self._judge_fit(one.pose, rays)
         self._odometry.observe(scan.stamp, one.pose, odometry, one.covariance)
+        mounting = self._camera.error()
         findings = Findings(
             scan.stamp,
             elapsed,
             self._odometry.errors(),
-            self._camera.error(),
+            mounting,
             used / max(returned, 1),
             returned,
             spread,
             math.sqrt(float(np.trace(one.covariance[:2, :2]))),
         )
         self._causes.judge(findings)
+        self._camera.follow(mounting)
         rest = findings.odometry.rest
         self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, 1.0), LOOSEST)
         if self._causes.alerts:
@@ -158,18 +189,23 @@ class Monitor:
         offset[:, 4:] = np.eye(3)
         mean = offset @ errors.values
         spread = offset @ errors.covariance @ offset.T
-        caused = self._camera.pose_error(findings.mounting)
+        caused, caused_spread = self._camera.pose_error(findings.mounting)
         rotation = np.eye(3)
         rotation[:2, :2] = [
             [math.cos(pose.theta), -math.sin(pose.theta)],
             [math.sin(pose.theta), math.cos(pose.theta)],
         ]
-        wiggle = self._odometry.wiggle
+        beyond = np.diag(np.square(_beyond(mean, spread)))
+        known = rotation @ beyond @ rotation.T + np.diag(np.square(_beyond(caused, caused_spread)))
         if findings.stamp - self._doubted < DOUBT_KEPT:
-            local = np.outer(mean, mean) + spread + wiggle
-            known = rotation @ local @ rotation.T + np.outer(caused, caused)
-            unknown = np.zeros((3, 3))
-        else:
-            known = np.zeros((3, 3))
-            unknown = rotation @ (np.outer(mean, mean) + spread) @ rotation.T
+            known += rotation @ self._odometry.wiggle @ rotation.T
+        unknown = rotation @ (np.outer(mean, mean) + spread) @ rotation.T
+        unknown += np.outer(caused, caused) + caused_spread
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0)
+
+
+def _beyond(mean: Array, covariance: Array) -> Array:
+    """By how much means (3,) stand out of their own spread: no more than half of it is chance."""
+    sd = np.sqrt(np.diag(covariance))
+    out: Array = np.where(np.abs(mean) > sd, np.abs(mean) - 0.5 * sd, 0.0)
+    return out

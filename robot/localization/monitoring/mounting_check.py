@@ -14,12 +14,18 @@ import numpy as np
 
 from robot.geometry import Array
 
-MEMORY = 6.0
+MEMORY = 20.0
 """Scans older than this hardly count [s]."""
 RAYS_WORTH = 0.1
 """Neighbouring rays, and scans that follow each other, err together: one counts for so many."""
-PRIOR = np.diag(1 / np.square([math.radians(1.0), math.radians(1.0), 0.03]))
-"""How far off pitch, roll and scale usually are at most."""
+LEAST_REST = 0.03
+"""Rays never lie closer to their edges than this, as a mean square in spreads."""
+PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.003]))
+"""How far off pitch, roll and scale usually are: a camera that was mounted with care."""
+STANDS_OUT, EXPLAINS = 2.0, 0.3
+"""A tilt of so many standard deviations, which explains such a share, is taken off the scans."""
+BLEND = 0.2
+"""How much of what is new of the tilt is taken off the next scan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +59,8 @@ class MountingCheck:
         self._rays = 0.0
         self._caused = np.zeros((3, 3))
         """Pose error (3,) [m, m, rad] by pitch, roll and scale, at the last scan."""
+        self.applied = np.zeros(2)
+        """Pitch and roll [rad] that are taken off the scans."""
 
     def observe(self, sums: Array, rays: int, elapsed: float, known: Array) -> None:
         """Add a scan.
@@ -72,17 +80,33 @@ class MountingCheck:
         self._caused = -gain[:, :3]
 
     def error(self) -> MountingError:
-        """The likeliest."""
-        information = RAYS_WORTH * self._sums[:3, :3] + PRIOR
+        """The likeliest, whatever is taken off already."""
+        first = self._solved(RAYS_WORTH)
+        # Rays are as exact as they prove to be.
+        return self._solved(RAYS_WORTH / max(first.unexplained, LEAST_REST))
+
+    def follow(self, error: MountingError) -> None:
+        """Take off what stands out."""
+        tilt = np.array([error.pitch, error.roll])
+        sure = tilt @ np.linalg.solve(error.covariance[:2, :2], tilt) > STANDS_OUT**2
+        wanted = tilt if sure and error.explained > EXPLAINS else np.zeros(2)
+        self.applied = self.applied + BLEND * (wanted - self.applied)
+
+    def _solved(self, worth: float) -> MountingError:
+        information = worth * self._sums[:3, :3] + PRIOR
         covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
-        found = covariance @ (RAYS_WORTH * self._sums[:3, 3])
+        found = covariance @ (worth * self._sums[:3, 3])
         whole = max(float(self._sums[3, 3]), 1e-12)
         explained = float(2 * found @ self._sums[:3, 3] - found @ self._sums[:3, :3] @ found)
         rest = (whole - explained) / max(self._rays, 1.0)
         pitch, roll, scale = found.tolist()
         return MountingError(pitch, roll, scale, covariance, explained / whole, rest)
 
-    def pose_error(self, error: MountingError) -> Array:
-        """How far (3,) [m, m, rad] the last pose is off by that, along the map's axes."""
-        offset: Array = self._caused @ np.array([error.pitch, error.roll, error.scale])
-        return offset
+    def pose_error(self, error: MountingError) -> tuple[Array, Array]:
+        """How far the last pose is off by what is not taken off, along the map's axes.
+
+        Mean (3,) and covariance (3, 3) [m, m, rad].
+        """
+        left = np.array([error.pitch, error.roll, error.scale])
+        left[:2] -= self.applied
+        return self._caused @ left, self._caused @ error.covariance @ self._caused.T

@@ -25,7 +25,7 @@ MEMORY = 20.0
 """Steps older than this hardly count for errors that stay [s]."""
 RECENT = 3.0
 """The same for what is left unexplained [s]."""
-CORRELATION = 3.0
+CORRELATION = 1.5
 """Slip lasts for about a second: so many steps are worth one."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 PRIOR_SD = np.array([0.020, 0.03, 0.4, 0.04, 0.004, 0.004, 0.010])

@@ -35,6 +35,8 @@ def residual_sums(
     range_max: float,
     camera_x: float,
     camera_height: float,
+    pitch: float,
+    roll: float,
 ) -> tuple[Array, int, int]:
     """Sums of products (7, 7) over the rays of a scan, each weighed by its spread.
 
@@ -45,6 +47,8 @@ def residual_sums(
         range_max: how far rays reach [m].
         camera_x: the camera ahead of the robot's origin [m].
         camera_height: above the floor [m]; infinite for a laser, which has neither pitch nor roll.
+        pitch: by which the rays were corrected already [rad].
+        roll: the same.
 
     Returns:
         The sums, how many rays lie on an edge, and how many returned something.
@@ -86,7 +90,7 @@ def residual_sums(
             row[3] = ((X * X + h * h) * ahead_n + X * Y * aside_n) / h
             row[4] = (X * Y * ahead_n + (Y * Y + h * h) * aside_n) / h
         row[5] = nx * ux + ny * uy
-        row[6] = off
+        row[6] = off + row[3] * pitch + row[4] * roll
         spread = SPREAD * (1 + SLOPE * length * length)
         weight = 1 / (spread * spread + off * off / TAIL)
         for a in range(COLUMNS):
