@@ -89,7 +89,7 @@ def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float |
         if carry_stamp is not None:
             axes.axvline(carry_stamp, color="#888888", lw=0.7, ls=":")
         axes.set(yscale="log", xlabel="time [s]", ylabel="[mm]")
-        axes.legend(frameon=False, ncols=4, fontsize=7, loc="lower right")
+        figure.legend(frameon=False, ncols=4, fontsize=7, loc="outside upper center")
     return done[0]
 
 
