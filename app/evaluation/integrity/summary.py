@@ -17,6 +17,7 @@ EXPECTED: dict[str, tuple[Cause, ...]] = {
     "late": (Cause.PICTURES_LATE,),
     "worn": (Cause.WHEEL_SIZE,),
     "slippery": (Cause.WHEEL_SLIP,),
+    "stretched": (Cause.MAP,),
     "all-at-once": (
         Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP, Cause.WHEEL_SIZE,
     ),
