@@ -52,6 +52,7 @@ def report(shown: IntegrityResults) -> str:
         place=embedded(stanford_figures.place_diagram(whole)),
         heading=embedded(stanford_figures.heading_diagram(whole)),
         panels=embedded(stanford_figures.condition_diagrams(ordered)),
+        trade=embedded(stanford_figures.trade_curve(ordered)),
         unavailable=whole.unavailable,
         worst=[_worst_row(shown.folder, row, place < WORST / 2) for place, row in enumerate(worst)],
         settings=settings_of(shown.experiment.config),
