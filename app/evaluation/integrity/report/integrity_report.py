@@ -46,6 +46,7 @@ def report(shown: IntegrityResults) -> str:
         TEMPLATE,
         experiment=results["experiment"],
         summary=results["summary"],
+        failures=results["failures"],
         groups=results["summary"]["groups"],
         causes=results["summary"]["causes"],
         cause_names=[*map(str, Cause), NO_ALERT],
