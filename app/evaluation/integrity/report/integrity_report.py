@@ -40,7 +40,8 @@ def report(shown: IntegrityResults) -> str:
     """The page."""
     results = shown.results
     whole = sum(shown.diagrams.values(), Stanford.empty())
-    ordered = {name: shown.diagrams[name] for name in shown.experiment.conditions}
+    conditions = shown.experiment.conditions
+    ordered = {name: shown.diagrams[name] for name in conditions if name in shown.diagrams}
     worst = worst_runs(results["runs"])
     return page(
         TEMPLATE,
