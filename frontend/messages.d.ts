@@ -82,13 +82,6 @@ export interface FilterMessage {
   paused: boolean;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
-  /** Whether a second hypothesis has at least a fifth of the weight. */
-  ambiguous: boolean;
-  /**
-   * How many places look alike: hypotheses of at least half the heaviest's weight, if none is
-   * above 0.95; 1 if one stands out; 0 while nothing can be said, as after a scatter.
-   */
-  alike: number;
   /**
    * What is wrong with a model in a file of the user's own, with file and line; the robot stands
    * still and the filter pauses until it is mended.
@@ -114,6 +107,24 @@ export interface HypothesisMessage {
   weight: number;
   /** 9 numbers by rows [m^2, m rad, rad^2]. */
   covariance: number[];
+}
+
+/** What is claimed of the estimate. */
+export interface IntegrityMessage {
+  /**
+   * certain: one place within a narrow bound; approximate: one, within a wide bound; ambiguous:
+   * several places look alike; searching: no place stands out; lost: one did that fits no more.
+   */
+  state: State;
+  /**
+   * The robot is within this distance of the estimate [m], in 99.9 % of pictures; null where
+   * nothing is claimed.
+   */
+  radius: number | null;
+  /** Its heading is within this angle of the estimate's [rad]; null where nothing is claimed. */
+  heading_bound: number | null;
+  /** Reasons for doubt in plain words, the likeliest first; empty when there is none. */
+  alerts: string[];
 }
 
 /** How the engine keeps up. */
@@ -361,6 +372,9 @@ export interface ShowCommand {
   visible: boolean;
 }
 
+/** How far the answer may be relied on. */
+export type State = "certain" | "approximate" | "ambiguous" | "searching" | "lost";
+
 /** Stand still at once, whatever drives. */
 export interface StopCommand {
   /** Repeated in the answer. */
@@ -378,6 +392,7 @@ export interface TelemetryMessage {
   /** Dead reckoning since the start (or the last place), in the map. */
   odometry: PoseMessage | null;
   estimate: EstimateMessage | null;
+  integrity: IntegrityMessage;
   twist: TwistMessage;
   mode: "idle" | "drive" | "figure_eight";
   particles: ParticlesMessage;

@@ -116,7 +116,7 @@ def test_a_broken_yaml_is_refused(load, text, complaint):
 @pytest.mark.parametrize(
     ("picture", "complaint"),
     [
-        (b"", "no picture of a known kind; valid are PGM, PNG and BMP"),
+        (b"", "no picture of a known kind; valid are PGM, PPM, PNG and BMP"),
         (b"GIF89a", "no picture of a known kind"),
         (b"P5", "no picture of a known kind"),
         (b"P5 x", "PGM header is damaged"),
@@ -126,6 +126,9 @@ def test_a_broken_yaml_is_refused(load, text, complaint):
         (b"P5 0 2 255\n", "the picture is 0 x 2 px"),
         (b"P5 40000 1 255\n", "the picture is 40000 x 1 px"),
         (b"P5 31000 31000 255\n", "the picture is 31000 x 31000 px"),
+        (b"P6 3 2 255\n" + bytes(17), "holds too little for 3 x 2 px"),
+        (b"P6 31000 31000 255\n", "the picture is 31000 x 31000 px"),
+        (b"P4 3 2\n1", "no picture of a known kind"),
         (b"P2 2 1 255\n1 x", "PGM digits are damaged"),
         (b"P2 2 1 255\n1", "holds too little"),
         (PNG[:20], "ends within its header"),
@@ -166,7 +169,20 @@ def test_any_yaml_is_a_map_error(load, text):
 
 @any_bytes
 @given(
-    st.sampled_from([b"", b"P5 ", b"P2 ", b"P5 3 2 255\n", PNG[:8], PNG[:41], b"BM", BMP[:54]]),
+    st.sampled_from(
+        [
+            b"",
+            b"P5 ",
+            b"P2 ",
+            b"P6 1 1 255 ",
+            b"P3 ",
+            b"P5 3 2 255\n",
+            PNG[:8],
+            PNG[:41],
+            b"BM",
+            BMP[:54],
+        ]
+    ),
     st.binary(max_size=100),
 )
 def test_any_picture_is_a_map_or_a_map_error(load, start, rest):

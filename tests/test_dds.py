@@ -155,6 +155,7 @@ def test_joints_battery_and_description_are_the_robots(rig, peer):
     assert [one.name for one in arrived(peer, "diagnostics").status] == [
         "brickpose: program",
         "brickpose: robot",
+        "brickpose: localization",
     ]
 
 

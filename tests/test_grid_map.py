@@ -125,6 +125,24 @@ def test_a_binary_pgm_is_read_by_its_own_brightest_value(tmp_path, header, value
     assert load_map_yaml(tmp_path / "map.yaml").data.tolist() == [[100, -1, 0]]
 
 
+@pytest.mark.parametrize(
+    "picture",
+    [
+        b"P6\n# by a student's tool\n4 1\n255\n"
+        + bytes([0, 0, 0, 255, 255, 255, 205, 205, 205, 0, 255, 60]),
+        b"P6 4 1 1000\n"
+        + np.array([0] * 3 + [1000] * 3 + [800] * 3 + [0, 1000, 235], ">u2").tobytes(),
+        b"P3 4 1 100 0 0 0 100 100 100 80 80 80 0 100 24",
+    ],
+    ids=["8 bits", "16 bits", "digits"],
+)
+def test_a_colour_map_by_the_name_of_a_pgm_is_averaged_as_map_server_does(tmp_path, picture):
+    """Darkness 0.2 is between the thresholds, and so is that of a colour with the mean 105."""
+    (tmp_path / "map.pgm").write_bytes(picture)
+    (tmp_path / "map.yaml").write_text(yaml.safe_dump({**KEYS, "image": "map.pgm"}))
+    assert load_map_yaml(tmp_path / "map.yaml").data.tolist() == [[100, 0, -1, -1]]
+
+
 def test_the_fourth_byte_of_a_bmp_is_not_taken_for_alpha(tmp_path):
     header = b"BM" + (62).to_bytes(4, "little") + bytes(4) + (54).to_bytes(4, "little")
     header += b"".join(n.to_bytes(4, "little") for n in (40, 2, 1, 1 | 32 << 16, 0, 8, 0, 0, 0, 0))

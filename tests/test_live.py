@@ -106,7 +106,8 @@ def test_every_hypothesis_is_told_with_weight_and_covariance(live):
     assert [one["weight"] for one in found] == pytest.approx([0.75, 0.25], abs=1e-3)
     assert (found[1]["x"], found[1]["theta"]) == pytest.approx((-0.2, 1.0), abs=0.02)
     assert [len(one["covariance"]) for one in found] == [9, 9]
-    assert now["filter"]["alike"] == 1
+    assert set(now["integrity"]) == {"state", "radius", "heading_bound", "alerts"}
+    assert now["integrity"]["state"] != "certain"
     ask(live, type="resume")
     ask(live, type="reset")
 

@@ -1,9 +1,11 @@
 """Metrics agree with evo, a peer that is only imported here, and with published figures."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from wandering_paths import KINDS, moved, pair, rigid
 
 from app.trajectories.association import associate
@@ -16,6 +18,7 @@ from app.trajectories.metrics import (
     relative_errors,
     rms,
 )
+from app.trajectories.scale import fit_scale
 from app.trajectories.trajectory import Trajectory
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
@@ -31,11 +34,13 @@ def evo(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
         from evo.core import metrics, sync, trajectory, units
+        from evo.tools.file_interface import read_tum_trajectory_file
 
     class Peer:
         pass
 
     Peer.metrics, Peer.sync, Peer.trajectory, Peer.unit = metrics, sync, trajectory, units.Unit
+    Peer.read = staticmethod(read_tum_trajectory_file)
     return Peer
 
 
@@ -110,6 +115,43 @@ def test_evo_makes_the_same_pairs(evo, seed):
         theirs = evo.sync.associate_trajectories(*both, max_diff=largest)
         for mine, other in zip(ours, theirs, strict=True):
             np.testing.assert_array_equal(mine.positions, other.positions_xyz)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("scale", [0.1, 1.0, 3.0])
+def test_evo_finds_the_same_scale(evo, kind, scale):
+    truth, estimate, rng = pair(kind, 5)
+    estimate = moved(estimate, rigid(kind, rng))
+    estimate = replace(estimate, positions=estimate.positions / scale)
+    fit, theirs = fit_scale(truth, estimate), as_evo(evo, estimate)
+    _, _, factor = theirs.align(as_evo(evo, truth), correct_scale=True)
+    assert fit.scale == pytest.approx(factor, rel=1e-9)
+    ape = evo.metrics.APE(evo.metrics.PoseRelation.translation_part)
+    errors = evo_error(evo, ape, as_evo(evo, truth), theirs)
+    assert fit.scaled == pytest.approx(rms(errors), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("who", ["truth", "estimate", "both"])
+def test_evo_agrees_where_a_stamp_is_repeated(evo, tmp_path, who, seed):
+    """As in the truth of TUM's freiburg2_desk; read from files, by each with its own reader."""
+    rng = np.random.default_rng(seed)
+    paths = []
+    for name, count in (("truth", 600), ("estimate", 300)):
+        steps = np.cumsum(rng.normal(0, 0.02, (count, 6)), axis=0)
+        quaternions = Rotation.from_rotvec(steps[:, 3:]).as_quat()
+        stamps = np.sort(rng.uniform(0, 20, count))
+        if who in (name, "both"):
+            for index in rng.choice(count - 1, 5, replace=False):
+                stamps[index + 1] = stamps[index]
+            stamps.sort()
+        paths.append(tmp_path / f"{name}.txt")
+        np.savetxt(paths[-1], np.column_stack([stamps, steps[:, :3], quaternions]), fmt="%.6f")
+    ours = associate(*map(read_trajectory, paths), 0.05)
+    theirs = evo.sync.associate_trajectories(*map(evo.read, map(str, paths)), max_diff=0.05)
+    for mine, other in zip(ours, theirs, strict=True):
+        np.testing.assert_array_equal(mine.positions, other.positions_xyz)
+    assert_agrees(evo, *ours)
 
 
 class TestRecorded:

@@ -130,6 +130,9 @@ def test_regions_fitted_to_half_a_recording_hold_the_other(robot, tmp_path):
     assert [region["horizon"] for region in motion["regions"]] == [1.0, 5.0, 20.0]
     for region in motion["regions"]:
         assert 0.92 <= region["held"] <= 0.98
+        low, high = region["held_interval"]
+        assert low < region["held"] < high
+        assert region["judgement"] == "honest"
     load_config(tmp_path / "fitted.toml")
 
 

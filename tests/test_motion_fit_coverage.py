@@ -10,14 +10,15 @@ from motion_drives import drawn_runs
 
 from app.model_fits.fit_error import FitError
 from app.model_fits.motion.coverage import (
+    Region,
     fit_regions,
-    share_held,
     squared_distances,
     usable_horizons,
 )
 from app.model_fits.motion.drive_correction import DriveCorrection
 from app.model_fits.motion.drive_fit import fit_drive
 from app.model_fits.motion.fit import MotionFit
+from app.model_fits.motion.held import held_by, repetition, share_interval
 from app.model_fits.motion.run import cut_at, paired_runs
 from app.model_fits.motion.windows import windows
 from app.trajectories.files.reading import read_trajectory
@@ -50,7 +51,9 @@ def test_regions_fitted_to_some_drives_hold_their_share_of_others(drives):
     regions = fit_regions(drives[:15], AS_IT_IS, PERFECT)
     assert [region.horizon for region in regions] == [1, 5, 20]
     for region in regions:
-        assert share_held(drives[15:], AS_IT_IS, PERFECT, region) == pytest.approx(0.95, abs=0.02)
+        held = held_by(drives[15:], AS_IT_IS, PERFECT, region)
+        assert held.share == pytest.approx(0.95, abs=0.02)
+        assert held.judgement == "honest"
         assert region.stretch == pytest.approx(1, abs=0.1)
 
 
@@ -58,7 +61,48 @@ def test_regions_correct_a_model_that_is_too_sure(drives):
     sure = MotionFit((0.005, 0.075, 0.0125, 0.0005), NONE, 1e-6, 1e-6, 0.0, 100, 1 / 30)
     for region in fit_regions(drives[:15], AS_IT_IS, sure):
         assert region.stretch == pytest.approx(2, abs=0.2)
-        assert share_held(drives[15:], AS_IT_IS, sure, region) == pytest.approx(0.95, abs=0.02)
+        held = held_by(drives[15:], AS_IT_IS, sure, region)
+        assert held.share == pytest.approx(0.95, abs=0.02)
+
+
+def exact(horizon, stretch=1.0):
+    """The region of a perfect model, or one that is wider by a factor."""
+    return Region(horizon, 0.95, 7.815 * stretch**2, 20.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("horizon", [1.0, 5.0, 20.0])
+def test_intervals_of_single_drives_hold_the_true_share(drives, horizon):
+    found = [held_by([one], AS_IT_IS, PERFECT, exact(horizon)) for one in drives]
+    right = sum(one.interval[0] <= 0.95 <= one.interval[1] for one in found)
+    assert right >= 28
+    assert sum(one.judgement == "honest" for one in found) == right
+    assert all(one.independent <= 400 / horizon + 1 for one in found)
+
+
+@pytest.mark.parametrize("horizon", [1.0, 5.0])
+def test_regions_of_another_width_are_told_as_too_sure_and_too_cautious(drives, horizon):
+    narrow = held_by(drives, AS_IT_IS, PERFECT, exact(horizon, 0.8))
+    wide = held_by(drives, AS_IT_IS, PERFECT, exact(horizon, 1.3))
+    assert (narrow.judgement, wide.judgement) == ("too sure", "too cautious")
+
+
+def test_all_of_few_windows_are_no_certainty():
+    assert share_interval(1.0, 20.0) == (pytest.approx(0.025 ** (1 / 20)), 1.0)
+    assert share_interval(0.0, 20.0) == (0.0, pytest.approx(1 - 0.025 ** (1 / 20)))
+    low, high = share_interval(0.95, 400.0)
+    assert (low, high) == (pytest.approx(0.9238, abs=1e-3), pytest.approx(0.9692, abs=1e-3))
+
+
+@pytest.mark.parametrize("stays", [0.5, 0.9, 0.98])
+def test_what_lasts_is_worth_less(stays):
+    """A chain that keeps its state with this chance, or else draws anew: rho_k = stays^k."""
+    rng = np.random.default_rng(2)
+    drives = []
+    for _ in range(20):
+        anew = rng.random(4000) >= stays
+        anew[0] = True
+        drives.append((rng.random(4000) < 0.9)[np.maximum.accumulate(np.arange(4000) * anew)])
+    assert repetition(drives) == pytest.approx((1 + stays) / (1 - stays), rel=0.15)
 
 
 def test_widths_are_the_spread_of_the_ends(drives):
@@ -86,6 +130,8 @@ def test_regions_of_a_real_robot_hold_on_the_second_half_of_its_drive(robot):
     first, second = cut_at(runs, (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2)
     fit = fit_drive(first)
     for region in fit_regions(first, fit.correction, fit.motion):
-        held = share_held(second, fit.correction, fit.motion, region)
-        assert 0.92 <= held <= 0.98, f"{held:.3f} over {region.horizon:g} s"
+        held = held_by(second, fit.correction, fit.motion, region)
+        assert 0.92 <= held.share <= 0.98, f"{held.share:.3f} over {region.horizon:g} s"
+        assert held.interval[0] < held.share < held.interval[1]
+        assert held.judgement == "honest"
         assert region.sd_across < 0.12 and region.sd_heading < 0.15

@@ -1,6 +1,6 @@
 """What the page says of the filter's belief and of models in files of the user's own."""
 
-import math
+import json
 import re
 
 import httpx
@@ -18,7 +18,6 @@ class Mine:
     def log_likelihood(self, poses, scan):
         return np.zeros(len(poses))
 """
-QUARTERS = [[0.25 * math.cos(a), 0.25 * math.sin(a), a] for a in (0, 1.5708, -3.1415, -1.5708)]
 
 
 @pytest.fixture(scope="module")
@@ -51,65 +50,125 @@ def page(browser, server):
     yield from opened(browser, server, width=1100, height=760, view=False)
 
 
-def test_places_that_look_alike_are_counted_in_words(page, live):
-    ask(live, type="pause")
-    said = page.locator("#map-certainty")
-    ask(live, type="set_particles", poses=QUARTERS)
-    expect(said).to_have_text("four places look alike")
-    ask(live, type="set_particles", poses=QUARTERS, weights=[0.5, 0.4, 0.05, 0.05])
-    expect(said).to_have_text("two places look alike")
-    ask(live, type="set_particles", poses=QUARTERS, weights=[0.7, 0.1, 0.1, 0.1])
-    expect(said).to_have_text("probably here: 70 %")
-
-
-def test_it_says_when_it_is_sure_and_when_it_knows_nothing(page, live):
+def test_it_says_when_it_is_certain_and_when_it_knows_nothing(page, live):
     said = page.locator("#map-certainty")
     page.get_by_role("button", name="Figure-eight").click()
-    expect(said).to_have_text("sure", timeout=20_000)
+    expect(said).to_have_text(re.compile("^certain"), timeout=20_000)
     page.get_by_role("button", name="STOP").first.click()
     until(live, lambda now: now["mode"] == "idle")
     ask(live, type="pause")
     page.get_by_role("button", name="scatter", exact=True).first.click()
-    expect(said).to_have_text("looking around: drive a little")
+    expect(said).to_have_text("searching: drive a little")
 
 
-FOUND, GONE, REST = [0.9], [0.2, 0.1], [0.42, 0.4]
+def claimed(state, radius=None, weights=(), v=0.1):
+    return {"state": state, "radius": radius, "weights": list(weights), "v": v}
 
 
-MISSING = [
-    (([], 0, 0.0), "looking around: drive a little"),
-    (([], 0, 0.1), "looking around"),
-    ((GONE, 0, 0.1), "lost: looking around"),
-    ((GONE, 0, 0.0), "lost: drive a little"),
-    ((FOUND, 0, 0.1), "looking around"),  # one wide cloud
-    ((FOUND, 1, 0.1), "probably here: 90 %"),
-    ((REST, 2, 0.1), "two places look alike, 18 % elsewhere"),
-    (([0.5, 0.45], 2, 0.1), "two places look alike"),
+CLAIMS = [
+    (claimed("certain", 0.0021, [1.0]), "certain, ± 3 mm"),
+    (claimed("certain", 0.003, [0.97, 0.03]), "certain, ± 3 mm"),
+    (claimed("certain", None, [1.0]), "certain"),
+    (claimed("approximate", 0.0571, [1.0]), "about here, ± 58 mm"),
+    (claimed("approximate", 0.211, [1.0]), "about here, ± 220 mm"),
+    (claimed("ambiguous", None, [0.25] * 4), "four places look alike"),
+    (claimed("ambiguous", None, [0.42, 0.4]), "two places look alike, 18 % elsewhere"),
+    (claimed("ambiguous", None, [0.5, 0.45]), "two places look alike"),
+    (claimed("ambiguous", None, [0.3, 0.28, 0.2, 0.1]), "three places look alike, 12 % elsewhere"),
+    (claimed("ambiguous", None, [0.7, 0.1, 0.1]), "probably here: 70 %"),
+    (claimed("ambiguous", None, [0.999]), "probably here: > 99 %"),
+    (claimed("ambiguous"), "several places look alike"),
+    (claimed("searching", None, [0.9]), "searching"),
+    (claimed("searching", None, [], v=0.0), "searching: drive a little"),
+    (claimed("lost", None, [0.2, 0.1]), "lost: searching"),
+    (claimed("lost", None, [0.2], v=0.0), "lost: drive a little"),
 ]
 
 
 @pytest.fixture(scope="module")
 def told(browser, server):
-    """What one page says of each belief; it keeps nothing from one to the next."""
+    """What one page says of each claim; it keeps nothing from one to the next."""
     for page in opened(browser, server, width=1100, height=760, view=False):
         words = page.evaluate(
-            """async (beliefs) => {
+            """async (claims) => {
                 const { certainty } = await import("/static/map/places.js");
-                const covariance = [1e-6, 0, 0, 0, 1e-6, 0, 0, 0, 1e-4];
-                return beliefs.map(([weights, alike, v]) => {
-                    const hypotheses = weights.map((weight) => ({ weight, covariance }));
-                    const filter = { alike, updates: 1 }, twist = { v, omega: 0 };
-                    return certainty({ particles: { hypotheses }, filter, twist }).words;
+                return claims.map(({ weights, v, ...integrity }) => {
+                    const hypotheses = weights.map((weight) => ({ weight }));
+                    const twist = { v, omega: 0 };
+                    return certainty({ integrity, particles: { hypotheses }, twist });
                 });
             }""",
-            [belief for belief, _ in MISSING],
+            [claim for claim, _ in CLAIMS],
         )
     return words
 
 
-@pytest.mark.parametrize("place", range(len(MISSING)), ids=[words for _, words in MISSING])
-def test_weight_that_is_missing_is_told_as_elsewhere(told, place):
-    assert told[place] == MISSING[place][1]
+@pytest.mark.parametrize("place", range(len(CLAIMS)), ids=[words for _, words in CLAIMS])
+def test_each_state_has_its_words(told, place):
+    assert told[place] == CLAIMS[place][1]
+
+
+ASKEW, LATE, SLIP = "is the camera askew?", "pictures seem 30 ms late", "wheels slip"
+
+
+def telling(socket, claim):
+    """Between page and program: telemetry says what ``claim`` holds of integrity."""
+    program = socket.connect_to_server()
+    socket.on_message(program.send)
+
+    def pass_on(text):
+        message = json.loads(text)
+        if message["type"] == "telemetry":
+            message["integrity"] |= claim
+        socket.send(json.dumps(message))
+
+    program.on_message(pass_on)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1440, 900), (1280, 720), (390, 844)])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_doubts_stand_below_the_words_and_go_away(browser, server, width, height, scheme):
+    claim = {"state": "approximate", "radius": 0.06, "heading_bound": 0.2, "alerts": [ASKEW]}
+    context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
+    page = context.new_page()
+    page.route_web_socket("**/api/live", lambda socket: telling(socket, claim))
+    page.route("**/view/**", lambda route: route.fulfill(body=""))
+    page.goto(server.url)
+    page.wait_for_function("window.brickpose?.telemetry")
+    if width < 640:
+        page.get_by_role("tab", name="Map").click()
+    words, doubts = page.locator("#map-certainty"), page.locator("#map-doubts")
+    expect(words).to_have_text("about here, ± 60 mm")
+    expect(words).to_have_attribute("title", re.compile("within 60 mm and 11.5° of"))
+    expect(doubts.locator("li")).to_have_text([ASKEW])
+    above, below = words.bounding_box(), doubts.bounding_box()
+    assert above["y"] + above["height"] <= below["y"] < height
+    assert below["x"] >= 0 and below["x"] + below["width"] <= width
+    claim["alerts"] = [ASKEW, LATE, SLIP]
+    expect(doubts.locator("li")).to_have_text([ASKEW, LATE, "and 1 more"])
+    expect(doubts).to_have_attribute("title", re.compile(SLIP))
+    claim["alerts"] = []
+    expect(doubts).to_be_hidden()
+    context.close()
+
+
+def test_what_is_claimed_is_drawn_where_it_is_large_enough_to_see(page):
+    strokes = page.evaluate(
+        """async () => {
+            const { drawClaim } = await import("/static/map/drawing.js");
+            const canvas = new OffscreenCanvas(200, 200), pose = { x: 100, y: 100, theta: 0 };
+            const inked = (radius, heading_bound) => {
+                const context = canvas.getContext("2d", { willReadFrequently: true });
+                context.reset();
+                drawClaim(context, pose, { radius, heading_bound }, 1);
+                const { data } = context.getImageData(0, 0, 200, 200);
+                const at = (x, y) => data[4 * (200 * y + x) + 3] > 0;
+                return [at(100, 60), at(100, 140), at(100, 101)];
+            };
+            return [inked(40, null), inked(3, 0.001), inked(null, null)];
+        }"""
+    )
+    assert strokes == [[True, True, True], [False, False, False], [False, False, False]]
 
 
 @pytest.mark.parametrize("kind", ["particles", "kalman", "grid", "hypotheses"])
@@ -122,7 +181,7 @@ def test_the_filter_is_changed_while_it_runs(page, live, kind):
     ticks = before["filter"]["updates"] + 10
     until(live, lambda now: now["filter"]["updates"] > ticks and now["estimate"])
     expect(filters).to_have_value(kind)
-    expect(page.locator("#map-certainty")).to_have_text("sure", timeout=20_000)
+    expect(page.locator("#map-certainty")).to_have_text(re.compile("^certain"), timeout=20_000)
 
 
 def test_every_group_of_parameters_is_listed_and_opens(page, server):

@@ -10,10 +10,9 @@ from pydantic import ValidationError
 
 from app.engine.telling import BeliefError, cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
-from app.web.belief import alike, packed
-from robot.geometry import Pose2
-from robot.localization.estimate import Hypothesis
+from app.web.belief import integrity_message, packed
 from robot.localization.filter import Cloud
+from robot.localization.integrity import Alert, Cause, Integrity, State
 
 
 def told(**more):
@@ -68,31 +67,18 @@ def test_poses_that_are_none_are_refused(wrong):
         SetParticlesCommand(type="set_particles", **wrong)
 
 
-def hypotheses(*weights):
-    return tuple(Hypothesis(weight, Pose2(), 0.01 * np.eye(3)) for weight in weights)
-
-
-@pytest.mark.parametrize(
-    ("weights", "count"),
-    [
-        ((), 0),
-        ((1.0,), 1),
-        ((0.96, 0.04), 1),
-        ((0.94, 0.06), 1),
-        ((0.6, 0.4), 2),
-        ((0.6, 0.2, 0.2), 1),
-        ((0.28, 0.26, 0.24, 0.22), 4),
-        ((0.4, 0.3, 0.21, 0.09), 3),
-        ((0.01,) * 8, 0),
-    ],
-)
-def test_places_look_alike_within_a_factor_of_two_while_none_is_sure(weights, count):
-    assert alike(hypotheses(*weights)) == count
-
-
-@pytest.mark.parametrize("spread", [(0.3, 0.1, 0.1), (0.1, 0.3, 0.1), (0.1, 0.1, 1.5)])
-def test_one_cloud_all_over_the_field_is_no_place(spread):
-    assert alike((Hypothesis(1.0, Pose2(), np.diag(np.square(spread))),)) == 0
+def test_an_infinite_bound_is_null_and_reasons_are_told_in_their_words():
+    nothing = integrity_message(Integrity(State.SEARCHING))
+    assert nothing.model_dump(mode="json") == {
+        "state": "searching",
+        "radius": None,
+        "heading_bound": None,
+        "alerts": [],
+    }
+    late = Alert(Cause.PICTURES_LATE, "pictures seem to come 30 ms late")
+    message = integrity_message(Integrity(State.APPROXIMATE, 0.06, 0.2, (late,)))
+    assert (message.radius, message.heading_bound) == (0.06, 0.2)
+    assert message.alerts == ["pictures seem to come 30 ms late"]
 
 
 def test_an_empty_cloud_and_one_without_weight_can_be_sent():

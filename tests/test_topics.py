@@ -19,6 +19,7 @@ from app.ros2.published import Published
 from app.ros2.source import TopicSource
 from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic
+from robot.localization.integrity import Alert, Cause, Integrity, State
 
 
 @pytest.fixture(scope="module")
@@ -258,6 +259,35 @@ def test_diagnostics_say_what_is_wrong(ticks, source):
     first = published.message.status[0]
     assert (first.level, first.message) == (1, "The camera sends no pictures.")
     assert published.message.status[1].level == 0
+
+
+ASKEW = Alert(Cause.CAMERA_ASKEW, "rays fit 6 mm short on the left: is the camera askew?")
+
+
+@pytest.mark.parametrize(
+    ("claimed", "level", "words"),
+    [
+        (Integrity(State.CERTAIN, 0.003, 0.01), 0, "certain"),
+        (Integrity(State.CERTAIN, 0.018, 0.01, (ASKEW,)), 1, f"certain: {ASKEW.text}"),
+        (Integrity(State.APPROXIMATE, 0.06, 0.2), 0, "approximate"),
+        (Integrity(State.APPROXIMATE, 0.06, 0.2, (ASKEW,)), 1, f"approximate: {ASKEW.text}"),
+        (Integrity(State.AMBIGUOUS), 1, "ambiguous"),
+        (Integrity(State.SEARCHING), 1, "searching"),
+        (Integrity(State.LOST, alerts=(ASKEW,)), 2, f"lost: {ASKEW.text}"),
+    ],
+)
+def test_diagnostics_say_how_far_the_estimate_may_be_relied_on(
+    ticks, source, claimed, level, words
+):
+    tick = replace(ticks[-1], integrity=claimed)
+    published = Published(topic("diagnostics"), 0.0, source, tick)
+    status = published.message.status[2]
+    assert (status.name, status.level, status.message) == ("brickpose: localization", level, words)
+    figures = {one.key: one.value for one in status.values}
+    assert figures["state"] == claimed.state
+    assert float(figures["radius_m"]) == pytest.approx(claimed.radius, rel=1e-4)
+    assert float(figures["heading_bound_rad"]) == pytest.approx(claimed.heading_bound, rel=1e-4)
+    assert figures["causes"] == "; ".join(one.cause for one in claimed.alerts)
 
 
 def test_a_voltage_is_told_where_it_is_measured(ticks, source):

@@ -84,13 +84,21 @@ def test_other_line_ends_a_mark_of_utf8_and_gzip_are_read(tmp_path):
         assert read_trajectory(path).notes == ("a",)
 
 
+def test_poses_that_bear_one_stamp_are_all_read_and_written(tmp_path):
+    trajectory = parse_tum(ROW + ROW.replace("3", "4") + NEXT, "desk.txt")
+    np.testing.assert_array_equal(trajectory.stamps, [1.5, 1.5, 2.5])
+    np.testing.assert_array_equal(trajectory.one_a_stamp().positions[:, 2], [4, 3])
+    path = tmp_path / "again.tum"
+    write_tum(path, trajectory)
+    np.testing.assert_array_equal(read_trajectory(path).positions[:, 2], [3, 4, 3])
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("1 2 3\n", r"t\.tum, line 1: 3 columns; valid are 8: stamp x y z qx qy qz qw"),
         ("# only\n", "no poses"),
         (ROW, "has 1 pose"),
-        (ROW + "\n# \n" + ROW, "line 4: stamp 1.5 is repeated"),
         (NEXT + ROW, "line 2: stamp 1.5 follows 2.5"),
         (ROW + NEXT.replace("3", "nan"), "line 2: a number is not finite"),
         (ROW + NEXT.replace("3", "three"), "line 2: 'three' is no number"),

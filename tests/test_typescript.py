@@ -102,7 +102,7 @@ def test_every_message_and_the_union_of_commands_are_exported() -> None:
     definitions = schema()["$defs"]
     text = render(definitions)
     for name in definitions:
-        assert f"export interface {name} {{" in text
+        assert f"export interface {name} {{" in text or f"export type {name} = " in text
         assert (f"  | {name}" in text) == name.endswith("Command")
 
 
@@ -120,3 +120,8 @@ def test_a_stale_or_absent_file_fails_the_check_and_writing_cures_it(
 
 def test_the_target_lies_beside_the_page() -> None:
     assert (TARGET.parent / "index.html").is_file()
+
+
+def test_a_list_of_words_is_a_type_of_its_own() -> None:
+    words = interface("State", {"enum": ["certain", "lost"], "description": "How sure."})
+    assert words == '/** How sure. */\nexport type State = "certain" | "lost";\n'

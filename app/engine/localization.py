@@ -21,6 +21,7 @@ from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.monitoring.monitor import Monitor, Mounting
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
@@ -72,8 +73,13 @@ class Localization:
         self._entries = entries
         self._once = False
         setup = self._setup()
+        self._monitor = Monitor(setup.evidence, _mounting(scanner))
         self._localizer = Localizer(
-            make_filter(setup, rng), parameters.filter, Refinement.of(setup), setup.reach
+            make_filter(setup, rng),
+            parameters.filter,
+            Refinement.of(setup),
+            setup.reach,
+            self._monitor,
         )
 
     @property
@@ -207,6 +213,7 @@ class Localization:
         self._localizer.parameters = parameters.filter
         self._localizer.refinement = Refinement.of(setup)
         self._localizer.reach = setup.reach
+        self._monitor.use(setup.evidence)
 
     def _believe(self, estimate: Estimate | None, pose: Pose2) -> None:
         if estimate is not None:
@@ -231,6 +238,11 @@ class Localization:
         if self.own.sensor is not None:
             return self.own.sensor
         return sensor_model(wanted, self._entries, self._field.edges)
+
+
+def _mounting(scanner: LineScanner) -> Mounting:
+    x, _, height = scanner.view.robot_from_camera[:3, 3].tolist()
+    return Mounting(x, height)
 
 
 def changed_with_own(

@@ -32,6 +32,8 @@ def evaluate_command(given: Given) -> int:
         ate = {key: results["methods"]["amcl"][key]["mean"] for key in ATE}
         say(", ".join(f"{ATE[key]} {millimetres(value)}" for key, value in ate.items()))
         say(_clock_line(results["experiment"]))
+        if hint := _scale_line(results["experiment"]["similarity"], ate["ate_aligned_rmse_m"]):
+            say(hint)
     else:
         results = _experiment(given, folder)
         for condition in results["conditions"]:
@@ -97,6 +99,16 @@ def _line(condition: dict[str, Any]) -> str:
         f"{after['converged']} of {after['of']} right, after {seconds(median)}; "
         f"{after['right_to_the_end']} right to the end, {after['lost_again']} lost again; "
         f"once right {millimetres(after['steady_ate_rmse_m']['mean'])}"
+    )
+
+
+def _scale_line(similarity: dict[str, Any] | None, rigid: float) -> str | None:
+    """A hint where the estimate has a scale of its own, as one of a single camera has."""
+    if similarity is None or not similarity["is_free"]:
+        return None
+    return (
+        f"the scale is free, as of a single camera: aligned {millimetres(rigid)}, and "
+        f"{millimetres(similarity['ate_rmse_m'])} if it is multiplied by {similarity['scale']:.4g}"
     )
 
 

@@ -197,7 +197,8 @@ def _add_recording(command: argparse.ArgumentParser) -> None:
         "--recording",
         type=Path,
         metavar="FILE",
-        help="what was estimated, of models odometry: TUM text, Motive CSV or MRCLAM",
+        help="what was estimated, of models odometry: TUM text, a table with a header, "
+        "Motive CSV or MRCLAM",
     )
     recording.add_argument(
         "--truth", type=Path, metavar="FILE", help="what was true, in the same forms"

@@ -20,6 +20,7 @@ from app.trajectories.clock_offset import ClockOffset, require_same_run
 from app.trajectories.files.reading import read_trajectory
 from app.trajectories.files.tum import write_tum
 from app.trajectories.metrics import absolute_errors, align, ate_rmse
+from app.trajectories.scale import fit_scale
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.settings import SettingError
 
@@ -142,7 +143,8 @@ def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
     if ratio > OTHER_UNITS:
         larger, smaller = (true, estimate) if sizes[0] > sizes[1] else (estimate, true)
         raise TrajectoryError(
-            f"{larger.name} is {ratio:.0f} times as large as {smaller.name}; valid are metres"
+            f"{larger.name} is {ratio:.0f} times as large as {smaller.name}; valid are metres; "
+            "an estimate of a single camera is in none, and is to be given a scale first"
         )
 
 
@@ -172,6 +174,7 @@ def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
             "clock_offset_s": clock.seconds if clock else None,
             "clock_offset_added_s": pairs.added,
             "motion_correlation": clock.correlation if clock else None,
+            "similarity": _similarity(pairs),
             "rpe_over": SHOWN,
             "settings": {},
             "versions": versions(),
@@ -179,6 +182,15 @@ def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
         "methods": {"amcl": method_table([score(pairs.truth, pairs.estimate)])},
         "recovery": None,
     }
+
+
+def _similarity(pairs: Recording) -> dict[str, Any] | None:
+    """How the estimate fits with a scale of its own; None if no rotation aligns it."""
+    try:
+        fit = fit_scale(pairs.truth, pairs.estimate)
+    except TrajectoryError:
+        return None
+    return {"scale": fit.scale, "ate_rmse_m": fit.scaled, "is_free": fit.is_free}
 
 
 def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:

@@ -22,6 +22,7 @@ LASER = LocalizationParameters(
     motion=MotionParameters(alpha1=0.1, alpha2=0.1, alpha3=0.1, alpha4=0.1, alpha5=0.1),
     sensor=SensorParameters(
         sigma_hit=0.2,
+        sigma_slope=0.0,
         z_hit=0.9,
         z_rand=0.1,
         z_short=0.1,

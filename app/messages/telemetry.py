@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from app.messages.message import Layer, Message
+from robot.localization.integrity import State
 
 
 class PoseMessage(Message):
@@ -98,14 +99,24 @@ class FilterMessage(Message):
     paused: bool
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
-    ambiguous: bool
-    """Whether a second hypothesis has at least a fifth of the weight."""
-    alike: int
-    """How many places look alike: hypotheses of at least half the heaviest's weight, if none is
-    above 0.95; 1 if one stands out; 0 while nothing can be said, as after a scatter."""
     broken: str | None
     """What is wrong with a model in a file of the user's own, with file and line; the robot stands
     still and the filter pauses until it is mended."""
+
+
+class IntegrityMessage(Message):
+    """What is claimed of the estimate."""
+
+    state: State
+    """certain: one place within a narrow bound; approximate: one, within a wide bound; ambiguous:
+    several places look alike; searching: no place stands out; lost: one did that fits no more."""
+    radius: float | None
+    """The robot is within this distance of the estimate [m], in 99.9 % of pictures; null where
+    nothing is claimed."""
+    heading_bound: float | None
+    """Its heading is within this angle of the estimate's [rad]; null where nothing is claimed."""
+    alerts: list[str]
+    """Reasons for doubt in plain words, the likeliest first; empty when there is none."""
 
 
 class RecordingMessage(Message):
@@ -147,6 +158,7 @@ class TelemetryMessage(Message):
     odometry: PoseMessage | None
     """Dead reckoning since the start (or the last place), in the map."""
     estimate: EstimateMessage | None
+    integrity: IntegrityMessage
     twist: TwistMessage
     mode: Literal["idle", "drive", "figure_eight"]
     particles: ParticlesMessage

@@ -71,10 +71,14 @@ def _array(node: Mapping[str, Any]) -> str:
 
 
 def interface(name: str, node: Mapping[str, Any]) -> str:
-    """One message as an exported interface with its descriptions.
+    """One message as an exported interface with its descriptions, or one list of words as a type.
 
     Keys with a default may be absent, except the constant ``type`` that tells messages apart.
     """
+    if "enum" in node:
+        return "\n".join(
+            [*_comment(node.get("description"), ""), f"export type {name} = {type_of(node)};\n"]
+        )
     required = set(node.get("required", ()))
     lines = [*_comment(node.get("description"), ""), f"export interface {name} {{"]
     for key, value in node["properties"].items():

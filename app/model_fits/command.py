@@ -26,8 +26,7 @@ def models_command(given: Given) -> int:
             *files, folder, given.get("body"), clock, config_of(given)
         )
         for region in results["motion"]["regions"]:
-            share, horizon = region["held"], region["horizon"]
-            say(f"the 95 % region over {horizon:g} s held {share:.1%} of the second half")
+            say(_region_line(region))
     else:
         results = _simulated(given, folder)
         for name, tables in results["compared"].items():
@@ -41,6 +40,15 @@ def models_command(given: Given) -> int:
     say(f"fitted parameters are in {folder / FITTED}, for --config")
     say(f"the report is {folder / 'report.html'}")
     return 0
+
+
+def _region_line(region: dict[str, Any]) -> str:
+    low, high = region["held_interval"]
+    return (
+        f"the 95 % region over {region['horizon']:g} s held {region['held']:.1%} of the second "
+        f"half ({low:.1%} to {high:.1%}, as of {region['held_independent']:.0f} independent "
+        f"windows): {region['judgement']}"
+    )
 
 
 def _simulated(given: Given, folder: Path) -> dict[str, Any]:

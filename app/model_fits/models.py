@@ -15,6 +15,7 @@ from app.evaluation.experiment import Experiment, run
 from app.evaluation.results import condition_table
 from app.model_fits.fit_error import FitError
 from app.model_fits.fitted_file import clipped, fitted_settings, toml_of
+from app.model_fits.motion.held import Held
 from app.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
 from app.model_fits.report.models_report import models_report
 from app.model_fits.sensor.range_statistics import RangeStatistics
@@ -186,10 +187,17 @@ def motion_table(motion: MotionStatistics) -> Table:
         "floor": {"xy_m": alphas.floor_xy, "theta_rad": alphas.floor_theta},
         "umbmark": _umbmark_table(motion),
         "ends": [_ends_table(*pair) for pair in motion.ends],
-        "regions": [
-            asdict(held.region) | {"stretch": held.region.stretch, "held": held.share}
-            for held in motion.held
-        ],
+        "regions": [_region_table(held) for held in motion.held],
+    }
+
+
+def _region_table(held: Held) -> Table:
+    return asdict(held.region) | {
+        "stretch": held.region.stretch,
+        "held": held.share,
+        "held_interval": list(held.interval),
+        "held_independent": held.independent,
+        "judgement": held.judgement,
     }
 
 

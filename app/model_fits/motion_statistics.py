@@ -11,9 +11,10 @@ from app.batch.workers import Workers
 from app.config import Config
 from app.evaluation.runs import EvaluationError
 from app.evaluation.worlds import in_world
-from app.model_fits.motion.coverage import Region, fit_regions, share_held, usable_horizons
+from app.model_fits.motion.coverage import fit_regions, usable_horizons
 from app.model_fits.motion.drive_correction import DriveCorrection
 from app.model_fits.motion.drive_fit import DriveFit, fit_drive
+from app.model_fits.motion.held import Held, held_by
 from app.model_fits.motion.run import MotionRun, cut_at, paired_runs
 from app.model_fits.trials.motions import SIDE
 from app.model_fits.trials.spread import EndSpread, end_spreads
@@ -24,14 +25,6 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import WheelMultipliers
 from robot.localization.models.differential_motion import DifferentialMotion
 from sim.imperfections import draw
-
-
-@dataclass(frozen=True)
-class Held:
-    """A region, and what it held of drives that it was not fitted to."""
-
-    region: Region
-    share: float
 
 
 @dataclass(frozen=True)
@@ -142,9 +135,7 @@ def recorded_motion(
     fit = fit_drive(first, track=track)
     horizons = [h for h in usable_horizons(first) if h in usable_horizons(second)]
     regions = fit_regions(first, fit.correction, fit.motion, horizons=horizons)
-    held = tuple(
-        Held(region, share_held(second, fit.correction, fit.motion, region)) for region in regions
-    )
+    held = tuple(held_by(second, fit.correction, fit.motion, region) for region in regions)
     more = fit.correction.wheel_multipliers(track)
     wheels = WheelMultipliers(*(a * b for a, b in zip(believed, more, strict=True)))
     return MotionStatistics(fit, None, wheels, None, (), held, clock_offset)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ros2.making import belief, motion, seeing, state
+from app.ros2.making import belief, diagnosis, motion, seeing, state
 from app.ros2.topic import LATCHED, Topic
 
 TOPICS: tuple[Topic, ...] = (
@@ -82,7 +82,7 @@ TOPICS: tuple[Topic, ...] = (
         "diagnostics",
         "diagnostic_msgs/msg/DiagnosticArray",
         motion.each_second,
-        state.diagnostics,
+        diagnosis.diagnostics,
     ),
     Topic(
         "truth",

@@ -54,13 +54,14 @@ def _nearest(
 
 
 def _with_stamps(trajectory: Trajectory, indices: NDArray[np.int64], stamps: Array) -> Trajectory:
-    """Poses at indices, with other stamps, which rise even where an index is repeated."""
+    """Poses at indices, with the stamps of others, of which some may be repeated."""
     return Trajectory(
         stamps,
         trajectory.positions[indices],
         trajectory.quaternions[indices],
         trajectory.source,
         trajectory.notes,
+        repeats=True,
     )
 
 
@@ -80,6 +81,7 @@ def at(
     Raises:
         TrajectoryError: they are known at fewer than two stamps; names the times.
     """
+    trajectory = trajectory.one_a_stamp()
     asked = np.asarray(stamps, dtype=np.float64).ravel()
     known = trajectory.stamps
     before = np.clip(np.searchsorted(known, asked, side="right") - 1, 0, len(known) - 2)

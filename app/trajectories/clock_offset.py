@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from app.trajectories.motion_profile import correlations, in_gap, motion_profile
+from app.trajectories.motion_profile import MotionProfile, correlations, in_gap, motion_profile
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 
@@ -22,6 +22,10 @@ NOISE = 0.1
 """Errors larger than the way in this time [s] are drift and jumps: positions are not believed."""
 BETWEEN = 0.2
 """Between poses of which a speed is taken [s]."""
+USUALLY = 80
+"""Percentile of the speeds by which sizes are compared: a robot may stand, and an estimate jump."""
+OTHER_SIZE = 1.5
+"""What is so many times as fast has another unit or, as of a single camera, none."""
 PIECE = 20.0
 """Positions are compared in pieces of this length [s], each aligned alone, as odometry drifts."""
 POSES_COMPARED = 20_000
@@ -59,7 +63,8 @@ def estimate_clock_offset(
     twice has them, those with the largest overlap count, and of these the one with the least error
     of position; its minimum, with truth between its poses, refines the offset unless the estimate
     drifts or jumps. If either is planar the other is taken from above. Noise of s [m] in n poses
-    at speed v leaves some s / (v sqrt(n)) [s].
+    at speed v leaves some s / (v sqrt(n)) [s]. An estimate of another size, as a single camera
+    makes it, is brought to the truth's first.
 
     Args:
         truth: with any clock.
@@ -70,9 +75,10 @@ def estimate_clock_offset(
         TrajectoryError: one is too short or too long, or no offset is in reach.
     """
     from_above = truth.planar or estimate.planar
-    offsets, alike, overlap = correlations(
-        motion_profile(truth, from_above), motion_profile(estimate, from_above)
-    )
+    true, found = motion_profile(truth, from_above), motion_profile(estimate, from_above)
+    size = _size(true, found)
+    offsets, alike, overlap = correlations(true, found.scaled(size))
+    estimate = replace(estimate, positions=size * estimate.positions, lines=None)
     reached = overlap >= OVERLAP
     if search is not None:
         reached &= np.abs(offsets) <= search
@@ -83,11 +89,11 @@ def estimate_clock_offset(
             f"valid is at least {OVERLAP:.0%} of the shorter one"
         )
     alike = np.where(reached, alike, -2.0)
-    found = []
+    likely = []
     for peak in _peaks(alike, overlap):
         offset, error = _refined(truth, estimate, _top(offsets, alike, int(peak)))
-        found.append(ClockOffset(offset, float(alike[peak]), float(overlap[peak]), error))
-    return min(found, key=lambda one: one.error)
+        likely.append(ClockOffset(offset, float(alike[peak]), float(overlap[peak]), error))
+    return min(likely, key=lambda one: one.error)
 
 
 def require_same_run(
@@ -150,6 +156,17 @@ def _refined(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[fl
     if abs(best.x) > 0.98 * REFINED_WITHIN or best.fun > NOISE * _speed(truth):
         return offset, error(0.0)
     return offset + float(best.x), float(best.fun)
+
+
+def _size(true: MotionProfile, found: MotionProfile) -> float:
+    """What an estimate is to be multiplied by; 1 unless it is of quite another size."""
+    usual, theirs = (
+        float(np.percentile(one.channels[0, one.known], USUALLY)) if one.known.any() else 0.0
+        for one in (true, found)
+    )
+    if min(usual, theirs) <= 0 or max(usual / theirs, theirs / usual) < OTHER_SIZE:
+        return 1.0
+    return usual / theirs
 
 
 def _speed(trajectory: Trajectory) -> float:

@@ -37,6 +37,10 @@ class MotionProfile:
     known: NDArray[np.bool_]
     """(n,): not within a gap."""
 
+    def scaled(self, size: float) -> MotionProfile:
+        """Of a path that is so many times as large."""
+        return replace(self, channels=self.channels * [[size], [1.0]])
+
 
 def motion_profile(trajectory: Trajectory, from_above: bool) -> MotionProfile:
     """Speed and turn rate of a trajectory, smoothed.

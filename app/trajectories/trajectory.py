@@ -31,12 +31,13 @@ class Trajectory:
     """Poses of a body in a world frame (z up), by rising stamps; the arrays are read-only.
 
     Raises:
-        TrajectoryError: fewer than two poses, a stamp that is not after the one before it, a
-            number that is not finite or far too large, a quaternion without length.
+        TrajectoryError: fewer than two poses, a stamp that is not after the one before it (with
+            ``repeats``: before it), a number that is not finite or far too large, a quaternion
+            without length.
     """
 
     stamps: Array
-    """(n,) [s], strictly rising."""
+    """(n,) [s], strictly rising, or with ``repeats`` never falling."""
     positions: Array
     """(n, 3) [m]."""
     quaternions: Array
@@ -45,6 +46,8 @@ class Trajectory:
     """What messages call it, such as the file's name."""
     notes: tuple[str, ...] = ()
     """Comments of the file."""
+    repeats: bool = False
+    """Whether several poses may bear one stamp, as in the TUM benchmark's own freiburg2_desk."""
     lines: InitVar[Sequence[int] | None] = None
     """For messages: the line (n,) of the file that each pose stands on."""
 
@@ -54,7 +57,7 @@ class Trajectory:
         quaternions = _numbers(self.quaternions, (len(stamps), 4))
         if len(stamps) < 2:
             raise TrajectoryError(f"{self.name} has {_poses(len(stamps))}; valid are 2 and more")
-        fault = _first_fault(stamps, positions, quaternions)
+        fault = _first_fault(stamps, positions, quaternions, self.repeats)
         if fault is not None:
             index, message = fault
             where = f"pose {index + 1}" if lines is None else f"line {lines[index]}"
@@ -76,6 +79,7 @@ class Trajectory:
         source: str = "",
         notes: tuple[str, ...] = (),
         lines: Sequence[int] | None = None,
+        repeats: bool = False,
     ) -> Trajectory:
         """From stamps (n,) [s] and planar poses (n, 3): x, y [m], theta [rad]."""
         planar = np.asarray(poses, dtype=np.float64).reshape(-1, 3)
@@ -88,6 +92,7 @@ class Trajectory:
             np.column_stack([nothing, nothing, half[:, 1], half[:, 0]]),
             source,
             notes,
+            repeats,
             lines,
         )
 
@@ -125,11 +130,18 @@ class Trajectory:
             self.quaternions[indices],
             self.source,
             self.notes,
+            self.repeats,
         )
 
     def from_above(self) -> Trajectory:
         """The planar one that is seen from above: no height, and no turn but the heading."""
-        return Trajectory.of_poses(self.stamps, self.poses, self.source, self.notes)
+        return Trajectory.of_poses(
+            self.stamps, self.poses, self.source, self.notes, repeats=self.repeats
+        )
+
+    def one_a_stamp(self) -> Trajectory:
+        """Of poses that bear one stamp only the last."""
+        return replace(self.picked(np.append(np.diff(self.stamps) > 0, True)), repeats=False)
 
     def shifted(self, seconds: float) -> Trajectory:
         """The same poses, all later by so much [s]."""
@@ -148,14 +160,17 @@ def _poses(count: int) -> str:
     return f"{count} pose{'' if count == 1 else 's'}" if count else "no poses"
 
 
-def _first_fault(stamps: Array, positions: Array, quaternions: Array) -> tuple[int, str] | None:
+def _first_fault(
+    stamps: Array, positions: Array, quaternions: Array, repeats: bool
+) -> tuple[int, str] | None:
     """Index of the first pose that cannot be, and why."""
     largest = np.abs(quaternions).max(axis=1)
+    falls = np.less if repeats else np.less_equal
     faults = (
         (~np.isfinite(np.column_stack([stamps, positions, quaternions])).all(axis=1), _not_finite),
         (np.abs(stamps) > LATEST, _not_seconds),
         ((np.abs(positions) > FARTHEST).any(axis=1) | (largest > FARTHEST), _too_far),
-        (np.append(False, stamps[1:] <= stamps[:-1]), _not_rising),
+        (np.append(False, falls(stamps[1:], stamps[:-1])), _not_rising),
         (largest < NO_LENGTH, _no_length),
     )
     found = [(int(np.argmax(wrong)), message) for wrong, message in faults if wrong.any()]

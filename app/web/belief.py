@@ -1,4 +1,4 @@
-"""What the filter believes, for the wire: estimate, hypotheses, cloud, and how many look alike."""
+"""What the filter believes, for the wire: estimate, what is claimed of it, hypotheses, cloud."""
 
 from __future__ import annotations
 
@@ -13,43 +13,15 @@ from app.messages.telemetry import (
     EstimateMessage,
     FilterMessage,
     HypothesisMessage,
+    IntegrityMessage,
     ParticlesMessage,
 )
 from robot.fields.floor_picture import Extent
-from robot.geometry import Array
-from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
+from robot.localization.integrity import Integrity
 
 MOST_PARTICLES = 2000
 """More are not sent: a map view shows no difference."""
-
-AMBIGUOUS = 0.2
-"""A second hypothesis with this share of the weight makes the place ambiguous."""
-
-SURE = 0.95
-"""A hypothesis above this share of the weight stands alone."""
-
-TOLD = 0.5
-"""Hypotheses with less weight than this together are no answer: the rest may be anywhere."""
-
-
-WIDEST_XY, WIDEST_THETA = 0.2, 0.7
-"""A hypothesis that is spread farther, as standard deviations [m] and [rad], is no place."""
-
-
-def alike(hypotheses: tuple[Hypothesis, ...]) -> int:
-    """How many places look alike; 1 if one stands out, 0 while nothing can be said."""
-    if sum(one.weight for one in hypotheses) < TOLD or _is_wide(hypotheses[0].covariance):
-        return 0
-    heaviest = hypotheses[0].weight
-    if heaviest > SURE:
-        return 1
-    return sum(one.weight >= heaviest / 2 for one in hypotheses)
-
-
-def _is_wide(covariance: Array) -> bool:
-    across = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
-    return across > WIDEST_XY**2 or float(covariance[2, 2]) > WIDEST_THETA**2
 
 
 def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
@@ -59,6 +31,16 @@ def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
     pose = snapshot.pose
     covariance = by_rows(snapshot.estimate.covariance)
     return EstimateMessage(x=pose.x, y=pose.y, theta=pose.theta, covariance=covariance)
+
+
+def integrity_message(claimed: Integrity) -> IntegrityMessage:
+    """What is claimed; a bound that holds of any pose claims nothing, and is null."""
+    return IntegrityMessage(
+        state=claimed.state,
+        radius=claimed.radius if math.isfinite(claimed.radius) else None,
+        heading_bound=claimed.heading_bound if claimed.heading_bound < math.pi else None,
+        alerts=[alert.text for alert in claimed.alerts],
+    )
 
 
 def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
@@ -80,12 +62,9 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
 
 def filter_message(snapshot: Snapshot) -> FilterMessage:
     """What the filter does."""
-    hypotheses = snapshot.estimate.hypotheses if snapshot.estimate else ()
     return FilterMessage(
         paused=snapshot.paused,
         updates=snapshot.updates,
-        ambiguous=len(hypotheses) > 1 and hypotheses[1].weight >= AMBIGUOUS,
-        alike=alike(hypotheses),
         broken=snapshot.fault,
     )
 

@@ -22,7 +22,12 @@ from app.messages.telemetry import (
 from app.outlets import Outlets
 from app.own_models.own_models import OwnChoice
 from app.replay.state import ReplayState
-from app.web.belief import estimate_message, filter_message, particles_message
+from app.web.belief import (
+    estimate_message,
+    filter_message,
+    integrity_message,
+    particles_message,
+)
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Placeable, Robot
@@ -49,6 +54,7 @@ class TelemetryWriter:
             truth=pose_message(snapshot.truth),
             odometry=pose_message(snapshot.odometry),
             estimate=estimate_message(snapshot),
+            integrity=integrity_message(snapshot.integrity),
             twist=TwistMessage(v=snapshot.twist.v, omega=snapshot.twist.omega),
             mode=snapshot.mode,
             particles=particles_message(snapshot, self._field.extent),

@@ -8,7 +8,14 @@ import { roundUp } from "../plots/scale.js";
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {import("../messages").ScanMessage} ScanMessage */
 /** @typedef {import("./view.js").MapView} MapView */
+/** @typedef {import("../messages").IntegrityMessage} IntegrityMessage */
 /** @typedef {CanvasRenderingContext2D} Context */
+
+/** A bound that is smaller on the screen [CSS px] cannot be told from the place itself. */
+const SEEN = 4;
+/** Length of the wedge of headings, at most [CSS px] and [m]. */
+const WEDGE = 70;
+const WEDGE_M = 0.3;
 
 /**
  * Rays to their hits, from where the filter believed the robot at that moment.
@@ -99,6 +106,34 @@ export function drawCertainty(context, { x, y, covariance }, pixel, faint) {
   context.setLineDash(faint ? [4 * pixel, 3 * pixel] : []);
   drawEllipse(context, x, y, radii, angle, palette["floor-estimate"], pixel);
   context.setLineDash([]);
+}
+
+/**
+ * What is claimed: the robot is within the circle, its heading within the wedge. Left out where
+ * they are too small to see.
+ * @param {Context} context
+ * @param {PoseMessage} pose
+ * @param {IntegrityMessage} integrity
+ * @param {number} pixel [m]
+ */
+export function drawClaim(context, pose, { radius, heading_bound: bound }, pixel) {
+  context.save();
+  enter(context, pose);
+  const claim = new Path2D();
+  if (radius !== null && radius > SEEN * pixel) claim.arc(0, 0, radius, 0, 2 * Math.PI);
+  const reach = Math.min(WEDGE * pixel, WEDGE_M);
+  if (bound !== null && reach * bound > SEEN * pixel) {
+    claim.moveTo(0, 0);
+    claim.arc(0, 0, reach, -bound, bound);
+    claim.closePath();
+  }
+  context.fillStyle = palette["floor-estimate"];
+  context.globalAlpha = 0.08;
+  context.fill(claim);
+  stroke(context, claim, palette["floor-halo"], 3 * pixel, 0.7);
+  context.setLineDash([6 * pixel, 3 * pixel]);
+  stroke(context, claim, palette["floor-estimate"], 1.5 * pixel, 1);
+  context.restore();
 }
 
 /**

@@ -2,9 +2,10 @@
 import { find, findButton, setText } from "../page/elements.js";
 import { degrees, distance, millimetres } from "../page/format.js";
 import { Surface } from "../page/surface.js";
+import { Doubts } from "./doubts.js";
 import { Gestures } from "./gestures.js";
 import { NumbersForm } from "./numbers.js";
-import { certainty } from "./places.js";
+import { certainty, claim } from "./places.js";
 import { Scene } from "./scene.js";
 import { Telling } from "./telling.js";
 import { PoseTool } from "./tools.js";
@@ -30,6 +31,7 @@ export class MapPanel {
   #view = new MapView();
   #hint = find("map-hint", HTMLElement);
   #certainty = find("map-certainty", HTMLElement);
+  #doubts = new Doubts(find("map-doubts", HTMLElement));
   #text = find("map-text", HTMLElement);
   #tools = [...document.querySelectorAll("button[data-tool]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
@@ -84,9 +86,12 @@ export class MapPanel {
    * @param {TelemetryMessage} telemetry
    */
   describe(telemetry) {
-    const { certainty: state, words } = certainty(telemetry);
-    this.#certainty.dataset.state = state;
+    const { integrity } = telemetry;
+    const words = certainty(telemetry);
+    this.#certainty.dataset.state = integrity.state;
+    this.#certainty.title = claim(integrity);
     setText(this.#certainty, words);
+    this.#doubts.show(integrity.alerts);
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
     for (const button of this.#tools) {

@@ -1,5 +1,6 @@
 // @ts-check
 import { palette } from "../page/palette.js";
+import { alike } from "./places.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
@@ -71,7 +72,8 @@ export class Paths {
   #stamp = -Infinity;
 
   /** @param {TelemetryMessage} telemetry */
-  add({ stamp, truth, odometry, estimate, filter, replay }) {
+  add(telemetry) {
+    const { stamp, truth, odometry, estimate, replay } = telemetry;
     // On its way to another place a replay has no estimate yet.
     if (typeof replay?.catching_up === "number") return;
     if (stamp < this.#stamp) {
@@ -82,7 +84,7 @@ export class Paths {
     if (odometry) this.#trails.odometry.add(odometry, stamp);
     if (replay?.estimate_then) this.#trails.then.add(replay.estimate_then, stamp);
     // While places look alike, now one and now another is the likeliest: that is no way.
-    if (estimate && filter.alike < 2) this.#trails.estimate.add(estimate, stamp);
+    if (estimate && alike(telemetry) < 2) this.#trails.estimate.add(estimate, stamp);
   }
 
   clear() {

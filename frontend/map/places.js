@@ -1,64 +1,87 @@
 // @ts-check
-import { millimetres } from "../page/format.js";
+import { plain } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").HypothesisMessage} HypothesisMessage */
-/** @typedef {"" | "sure" | "likely" | "alike" | "lost"} Certainty */
+/** @typedef {import("../messages").State} State */
 
 /** Lighter hypotheses are noise. */
 const LIKELY = 0.02;
-/** From this weight on nobody need doubt. */
-const SURE = 0.95;
-/** Hypotheses with less weight than this together are no answer: the robot is rather elsewhere. */
-const TOLD = 0.5;
+/** A place of at least this part of the heaviest's weight looks like it. */
+const ALIKE = 0.5;
 /** A chance of being elsewhere that is worth saying. */
 const ELSEWHERE = 0.1;
-/** Where the robot is known better than this [m], it is known. */
-const NEAR = 0.1;
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
 export const RADII_95 = 2.4477;
+/** Tenths of a degree in a radian. */
+const TENTHS = 1800 / Math.PI;
+/** What a number may be above a whole one by its representation alone. */
+const FUZZ = 1e-6;
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+
+/**
+ * How many places may be the robot's: one that stands out, several that look alike, or none.
+ * @param {Pick<TelemetryMessage, "integrity" | "particles">} telemetry
+ * @returns {number}
+ */
+export function alike({ integrity: { state }, particles: { hypotheses } }) {
+  if (state === "searching" || state === "lost") return 0;
+  if (state !== "ambiguous") return 1;
+  return hypotheses.filter(({ weight }) => weight >= ALIKE * hypotheses[0].weight).length;
+}
 
 /**
  * The places where the robot may be, heaviest first; none if there is one only, or none at all.
  * @param {TelemetryMessage} telemetry
  * @returns {HypothesisMessage[]}
  */
-export function places({ particles: { hypotheses }, filter: { alike } }) {
-  if (alike === 0) return [];
-  const likely = hypotheses.filter(({ weight }) => weight >= LIKELY);
+export function places(telemetry) {
+  if (alike(telemetry) === 0) return [];
+  const likely = telemetry.particles.hypotheses.filter(({ weight }) => weight >= LIKELY);
   return likely.length > 1 ? likely : [];
 }
 
 /**
- * How sure the filter is, in words.
- * @param {TelemetryMessage} telemetry
- * @returns {{certainty: Certainty, words: string}}
+ * How far the estimate may be relied on, in words.
+ * @param {Pick<TelemetryMessage, "integrity" | "particles" | "twist">} telemetry
+ * @returns {string}
  */
-export function certainty({ particles: { hypotheses }, filter: { alike, updates }, twist }) {
-  const told = hypotheses.reduce((sum, { weight }) => sum + weight, 0);
-  if (alike === 0) {
-    const moves = twist.v !== 0 || twist.omega !== 0;
-    const lost = hypotheses.length > 0 && told < TOLD;
-    return { certainty: "lost", words: searching(lost, moves) };
-  }
-  if (alike > 1) {
-    const count = NUMBERS[alike] ?? String(alike);
-    const rest = 1 - told >= ELSEWHERE ? `, ${percent(1 - told)} elsewhere` : "";
-    return { certainty: "alike", words: `${count} places look alike${rest}` };
-  }
-  const [{ weight, covariance }] = hypotheses;
-  if (weight <= SURE) return { certainty: "likely", words: `probably here: ${percent(weight)}` };
-  const reach = RADII_95 * ellipse(covariance).sds[0];
-  if (reach > NEAR) return { certainty: "likely", words: `about here, ± ${millimetres(tens(reach))}` };
-  // A cloud that was just put somewhere knows only what it was told.
-  return updates === 0 ? { certainty: "", words: "" } : { certainty: "sure", words: "sure" };
+export function certainty(telemetry) {
+  const { state, radius } = telemetry.integrity;
+  const within = radius === null ? "" : `, ± ${bound(radius)}`;
+  if (state === "certain") return `certain${within}`;
+  if (state === "approximate") return `about here${within}`;
+  if (state === "ambiguous") return undecided(telemetry);
+  // It looks around while it moves; what it sees from where it stands it has seen.
+  const { v, omega } = telemetry.twist;
+  if (v === 0 && omega === 0) return `${state}: drive a little`;
+  return state === "lost" ? "lost: searching" : "searching";
 }
 
-/** @param {boolean} lost whether no place fits that did before @param {boolean} moves */
-function searching(lost, moves) {
-  if (lost) return moves ? "lost: looking around" : "lost: drive a little";
-  return moves ? "looking around" : "looking around: drive a little";
+/** @param {Pick<TelemetryMessage, "integrity" | "particles">} telemetry */
+function undecided(telemetry) {
+  const { hypotheses } = telemetry.particles;
+  const count = alike(telemetry);
+  if (count === 0) return "several places look alike";
+  if (count === 1) return `probably here: ${percent(hypotheses[0].weight)}`;
+  const elsewhere = 1 - hypotheses.reduce((sum, { weight }) => sum + weight, 0);
+  const rest = elsewhere >= ELSEWHERE ? `, ${percent(elsewhere)} elsewhere` : "";
+  return `${NUMBERS[count] ?? count} places look alike${rest}`;
+}
+
+/** What is claimed, in a sentence. @param {TelemetryMessage["integrity"]} integrity */
+export function claim({ radius, heading_bound: heading }) {
+  const limits = [];
+  if (radius !== null) limits.push(bound(radius));
+  if (heading !== null) limits.push(`${plain(Math.ceil(heading * TENTHS - FUZZ) / 10, 1)}°`);
+  if (limits.length === 0) return "How sure the filter is of the place; at arrows, how likely each is";
+  return `In 99.9 % of pictures the robot is within ${limits.join(" and ")} of the estimate.`;
+}
+
+/** A bound never rounded down. @param {number} metres */
+function bound(metres) {
+  const step = metres < 0.1 ? 1 : 10;
+  return `${plain(Math.ceil((metres * 1000) / step - FUZZ) * step)} mm`;
 }
 
 /**
@@ -75,9 +98,6 @@ export function ellipse([xx, xy, , , yy]) {
     angle: Math.atan2(2 * xy, xx - yy) / 2,
   };
 }
-
-/** Whole centimetres: more is not known. @param {number} metres */
-const tens = (metres) => Math.round(metres * 100) / 100;
 
 /** @param {number} weight 0 to 1 */
 export function percent(weight) {

@@ -5,7 +5,7 @@ import * as drawing from "./drawing.js";
 import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
-import { places } from "./places.js";
+import { alike, places } from "./places.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
@@ -60,32 +60,43 @@ export class Scene {
     });
     drawCloud(context, this.view, decodeCloud(telemetry.particles));
     const found = places(telemetry);
-    const { alike } = telemetry.filter;
+    const count = alike(telemetry);
     this.#inMetres(context, () => {
       found.forEach((place, i) => drawing.drawCertainty(context, place, pixel, i > 0));
-      this.#paintRobots(context, telemetry, pixel, found.length === 0 && alike > 0);
+      if (found.length === 0) this.#paintEllipse(context, telemetry, pixel, count);
+      this.#paintRobots(context, telemetry, pixel, count);
     });
-    drawHypotheses(context, this.view, found, alike === 1);
+    drawHypotheses(context, this.view, found, count === 1);
   }
 
   /**
    * @param {CanvasRenderingContext2D} context
    * @param {TelemetryMessage} telemetry
    * @param {number} pixel [m]
-   * @param {boolean} clear whether the estimate is the only place
+   * @param {number} count of places that may be the robot's
    */
-  #paintRobots(context, { truth, estimate, filter, replay }, pixel, clear) {
-    if (estimate && clear) drawing.drawCertainty(context, estimate, pixel, false);
+  #paintEllipse(context, { estimate }, pixel, count) {
+    if (estimate && count > 0) drawing.drawCertainty(context, estimate, pixel, false);
+  }
+
+  /**
+   * @param {CanvasRenderingContext2D} context
+   * @param {TelemetryMessage} telemetry
+   * @param {number} pixel [m]
+   * @param {number} count of places that may be the robot's
+   */
+  #paintRobots(context, { truth, estimate, integrity, replay }, pixel, count) {
     const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
     if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
     const then = { colour: palette["floor-then"], dash: [9, 3, 2, 3] };
     if (replay?.estimate_then)
       drawing.drawRobot(context, replay.estimate_then, this.#outline, pixel, then);
     // The arrows of places that look alike say more than a robot at one of them.
-    if (!estimate || filter.alike > 1) return;
+    if (!estimate || count > 1) return;
+    if (count === 1) drawing.drawClaim(context, estimate, integrity, pixel);
     // What is no more than the middle of a cloud all over the field is not drawn like a robot.
     const vague = { colour: palette["floor-estimate"], dash: [2, 4] };
-    const believed = filter.alike > 0 ? { colour: vague.colour, fill: 0.15 } : vague;
+    const believed = count > 0 ? { colour: vague.colour, fill: 0.15 } : vague;
     drawing.drawRobot(context, estimate, this.#outline, pixel, believed);
   }
 

@@ -1,4 +1,5 @@
 // @ts-check
+import { alike } from "../map/places.js";
 import { distance } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
@@ -45,9 +46,9 @@ export class History {
     if (telemetry.stamp < newest) this.#drop(this.stamps.length);
     else if (telemetry.stamp < newest + SHORTEST_S) return false;
     this.stamps.push(telemetry.stamp);
-    const { truth, odometry, particles, loop, filter } = telemetry;
+    const { truth, odometry, particles, loop } = telemetry;
     // While places look alike, now one and now another is the likeliest: there is no one error.
-    const estimate = filter.alike < 2 ? telemetry.estimate : null;
+    const estimate = alike(telemetry) < 2 ? telemetry.estimate : null;
     this.values.odometryError.push(truth && odometry ? distance(truth, odometry) * 1000 : NaN);
     this.values.estimateError.push(truth && estimate ? distance(truth, estimate) * 1000 : NaN);
     const then = telemetry.replay?.estimate_then;

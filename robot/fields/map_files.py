@@ -94,15 +94,15 @@ def read_map_yaml(path: Path) -> MapYaml:
 
 
 def read_picture(path: Path) -> Picture:
-    """Read a PGM, PNG or BMP, told apart by what is in it rather than by its name.
+    """Read a PGM, PPM, PNG or BMP, told apart by what is in it rather than by its name.
 
     Raises:
         MapError: there is no such file, it is of another kind, too large or damaged.
     """
     try:
         data = _read(path, MAX_PICTURE_BYTES)
-        if re.match(rb"P[25]\s", data):
-            return _read_pgm(data)
+        if re.match(rb"P[2356]\s", data):
+            return _read_netpbm(data)
         if data.startswith(b"\x89PNG\r\n\x1a\n"):
             _check_size(*_unpack(">II", data, 16))
         elif data.startswith(b"BM"):
@@ -110,7 +110,7 @@ def read_picture(path: Path) -> Picture:
             width, height = _unpack("<HH" if core else "<ii", data, 18)
             _check_size(width, abs(height))
         else:
-            raise MapError("no picture of a known kind; valid are PGM, PNG and BMP")
+            raise MapError("no picture of a known kind; valid are PGM, PPM, PNG and BMP")
         return _decode(data)
     except MapError as error:
         shown = str(path) if len(str(path)) <= 200 else f"...{str(path)[-200:]}"
@@ -158,22 +158,28 @@ def _check_size(width: int, height: int) -> None:
         )
 
 
-def _read_pgm(data: bytes) -> Picture:
-    """Netpbm's grey map, binary (P5) or in digits (P2); OpenCV would lose its brightest value."""
+def _read_netpbm(data: bytes) -> Picture:
+    """A grey map (P5, P2) or a colour one (P6, P3), binary or in digits.
+
+    OpenCV would lose its brightest value.
+    """
     gap = rb"(?:\s|#[^\n\r]*[\n\r])+"
-    header = re.match(rb"(P[25])" + 3 * (gap + rb"(\d{1,9})") + rb"\s", data)
+    header = re.match(rb"P([2356])" + 3 * (gap + rb"(\d{1,9})") + rb"\s", data)
     if header is None:
         raise MapError("the picture's PGM header is damaged")
-    width, height, white = (int(number) for number in header.groups()[1:])
+    kind, width, height, white = (int(number) for number in header.groups())
     _check_size(width, height)
     if not 1 <= white <= 65535:
         raise MapError(f"the brightest value of the PGM is {white}; valid is 1 to 65535")
-    values = _digits(data[header.end() :]) if header[1] == b"P2" else data[header.end() :]
-    kind = np.dtype(">u2" if white > 255 or header[1] == b"P2" else "u1")
-    if len(values) < width * height * kind.itemsize:
+    in_digits, channels = kind in (2, 3), 3 if kind in (3, 6) else 1
+    values = _digits(data[header.end() :]) if in_digits else data[header.end() :]
+    number = np.dtype(">u2" if white > 255 or in_digits else "u1")
+    count = width * height * channels
+    if len(values) < count * number.itemsize:
         raise MapError(f"the picture holds too little for {width} x {height} px")
-    grey = np.frombuffer(values, kind, width * height).reshape(height, width)
-    return Picture(np.minimum(grey, white).astype(kind.newbyteorder("=")), None, white)
+    shape = (height, width) if channels == 1 else (height, width, channels)
+    colour = np.frombuffer(values, number, count).reshape(shape)
+    return Picture(np.minimum(colour, white).astype(number.newbyteorder("=")), None, white)
 
 
 def _digits(data: bytes) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from enum import Enum, auto
 
 from robot.geometry import Array, Pose2
 
@@ -17,6 +18,17 @@ class Hypothesis:
     """Weighted mean in the map."""
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad]"""
+
+
+class Standing(Enum):
+    """What a filter knows of its search for other places."""
+
+    CONFIRMED = auto()
+    """Where it was told, or it has looked over the whole field since it was lost."""
+    UNCONFIRMED = auto()
+    """It was lost, and has not yet looked for all places again."""
+    LOST = auto()
+    """The robot is likelier elsewhere than at all the places that are followed."""
 
 
 @dataclass(frozen=True, slots=True)

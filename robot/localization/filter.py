@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from robot.geometry import Array, Pose2, compose, covariance_root
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.setup import Setup
 from robot.scan import Scan
 
@@ -62,8 +62,17 @@ class Filter(Protocol):
         """How many equally heavy particles the cloud is worth."""
         ...
 
+    @property
+    def standing(self) -> Standing:
+        """What it knows of its search for other places."""
+        ...
+
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; the belief stays."""
+        ...
+
+    def loosen(self, factor: float) -> None:
+        """From now on steps err so many times more than the motion model says."""
         ...
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:

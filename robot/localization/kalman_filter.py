@@ -16,8 +16,9 @@ from robot.geometry import (
     pose_covariance,
     wrap_angle,
 )
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
+from robot.localization.models.loosened_motion import loosened
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
@@ -57,6 +58,8 @@ class KalmanFilter:
         self.doubt = doubt
         """How much less ranges are believed while the pose is in doubt: 0 is the textbook's."""
         self.motion = motion
+        self.looseness = 1.0
+        """How many times more than the motion model says steps err."""
         self.matcher = matcher
         self.field = field
         self.max_beams = max_beams
@@ -72,10 +75,19 @@ class KalmanFilter:
         matcher = matcher_of(setup)
         return cls(setup.motion, matcher, setup.field, covariance, beams, rng, doubt=1.0)
 
+    @property
+    def standing(self) -> Standing:
+        """It does not look for other places."""
+        return Standing.CONFIRMED
+
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; the belief stays."""
         self.motion, self.matcher = setup.motion, matcher_of(setup)
         self.max_beams = setup.parameters.sensor.max_beams
+
+    def loosen(self, factor: float) -> None:
+        """From now on steps err so many times more than the motion model says."""
+        self.looseness = factor
 
     @property
     def cloud(self) -> Cloud:
@@ -119,7 +131,7 @@ class KalmanFilter:
 
     def predict(self, moved: Pose2) -> None:
         """Follow a step by odometry."""
-        step, noise = self.motion.moments(moved)
+        step, noise = loosened(self.motion, self.looseness).moments(moved)
         self._pose, self._covariance = follow(self._pose, self._covariance, step, noise)
 
     def correct(self, scan: Scan) -> None:
@@ -156,7 +168,9 @@ def matcher_of(setup: Setup) -> ScanMatcher:
     """
     sensor = setup.parameters.sensor
     sd = sensor.sigma_hit / math.sqrt(sensor.likelihood_weight)
-    return ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd)
+    return ScanMatcher(
+        setup.field.edge_index, sensor.laser_max_range, sd, GATE * sd, sensor.sigma_slope
+    )
 
 
 def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[Pose2, Array]:

@@ -8,7 +8,9 @@ from dataclasses import replace
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud, Filter
-from robot.localization.integrity import SEARCHING, Integrity, State
+from robot.localization.integrity import SEARCHING, Integrity
+from robot.localization.monitoring.claims import claim
+from robot.localization.monitoring.monitor import NO_DOUBT, Monitor
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
 from robot.scan import Scan
@@ -23,6 +25,7 @@ class Localizer:
         parameters: FilterParameters,
         refinement: Refinement | None = None,
         reach: tuple[float, float] = (0.0, math.inf),
+        monitor: Monitor | None = None,
     ) -> None:
         self.reach = reach
         """Shortest and longest range that are believed [m]."""
@@ -30,6 +33,8 @@ class Localizer:
         self.parameters = parameters
         self.refinement = refinement
         """Makes the heaviest hypothesis finer; None leaves it as the filter has it."""
+        self.monitor = monitor
+        """Watches what is claimed; None claims by weight and covariance alone."""
         self.updates = 0
         """Scans taken since the belief was last made anew."""
         self.integrity: Integrity = SEARCHING
@@ -98,20 +103,38 @@ class Localizer:
         self.filter.correct(seen)
         self.updates += 1
         estimate = self.estimate(scan.stamp)
-        if estimate is None or self.refinement is None:
-            return estimate
-        finer = self.refinement.refine(estimate.hypotheses[0], seen)
-        return replace(estimate, hypotheses=(finer, *estimate.hypotheses[1:]))
+        if estimate is None:
+            return None
+        heaviest = estimate.hypotheses[0]
+        if self.refinement is not None:
+            heaviest = self.refinement.refine(heaviest, seen)
+        if self.monitor is not None:
+            spread = estimate.effective / max(len(self.filter.cloud.weights), 1)
+            self.monitor.observe(heaviest, seen, odometry, spread)
+            self.filter.loosen(self.monitor.looseness)
+            heaviest = replace(
+                heaviest, covariance=heaviest.covariance + self.monitor.doubt.covariance
+            )
+        estimate = replace(estimate, hypotheses=(heaviest, *estimate.hypotheses[1:]))
+        self.integrity = self._claim(estimate)
+        return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:
         """What the filter says now; None while it cannot say anything."""
         found = self.filter.hypotheses
-        self.integrity = _claimed(found)
+        if not found:
+            self.integrity = SEARCHING
         return Estimate(stamp, found, self.filter.effective) if found else None
+
+    def _claim(self, estimate: Estimate) -> Integrity:
+        doubt = NO_DOUBT if self.monitor is None else self.monitor.doubt
+        return claim(estimate.hypotheses, self.filter.standing, doubt)
 
     def _restart(self) -> None:
         self.updates = 0
         self.integrity = SEARCHING
+        if self.monitor is not None:
+            self.monitor.begin_anew()
         # The belief is about the robot where it is now: what it drove before is in it already.
         self._odometry = self.now
         self._forced = True
@@ -124,9 +147,3 @@ class Localizer:
     def _is_due(self, moved: Pose2) -> bool:
         far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d
         return far or abs(moved.theta) >= self.parameters.update_min_a
-
-
-def _claimed(found: tuple[Hypothesis, ...]) -> Integrity:
-    if not found:
-        return SEARCHING
-    return Integrity(State.CERTAIN if found[0].weight > 0.95 else State.AMBIGUOUS)

@@ -106,6 +106,14 @@ class SensorParameters:
     sigma_hit: float = setting(
         0.003, "Spread of a range that hit an edge of the map", unit="m", low=0.0005, high=0.5
     )
+    sigma_slope: float = setting(
+        8.0,
+        "How that grows with a range r, as 1 + slope r²: the farther the floor, the more of it a "
+        "pixel sees, and the more a camera askew misplaces it (likelihood fields); 0 is a laser's",
+        unit="1/m²",
+        low=0,
+        high=100,
+    )
     z_hit: float = setting(0.95, "Share of ranges that hit an edge of the map", low=0, high=1)
     z_rand: float = setting(0.05, "Share of ranges that are false", low=0.001, high=1)
     z_short: float = setting(

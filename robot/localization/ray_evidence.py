@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
+import numpy as np
 from numba import njit
 
 from robot.fields.edge_index import EdgeIndex
@@ -44,24 +45,34 @@ class RayEvidence:
     range_max: float
     """How far rays reach [m]."""
     sd: float
-    """Standard deviation of a range [m]."""
+    """Standard deviation of a near range [m]."""
+    slope: float = 0.0
+    """How it grows with a range r, as 1 + slope r^2 [1/m²]."""
     missed: float = MISSED
     """Likelihood of no return where an edge is due; 1 would let it tell nothing."""
 
     @classmethod
-    def of(cls, field: Field, range_max: float, sd: float) -> RayEvidence:
+    def of(cls, field: Field, range_max: float, sd: float, slope: float = 0.0) -> RayEvidence:
         """For the edges of a field."""
-        return cls(field.edge_index, field.visibility, range_max, sd)
+        return cls(field.edge_index, field.visibility, range_max, sd, slope)
 
-    @property
-    def log_peak(self) -> float:
-        """Log-likelihood of a return that is exactly of the edge which is due."""
-        return math.log(SEEN / (self.sd * math.sqrt(2 * math.pi)) + STRAY / self.range_max)
+    def log_peaks(self, ranges: Array) -> Array:
+        """Log-likelihoods (n,) of ranges (n,) that are exactly those of the edges which are due."""
+        wide = self.sd * (1 + self.slope * ranges**2) * math.sqrt(2 * math.pi)
+        peaks: Array = np.log(SEEN / wide + STRAY / self.range_max)
+        return peaks
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
         """Log-likelihood of rays (n, 7) at a pose, on average of all of them."""
         return ray_log_likelihood(
-            pose.to_array(), rays, self.index, self.sight, self.range_max, self.sd, self.missed
+            pose.to_array(),
+            rays,
+            self.index,
+            self.sight,
+            self.range_max,
+            self.sd,
+            self.slope,
+            self.missed,
         )
 
 
@@ -73,6 +84,7 @@ def ray_log_likelihood(
     sight: Visibility,
     range_max: float,
     sd: float,
+    slope: float,
     missed: float,
 ) -> float:
     """Log-likelihood of rays (n, 7) at a pose (3,), on average of all of them; 0 without rays."""
@@ -93,16 +105,17 @@ def ray_log_likelihood(
             at_end, across = _met(x + due * dx, y + due * dy, dx, dy, edge, index.edges, sight)
         found = rays[i, 3] - near
         if math.isfinite(found):
+            wide = sd * (1 + slope * rays[i, 3] * rays[i, 3])
             density = SURPRISE / range_max
             if edge >= 0:
-                density = _density(found - due, sd, range_max, rays[i, 6])
+                density = _density(found - due, wide, range_max, rays[i, 6])
             if at_end:
                 past = due + 0.005
                 behind, edge = cast_toward(
                     x + past * dx, y + past * dy, dx, dy, index, far - near - past
                 )
                 if edge >= 0:
-                    beyond = _density(found - past - behind, sd, range_max, rays[i, 6])
+                    beyond = _density(found - past - behind, wide, range_max, rays[i, 6])
                     density = max(density, beyond)
             total += math.log(density)
         elif edge >= 0 and not at_end and NEAR < due < far - near - FAR / across:

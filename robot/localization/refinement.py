@@ -57,4 +57,5 @@ class Refinement:
             return one
         known = np.linalg.inv(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        return replace(one, pose=match.pose, covariance=np.linalg.inv(match.information))
+        covariance = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
+        return replace(one, pose=match.pose, covariance=covariance)

@@ -43,8 +43,8 @@ class ScanMatcher:
     gate: float
     """Ranges that are farther off than this do not measure the edge [m]."""
     slope: float = 0.0
-    """How the spread grows with a range r, as 1 + slope * r^2 [1/m²]: the farther the floor, the more
-    of it a pixel sees. 0 is a laser's."""
+    """How the spread grows with a range r, as 1 + slope * r^2 [1/m²]: the farther the floor, the
+    more of it a pixel sees. 0 is a laser's."""
 
     def match(self, pose: Pose2, rays: Array, information: Array | None = None) -> Match:
         """Move a pose to where rays (n, 7) fit.

@@ -43,14 +43,15 @@ class Setup:
         """With matcher and evidence as the parameters ask for."""
         _ = entries.planes  # made now, and not while a frame waits for it
         reach, p = parameters.sensor.laser_max_range, parameters.hypotheses
+        slope = parameters.sensor.sigma_slope
         return cls(
             field,
             entries,
             motion,
             sensor,
-            ScanMatcher(field.edge_index, reach, p.fit_sd, p.fit_gate),
-            ScanMatcher(field.edge_index, reach, p.fit_sd, min(p.fit_gate, _half(field))),
-            RayEvidence.of(field, reach, p.fit_sd),
+            ScanMatcher(field.edge_index, reach, p.fit_sd, p.fit_gate, slope),
+            ScanMatcher(field.edge_index, reach, p.fit_sd, min(p.fit_gate, _half(field)), slope),
+            RayEvidence.of(field, reach, p.fit_sd, slope),
             parameters,
         )
 

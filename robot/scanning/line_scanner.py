@@ -144,6 +144,7 @@ class LineScanner:
     def __init__(self, view: FloorView, settings: LineScannerSettings) -> None:
         half = settings.field_of_view / 2
         self.settings = settings
+        self.view = view
         self.table = RayTable.build(
             view,
             np.linspace(-half, half, settings.rays),

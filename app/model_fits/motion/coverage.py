@@ -1,4 +1,4 @@
-"""Regions that should hold 95 % of the true ends of a motion, and what share they do hold."""
+"""Regions that should hold 95 % of the true ends of a motion."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.model_fits.fit_error import FitError
 from app.model_fits.motion.drive_correction import DriveCorrection
 from app.model_fits.motion.fit import MotionFit
 from app.model_fits.motion.run import MotionRun
-from app.model_fits.motion.windows import Windows, cut, windows
+from app.model_fits.motion.windows import Cut, Windows, cut, windows
 from robot.geometry import Array
 
 HORIZONS = (1.0, 5.0, 20.0)
@@ -74,18 +74,6 @@ def fit_regions(
     return tuple(_region(runs, horizon, correction, fit, share) for horizon in horizons)
 
 
-def share_held(
-    runs: Sequence[MotionRun], correction: DriveCorrection, fit: MotionFit, region: Region
-) -> float:
-    """Share of the true ends that lie in a region, over all windows of its length.
-
-    Raises:
-        FitError: no drive is as long.
-    """
-    distances = squared_distances(_cut(runs, region.horizon, correction), fit)
-    return float(np.mean(distances <= region.threshold))
-
-
 def usable_horizons(
     runs: Sequence[MotionRun], horizons: Sequence[float] = HORIZONS
 ) -> tuple[float, ...]:
@@ -104,8 +92,18 @@ def squared_distances(of: Windows, fit: MotionFit) -> Array:
     return distances
 
 
-def _cut(runs: Sequence[MotionRun], horizon: float, correction: DriveCorrection) -> Windows:
+def windows_for(runs: Sequence[MotionRun], horizon: float, correction: DriveCorrection) -> Windows:
+    """The windows that a region is fitted to and tried on.
+
+    Raises:
+        FitError: no drive is as long.
+    """
     return windows(runs, horizon, correction, stride=horizon / STRIDES)
+
+
+def cut_for(runs: Sequence[MotionRun], horizon: float) -> list[Cut]:
+    """Where they start and end, drive by drive."""
+    return cut(runs, horizon, stride=horizon / STRIDES)
 
 
 def _region(
@@ -115,7 +113,7 @@ def _region(
     fit: MotionFit,
     share: float,
 ) -> Region:
-    of = _cut(runs, horizon, correction)
+    of = windows_for(runs, horizon, correction)
     if of.independent < LEAST_WINDOWS:
         raise FitError(
             f"{of.independent:.1f} windows of {horizon:g} s cannot tell what holds {share:.0%} of "
@@ -131,8 +129,8 @@ def _region(
 
 
 def _phases(runs: Sequence[MotionRun], horizon: float) -> Array:
-    """For each window of ``_cut`` from which place on in the horizon it is laid side by side."""
-    cuts = cut(runs, horizon, stride=horizon / STRIDES)
+    """For each window from which place on in the horizon it is laid side by side."""
+    cuts = cut_for(runs, horizon)
     return np.concatenate([np.arange(len(one.start)) % STRIDES for one in cuts])
 
 

@@ -11,7 +11,7 @@ from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
 from app.evaluation.report.figures import drawn
-from app.model_fits.motion_statistics import Held
+from app.model_fits.motion.held import Held
 from app.model_fits.sensor_statistics import SensorStatistics
 from app.model_fits.trials.spread import EndSpread
 from robot.geometry import Array
@@ -82,10 +82,17 @@ def regions_held(held: Sequence[Held]) -> str:
     with drawn(4.6, 2.8, done) as figure:
         axes = figure.add_subplot()
         places = np.arange(len(held))
-        axes.axhspan(92, 98, color="#cccccc", lw=0, label="92 to 98 %")
-        axes.plot(places, [100 * one.share for one in held], "o", color=FITTED)
+        axes.axhline(95, color="#888888", lw=1, label="95 %")
+        shares = np.array([one.share for one in held])
+        low, high = np.array([one.interval for one in held]).T
+        off = 100 * np.maximum([shares - low, high - shares], 0)
+        axes.errorbar(places, 100 * shares, off, fmt="o", color=FITTED, capsize=3)
         axes.set_xticks(places, [f"{one.region.horizon:g} s" for one in held])
-        axes.set(ylabel="held [%]", ylim=(80, 100.5), xlim=(-0.5, len(held) - 0.5))
+        axes.set(
+            ylabel="held [%]",
+            ylim=(min(80, 100 * float(low.min()) - 2), 100.5),
+            xlim=(-0.5, len(held) - 0.5),
+        )
         axes.legend(frameon=False)
     return done[0]
 

@@ -1,4 +1,4 @@
-"""robot_description, battery_state, diagnostics: the robot itself; and what it was told."""
+"""robot_description, battery_state: the robot itself; and what it was told."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from app.ros2.making.motion import each_second
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.geometry import Array, Pose2
-
-OK, WARN = 0, 1
-"""Levels of diagnostic_msgs/DiagnosticStatus."""
 
 UNMEASURED = ("temperature", "current", "charge", "capacity", "design_capacity", "percentage")
 """Fields of sensor_msgs/BatteryState; what is not measured is NaN there."""
@@ -49,37 +46,6 @@ def battery_state(source: TopicSource, snapshot: Snapshot) -> Message:
         cell_temperature=np.empty(0, dtype=np.float32),
         location="",
         serial_number="",
-    )
-
-
-def diagnostics(source: TopicSource, snapshot: Snapshot) -> Message:
-    """How the program keeps up, and what is wrong in plain words."""
-    loop = snapshot.loop
-    figures = {
-        "step_hz": f"{loop.step_hz:.1f}",
-        "step_ms": f"{loop.step_ms:.2f}",
-        "frame_hz": f"{loop.frame_hz:.1f}",
-        "latency_ms": f"{loop.latency_ms:.1f}",
-        "mode": snapshot.mode,
-        "connected": "true" if snapshot.connected else "false",
-    }
-    faults = " ".join(snapshot.reading.faults)
-    status = [
-        _status(source, "brickpose: program", " ".join(snapshot.problems), figures),
-        _status(source, "brickpose: robot", faults, {}),
-    ]
-    at = header(source, snapshot.stamp, "")
-    return new("diagnostic_msgs/msg/DiagnosticArray", header=at, status=status)
-
-
-def _status(source: TopicSource, name: str, wrong: str, figures: dict[str, str]) -> Message:
-    return new(
-        "diagnostic_msgs/msg/DiagnosticStatus",
-        level=WARN if wrong else OK,
-        name=name,
-        message=wrong or "All is well.",
-        hardware_id=source.robot_name,
-        values=[new("diagnostic_msgs/msg/KeyValue", key=k, value=v) for k, v in figures.items()],
     )
 
 

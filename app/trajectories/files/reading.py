@@ -6,18 +6,19 @@ from pathlib import Path
 
 from app.trajectories.files.motive import is_motive, parse_motive
 from app.trajectories.files.mrclam import content_of, parse_mrclam
+from app.trajectories.files.named_columns import header_of, parse_named
 from app.trajectories.files.text_file import number_from, numbered, read_text
 from app.trajectories.files.tum import COLUMNS, parse_tum
 from app.trajectories.trajectory import Trajectory, TrajectoryError
 
 VALID = (
     f"TUM text ({COLUMNS}), the CSV of OptiTrack's Motive (begins with Format Version), "
-    "MRCLAM text with its comments"
+    "MRCLAM text with its comments, a table with a header (stamp,x,y,z,q_w,q_x,q_y,q_z)"
 )
 
 
 def read_trajectory(path: Path | str, body: str | None = None) -> Trajectory:
-    """Read a file of TUM or MRCLAM text or of Motive, which may be compressed by gzip.
+    """Read a file of TUM or MRCLAM text, of Motive or EuRoC, which may be compressed by gzip.
 
     Args:
         path: of the file.
@@ -37,6 +38,9 @@ def parse_trajectory(text: str, source: str, body: str | None = None) -> Traject
         raise TrajectoryError(f"{source}: only files of Motive have a rigid body {body!r}")
     if content_of(text) is not None:
         return parse_mrclam(text, source)
+    header = header_of(text)
+    if header is not None:
+        return parse_named(text, source, header)
     _check_numeric(text, source)
     return parse_tum(text, source)
 

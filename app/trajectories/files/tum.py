@@ -20,11 +20,11 @@ FORMATS = ["%.9f"] + ["%.12f"] * 7
 
 
 def parse_tum(text: str, source: str) -> Trajectory:
-    """Read the text of a file."""
+    """Read the text of a file; several poses may bear one stamp, which all count, as in evo."""
     lines, rows = rows_of_numbers(text, source, COLUMNS)
     values = np.array(rows, dtype=np.float64).reshape(-1, 8)
     return Trajectory(
-        values[:, 0], values[:, 1:4], values[:, 4:], source, comments(text), lines=lines
+        values[:, 0], values[:, 1:4], values[:, 4:], source, comments(text), True, lines
     )
 
 
@@ -37,10 +37,11 @@ def write_tum(path: Path | str, trajectory: Trajectory, notes: Iterable[str] = (
         notes: comment lines to begin with.
 
     Raises:
-        TrajectoryError: two stamps would be written alike.
+        TrajectoryError: two stamps that differ would be written alike.
         OSError: it cannot be written.
     """
-    if (np.diff(np.round(trajectory.stamps, 9)) <= 0).any():
+    stamps = trajectory.stamps
+    if ((np.diff(np.round(stamps, 9)) <= 0) & (np.diff(stamps) > 0)).any():
         raise TrajectoryError(f"{trajectory.name}: stamps are less than 1e-9 s apart")
     table = np.column_stack([trajectory.stamps, trajectory.positions, trajectory.quaternions])
     header = [f"# {line}" for note in (*notes, COLUMNS) for line in note.splitlines()]

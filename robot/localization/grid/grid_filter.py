@@ -9,12 +9,13 @@ import numpy as np
 
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, compose, mean_pose, pose_covariance
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.grid.grid_motion import moved_grid
 from robot.localization.grid.grid_start import cloud_grid, even_grid, normal_grid
 from robot.localization.grid.pose_grid import Boxes, PoseGrid
 from robot.localization.kalman_filter import follow
+from robot.localization.models.loosened_motion import loosened
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.clusters import Cells, find_clusters
@@ -70,6 +71,8 @@ class GridFilter:
             most_cells: boxes that can be afforded for a scan.
         """
         self.motion = motion
+        self.looseness = 1.0
+        """How many times more than the motion model says steps err."""
         self.sensor = sensor
         self.field = field
         self.likelihood_weight = likelihood_weight
@@ -94,10 +97,19 @@ class GridFilter:
             likelihood_weight=setup.likelihood_weight,
         )
 
+    @property
+    def standing(self) -> Standing:
+        """It does not look for other places."""
+        return Standing.CONFIRMED
+
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; the belief stays."""
         self.motion, self.sensor = setup.motion, setup.sensor
         self.likelihood_weight = setup.likelihood_weight
+
+    def loosen(self, factor: float) -> None:
+        """From now on steps err so many times more than the motion model says."""
+        self.looseness = factor
 
     @property
     def cloud(self) -> Cloud:
@@ -149,7 +161,7 @@ class GridFilter:
         Steps are gathered until they err by half a box: till then the boxes are about poses at the
         start of them, and nothing is lost to rounding.
         """
-        step, noise = self.motion.moments(moved)
+        step, noise = loosened(self.motion, self.looseness).moments(moved)
         self._moved, self._noise = follow(self._moved, self._noise, step, noise)
         self._found = None
         xy, _, theta = size = self._grid.boxes.size

@@ -31,8 +31,9 @@ class Elsewhere:
         self, best: Pose2, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
         """Compare the pose where rays (n, 7) fit best with a place that fits but badly."""
-        hits = float(np.isfinite(rays[:, 3]).mean())
-        anywhere = (evidence.log_peak - WORSE_ANYWHERE) * hits - MISSED_ANYWHERE * (1 - hits)
+        hit = np.isfinite(rays[:, 3])
+        returned = evidence.log_peaks(rays[hit, 3]) - WORSE_ANYWHERE
+        anywhere = (float(returned.sum()) - MISSED_ANYWHERE * float((~hit).sum())) / len(rays)
         gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self.doubts = self.doubts + 1 if gain > 0 else 0

@@ -56,7 +56,11 @@ class HypothesisParameters:
         0.03, "How far ends of rays may lie off in a search", unit="m", low=0.001, high=5
     )
     fit_sd: float = setting(
-        0.01, "Spread of a range when places are fitted and weighed", unit="m", low=0.001, high=1
+        0.005,
+        "Spread of a near range when places are fitted and weighed; it grows by sigma_slope",
+        unit="m",
+        low=0.001,
+        high=1,
     )
     fit_gate: float = setting(
         0.08, "Ranges farther off than this are not of the edge", unit="m", low=0.005, high=10

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
 from robot.localization.hypotheses.given_places import GivenPlace, begun_at, clusters_of
@@ -68,6 +68,9 @@ class MultiHypothesisFilter:
         """Kept since the start."""
         self._lost_at = 0
         """The same, when it was last lost or the start."""
+        self._confirmed = True
+        """Whether it has looked over the whole field since it was lost."""
+        self._looseness = 1.0
         self._wait = FIRST
         """Scans until the next search."""
         self._patience = SOON
@@ -99,6 +102,19 @@ class MultiHypothesisFilter:
     def effective(self) -> float:
         """Effective sample size of the cloud."""
         return effective_sample_size(self.cloud.weights)
+
+    @property
+    def standing(self) -> Standing:
+        """Lost while elsewhere is likelier; then confirmed by a search of a whole short map."""
+        if self._elsewhere.lost:
+            return Standing.LOST
+        return Standing.CONFIRMED if self._confirmed else Standing.UNCONFIRMED
+
+    def loosen(self, factor: float) -> None:
+        """From now on steps err so many times more than the motion model says."""
+        self._looseness = factor
+        for track in self._tracks:
+            track.filter.loosen(factor)
 
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; all hypotheses stay."""
@@ -202,18 +218,24 @@ class MultiHypothesisFilter:
             self._local.begin_anew(max(self._elsewhere.doubts, 1))
             self._search, self._wait = None, LOST
             self._told, self._lost_at = [], self._scans
+            self._confirmed = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
         if self._search is not None:
             if self._search.advance():
                 self._bear(self._search)
+                self._confirmed |= self._search.scans >= self.setup.hypotheses.map_scans
                 self._search = None
         elif self._wait <= 0 and self._local.hit_share >= self.setup.hypotheses.least_hits:
             back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(self._local, alive, self.setup)
             self._wait = self._patience
+            if not self._confirmed:
+                # As soon as the short map is full, it is looked for all places once more.
+                lacking = self.setup.hypotheses.map_scans - len(self._local)
+                self._wait = min(self._wait, max(lacking, 1))
 
     def _bear(self, search: PlaceSearch) -> None:
         """Follow the places that were found, weighed as if they had been there all along."""
@@ -261,6 +283,7 @@ class MultiHypothesisFilter:
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
         born.set_pose(pose, covariance)
+        born.loosen(self._looseness)
         self._tracks.append(Track(born, log_weight, self._scans))
 
     def _is_followed(self, pose: Pose2) -> bool:
@@ -281,6 +304,7 @@ class MultiHypothesisFilter:
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search = None
+        self._confirmed = True
         self._wait, self._patience = FIRST, SOON
         self._local = LocalMap.of(p)
 

@@ -59,6 +59,7 @@ def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence
         matcher.range_max,
         matcher.sd,
         matcher.gate,
+        matcher.slope,
         evidence.sd,
         evidence.missed,
     )
@@ -77,20 +78,25 @@ def _relive(
     range_max: float,
     sd: float,
     gate: float,
+    slope: float,
     evidence_sd: float,
     missed: float,
 ) -> tuple[Array, Array, Array]:
     """Pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
-    newest, known, _ = fit_rays(start, START_INFORMATION, rays[0], index, range_max, sd, gate, 0.0)
+    newest, known, _ = fit_rays(
+        start, START_INFORMATION, rays[0], index, range_max, sd, gate, slope
+    )
     pose, information = newest, known
     for k in range(len(moves)):
         if k > 0:
             pose, information = _moved(pose, information, moves[k], noise[k])
             pose, information, _ = fit_rays(
-                pose, information, rays[k], index, range_max, sd, gate, 0.0
+                pose, information, rays[k], index, range_max, sd, gate, slope
             )
-        fits[k] = ray_log_likelihood(pose, rays[k], index, sight, range_max, evidence_sd, missed)
+        fits[k] = ray_log_likelihood(
+            pose, rays[k], index, sight, range_max, evidence_sd, slope, missed
+        )
     return newest, known, fits
 
 

@@ -52,7 +52,8 @@ class Track:
     born: int = 0
     """Scans that had been kept when it was found."""
     _gains: tuple[float, ...] = ()
-    """How much better the last scans fit where they were laid, of those in a row that lie far off."""
+    """How much better the last scans fit where they were laid; only those in a row that lie far
+    off."""
     _fitting: Pose2 | None = None
     """Where the last scan fits."""
     _mean_loss: float = 0.0

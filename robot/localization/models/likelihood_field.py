@@ -36,6 +36,8 @@ class LikelihoodField:
     """[m]"""
     max_beams: int
     """Rays used of a scan, evenly spread over those that returned."""
+    sigma_slope: float = 0.0
+    """How sigma_hit grows with a range r, as 1 + slope r^2 [1/m²]."""
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
         """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
@@ -51,7 +53,8 @@ class LikelihoodField:
             field.origin,
             field.resolution,
             field.max_distance,
-            1.0 / (end * (self.sigma_hit**2 + scan.extra_sd**2)),
+            (self.sigma_hit, self.sigma_slope, scan.extra_sd),
+            end,
             curve,
         )
 

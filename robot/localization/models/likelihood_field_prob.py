@@ -56,6 +56,7 @@ class LikelihoodFieldProb:
             bearings=scan.bearings[used],
             ranges=scan.ranges[used],
             sight=None if scan.sight is None else scan.sight[used],
+            clear=None if scan.clear is None else scan.clear[used],
         )
         points = scan.points()
         if _width(poses, points) >= self.skip_distance:

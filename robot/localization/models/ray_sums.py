@@ -37,13 +37,22 @@ FACING_SHIFT = 32 - int(math.log2(DIRECTIONS))
 
 @njit(cache=True, nogil=True)
 def ray_ends(
-    bearings: Array, ranges: Array, robot_from_scan: tuple[float, float, float], most: int
+    bearings: Array,
+    ranges: Array,
+    robot_from_scan: tuple[float, float, float],
+    most: int,
+    spread: tuple[float, float, float],
 ) -> NDArray[np.float32]:
-    """Rays that returned, evenly spread: ends x, y [m] and direction [rad] (3, k), robot frame."""
+    """Rays that returned, evenly spread, in the robot frame.
+
+    (4, k): ends x, y [m], direction [rad], and 1 / (s^2 (1 + slope r^2)^2 + extra^2) [1 / m^2] of
+    their ranges r, with s, slope and extra as ``spread``.
+    """
     found = np.flatnonzero(np.isfinite(ranges))
     used = min(len(found), most)
-    rays = np.empty((3, used), dtype=np.float32)
+    rays = np.empty((4, used), dtype=np.float32)
     x, y, theta = robot_from_scan
+    sd, slope, extra = spread
     step = (len(found) - 1) / max(used - 1, 1)
     for j in range(used):
         ray = found[int(j * step)]
@@ -51,6 +60,8 @@ def ray_ends(
         rays[0, j] = x + ranges[ray] * math.cos(direction)
         rays[1, j] = y + ranges[ray] * math.sin(direction)
         rays[2, j] = direction
+        wide = sd * (1 + slope * ranges[ray] * ranges[ray])
+        rays[3, j] = 1 / (wide * wide + extra * extra)
     return rays
 
 
@@ -65,10 +76,11 @@ def sum_over_rays(
     origin: tuple[float, float],
     resolution: float,
     max_distance: float,
-    precision: float,
+    spread: tuple[float, float, float],
+    end: float,
     curve: NDArray[np.float32],
 ) -> Array:
-    """The sum (n,) over rays of a curve of d^2 precision - 1, cut at 1, by poses (n, 3).
+    """The sum (n,) over rays of a curve of d^2 / (end sigma^2) - 1, cut at 1, by poses (n, 3).
 
     Of the rays that returned ``max_beams`` count, evenly spread.
 
@@ -83,16 +95,18 @@ def sum_over_rays(
         origin: the map's x, y [m] at the table's corner.
         resolution: side of the table's cells [m].
         max_distance: the greatest distance in the table [m].
-        precision: [1 / m^2]
+        spread: standard deviation of a near range [m], how it grows with a range's square
+            [1 / m^2], and what is added to it [m]: sigma^2 = s^2 (1 + slope r^2)^2 + extra^2.
+        end: of the curve, in units of d^2 / sigma^2.
         curve: (9,) coefficients of the polynomial, lowest first.
     """
-    rays = ray_ends(bearings, ranges, robot_from_scan, max_beams)
+    rays = ray_ends(bearings, ranges, robot_from_scan, max_beams, spread)
     directions, height, width = planes.shape
     table = planes.ravel().view(np.uint32)
     last = uint32(directions - 1), uint32(height - 1), uint32(width - 1)
     # Distances come in units of the word's value, squares of them in those of the curve.
     slope = float32(resolution / STEEPEST * FARTHEST / max_distance / 2 ** (32 - 2 * X_SHIFT - 9))
-    unit = float32(precision * (max_distance / FARTHEST / 2**VALUE_SHIFT) ** 2)
+    unit = float32(1 / end * (max_distance / FARTHEST / 2**VALUE_SHIFT) ** 2)
     p = curve[1], curve[2], curve[3], curve[4], curve[5], curve[6], curve[7], curve[8]
     (x, y, cosines, sines), headings = _in_cells(poses, origin, 1.0 / resolution)
     sums = np.zeros(len(headings), dtype=np.float32)
@@ -109,7 +123,7 @@ def sum_over_rays(
         for j in range(rays.shape[1]):
             _find_cells(place, heading, (rays[0, j], rays[1, j], rays[2, j]), last, cell, u, v)
             _read(table, cell_pairs, word_pairs)
-            _add_curve(word, u, v, slope, unit, p, total)
+            _add_curve(word, u, v, slope, unit * rays[3, j], p, total)
     result: Array = sums[: len(poses)] + float(curve[0]) * rays.shape[1]
     return result
 

@@ -56,6 +56,7 @@ def sensor_model(parameters: SensorParameters, entries: EntryField, edges: Array
         parameters.z_rand,
         parameters.laser_max_range,
         parameters.max_beams,
+        parameters.sigma_slope,
     )
     match parameters.laser_model_type:
         case "beam":

@@ -65,7 +65,7 @@ class MountingCheck:
         """
         keep = math.exp(-elapsed / MEMORY)
         by_pose = sums[:3, :3] * RAYS_WORTH + known
-        gain = np.linalg.solve(by_pose, sums[:3, 3:] * RAYS_WORTH)
+        gain = np.asarray(np.linalg.solve(by_pose, sums[:3, 3:] * RAYS_WORTH), dtype=np.float64)
         left = sums[3:, 3:] - sums[3:, :3] @ gain
         self._sums = keep * self._sums + left
         self._rays = keep * self._rays + rays
@@ -74,7 +74,7 @@ class MountingCheck:
     def error(self) -> MountingError:
         """The likeliest."""
         information = RAYS_WORTH * self._sums[:3, :3] + PRIOR
-        covariance = np.linalg.inv(information)
+        covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
         found = covariance @ (RAYS_WORTH * self._sums[:3, 3])
         whole = max(float(self._sums[3, 3]), 1e-12)
         explained = float(2 * found @ self._sums[:3, 3] - found @ self._sums[:3, :3] @ found)

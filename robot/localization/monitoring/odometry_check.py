@@ -1,4 +1,4 @@
-"""Do steps of the pose agree with odometry? What they differ by tells which of the two errs, and how.
+"""Do steps of the pose agree with odometry? If not: which of the two errs, and how?
 
 Over a third of a second the pose moved by M and odometry by D; e = D^-1 M is what they differ by.
 It is explained by seven errors that do not change: pictures stamped late by tau; wheels whose
@@ -30,6 +30,7 @@ CORRELATION = 3.0
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 PRIOR_SD = np.array([0.020, 0.03, 0.4, 0.04, 0.004, 0.004, 0.010])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
+MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
 
@@ -77,8 +78,9 @@ class OdometryCheck:
         self._squares = np.zeros(3)
         self._recent = 0.0
         self._count = 0.0
-        self.innovation = 0.0
-        """Squared Mahalanobis distance of the last step from what it should have been."""
+        self._wiggle = np.zeros(3)
+        self.twist = Twist2(0.0, 0.0)
+        """By odometry, at the last pose."""
 
     def jump(self) -> None:
         """Another place is followed from now on: no step leads there."""
@@ -96,6 +98,7 @@ class OdometryCheck:
             elapsed = max(stamp - last.stamp, 1e-3)
             moved = last.odometry.inverse() @ odometry
             twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
+        self.twist = twist
         now = _Step(stamp, pose, odometry, local, twist)
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
@@ -128,8 +131,6 @@ class OdometryCheck:
         errors = self.errors()
         left = off - columns @ errors.values
         squares = np.square(left) / variance
-        known = np.einsum("ij,jk,ik->i", columns, errors.covariance, columns)
-        self.innovation = float((np.square(left) / (variance + known)).sum())
         # What slips now says less of what stays.
         wide = variance * np.maximum(errors.rest**2, 1.0) * CORRELATION / share
         weights = 1 / (wide * (1 + squares / TAIL))
@@ -137,12 +138,20 @@ class OdometryCheck:
         self._information = keep * self._information + (columns.T * weights) @ columns
         self._pull = keep * self._pull + (columns.T * weights) @ off
         self._squares = recent * self._squares + share * np.minimum(squares, 100.0)
+        self._wiggle = recent * self._wiggle + share * np.minimum(np.square(left), MOST_WIGGLE)
         self._recent = recent * self._recent + share
         self._count = keep * self._count + share
 
+    @property
+    def wiggle(self) -> Array:
+        """Covariance (3, 3) of what is left of steps, along the robot's axes."""
+        left: Array = np.diag(self._wiggle / (self._recent + 1))
+        return left
+
     def errors(self) -> OdometryErrors:
         """The likeliest steady errors."""
-        covariance = np.linalg.inv(self._information + np.diag(PRIOR_SD**-2))
+        information = self._information + np.diag(PRIOR_SD**-2)
+        covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
         # As if a step before any had been as usual.
         rest = np.sqrt((self._squares + 1) / (self._recent + 1))
         return OdometryErrors(covariance @ self._pull, covariance, rest, self._count)

@@ -8,8 +8,9 @@ import numpy as np
 
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, covariance_root, wrap_angle
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
+from robot.localization.models.loosened_motion import loosened
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.parameters import FilterParameters
@@ -46,6 +47,8 @@ class ParticleFilter:
         share: float = 1.0,
     ) -> None:
         self.motion = motion
+        self.looseness = 1.0
+        """How many times more than the motion model says steps err."""
         self.sensor = sensor
         self.field = field
         self.parameters = parameters
@@ -69,10 +72,19 @@ class ParticleFilter:
             share=share,
         )
 
+    @property
+    def standing(self) -> Standing:
+        """It does not look for other places."""
+        return Standing.CONFIRMED
+
     def use(self, setup: Setup) -> None:
         """Go on with other models and parameters; the particles stay."""
         self.motion, self.sensor = setup.motion, setup.sensor
         self.parameters, self.likelihood_weight = setup.filter, setup.likelihood_weight
+
+    def loosen(self, factor: float) -> None:
+        """From now on steps err so many times more than the motion model says."""
+        self.looseness = factor
 
     @property
     def cloud(self) -> Cloud:
@@ -115,7 +127,9 @@ class ParticleFilter:
 
     def predict(self, moved: Pose2) -> None:
         """Move each particle by odometry, and by chance."""
-        poses = self.motion.sample(self._particles.poses, moved, self._rng)
+        poses = loosened(self.motion, self.looseness).sample(
+            self._particles.poses, moved, self._rng
+        )
         self._particles = self._weighed = Cloud(poses, self._particles.weights)
         self._moved = True
 

@@ -1,0 +1,104 @@
+"""Which error is the likeliest? Each leaves its own pattern in what scans and steps differ by."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from robot.localization.integrity import Alert, Cause
+from robot.localization.monitoring.mounting_check import MountingError
+from robot.localization.monitoring.odometry_check import OdometryErrors
+
+RAISED, CLEARED = 0.4, 3.0
+"""A cause is told when it was the likeliest for so long, until it was not for so long [s]."""
+WHEELS_SLIP = 2.8
+"""What is left of steps in heading, in usual spreads, where wheels slip."""
+PATH_TORN = 2.4
+"""The same of steps ahead or aside, where poses do not fit together."""
+LATE, LATE_SURE = 0.010, 1.5
+"""Pictures that come later than so much [s], and so many standard deviations, are late."""
+TILT = math.radians(0.1)
+TILT_EXPLAINS = 0.2
+"""A camera that is askew by so much [rad] explains such a share of what no pose does."""
+RADII, RADII_TURN = 0.030, 0.35
+"""Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
+SURE = 3.0
+"""Standard deviations by which a wheel's error stands out."""
+FLAT, FLAT_WIDE = 0.97, 0.010
+"""A model that leaves such a share of the cloud effective, which is wider than so much [m], rates
+all poses alike."""
+FLAT_RAYS = 20
+"""Rays that should have told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """All that is judged by."""
+
+    stamp: float
+    elapsed: float
+    odometry: OdometryErrors
+    mounting: MountingError
+    explained: float
+    """Share of the returns that lie on an edge."""
+    returned: int
+    spread: float
+    """Share of the cloud that is effective."""
+    width: float
+    """Of the hypothesis [m]."""
+
+
+class Causes:
+    """Raises and clears alerts, each by its own rule."""
+
+    def __init__(self) -> None:
+        self._held: dict[Cause, float] = {}
+        """For how long each has been the likeliest [s]."""
+        self._last: dict[Cause, tuple[float, str]] = {}
+        """When each was last told [s], and its words."""
+        self._flat = 0.0
+        self.alerts: tuple[Alert, ...] = ()
+
+    def judge(self, findings: Findings) -> None:
+        """Take what was found of one more scan."""
+        cause, text = self._likeliest(findings)
+        for each in Cause:
+            before = self._held.get(each, 0.0)
+            self._held[each] = before + findings.elapsed if each is cause else 0.0
+        if cause is not None and self._held[cause] >= RAISED:
+            self._last[cause] = findings.stamp, text
+        fresh = {c: v for c, v in self._last.items() if findings.stamp - v[0] <= CLEARED}
+        self._last = fresh
+        newest = sorted(fresh.items(), key=lambda item: -item[1][0])
+        self.alerts = tuple(Alert(each, words) for each, (_, words) in newest)
+
+    def _likeliest(self, f: Findings) -> tuple[Cause | None, str]:
+        if self._is_flat(f):
+            return Cause.MODEL, "this sensor model rates all poses alike"
+        ahead, aside, heading = f.odometry.rest.tolist()
+        torn = max(ahead, aside) > PATH_TORN
+        tilted = f.mounting.tilt > TILT and f.mounting.explained > TILT_EXPLAINS
+        if torn and tilted:
+            degrees = math.degrees(f.mounting.tilt)
+            return Cause.CAMERA_ASKEW, f"rays fit badly by {degrees:.1f}°: is the camera askew?"
+        if heading > WHEELS_SLIP:
+            return Cause.WHEEL_SLIP, "the robot turns otherwise than its wheels: do they slip?"
+        if torn:
+            return Cause.MAP, "poses do not fit together: is the map of this floor?"
+        late, late_sd = f.odometry.value("late"), f.odometry.sd("late")
+        if late > LATE and late > LATE_SURE * late_sd:
+            return Cause.PICTURES_LATE, f"pictures seem to come {1e3 * late:.0f} ms late"
+        return self._wheels(f)
+
+    def _wheels(self, f: Findings) -> tuple[Cause | None, str]:
+        for name, limit in (("forward", RADII), ("turn_by_way", RADII_TURN)):
+            value, sd = f.odometry.value(name), f.odometry.sd(name)
+            if abs(value) > limit and abs(value) > SURE * sd:
+                percent = 100 * f.odometry.value("forward")
+                return Cause.WHEEL_SIZE, f"wheels seem to be of another size ({percent:+.0f} %)"
+        return None, ""
+
+    def _is_flat(self, f: Findings) -> bool:
+        flat = f.spread > FLAT and f.width > FLAT_WIDE and f.returned >= FLAT_RAYS
+        self._flat = self._flat + f.elapsed if flat else 0.0
+        return self._flat > 0

@@ -1,0 +1,53 @@
+"""What is claimed of an estimate: its state, and bounds that hold in 99.9 % of pictures."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from robot.geometry import Array
+from robot.localization.estimate import Hypothesis, Standing
+from robot.localization.integrity import Integrity, State
+from robot.localization.monitoring.monitor import Doubt
+
+PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
+"""Standard deviations within which 99.9 % lie: of a place on a plane, and of a heading."""
+LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
+"""Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
+NARROW, NARROW_HEADING = 0.020, math.radians(10)
+"""A wider bound is approximate only [m], [rad]."""
+CERTAIN = 0.95
+"""Weight from which on one place is the only one."""
+ANY = 0.5
+"""Places that weigh less together are no answer: the robot may be anywhere."""
+
+
+def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) -> Integrity:
+    """What may be claimed of the heaviest hypothesis.
+
+    Args:
+        hypotheses: heaviest first, with weights that sum to one, or less where it may be elsewhere.
+        standing: what the filter knows of its search.
+        doubt: what the monitor found.
+    """
+    if standing is Standing.LOST:
+        return Integrity(State.LOST, alerts=doubt.alerts)
+    if sum(one.weight for one in hypotheses) < ANY:
+        return Integrity(State.SEARCHING, alerts=doubt.alerts)
+    if hypotheses[0].weight <= CERTAIN:
+        return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)
+    radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
+    narrow = radius <= NARROW and heading <= NARROW_HEADING
+    sure = narrow and doubt.fits and standing is Standing.CONFIRMED
+    if not doubt.fits:
+        radius, heading = math.inf, math.pi
+    return Integrity(State.CERTAIN if sure else State.APPROXIMATE, radius, heading, doubt.alerts)
+
+
+def bounds(covariance: Array) -> tuple[float, float]:
+    """Radius [m] and angle [rad] that hold in 99.9 % of pictures, by a covariance (3, 3)."""
+    across = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
+    radius = PLACE_QUANTILE * math.sqrt(across + LEAST_PLACE**2)
+    heading = HEADING_QUANTILE * math.sqrt(float(covariance[2, 2]) + LEAST_HEADING**2)
+    return radius, min(heading, math.pi)

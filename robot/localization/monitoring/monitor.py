@@ -1,0 +1,175 @@
+"""Watches an estimate: do scans and odometry fit what the models claim?
+
+What is steadily off shows in the scans. A monitor does not correct it; it says how far the pose may
+be off because of it, and what the likeliest reason is.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Hypothesis
+from robot.localization.integrity import Alert
+from robot.localization.monitoring.causes import Causes, Findings
+from robot.localization.monitoring.mounting_check import MountingCheck
+from robot.localization.monitoring.odometry_check import OdometryCheck
+from robot.localization.monitoring.scan_residuals import residual_sums
+from robot.localization.ray_evidence import RayEvidence
+from robot.localization.rays import rays_of
+from robot.scan import Scan
+
+BEAMS = 91
+"""Rays of a scan that are looked at."""
+FITTING = 0.5
+"""Share of a new scan in the mean of how well scans fit."""
+WORST = 1.8
+"""How much less likely a ray is where it fits but badly, as log-likelihood."""
+MISSED = 0.2
+"""The same of a ray that returned nothing."""
+LOOSEST = 4.0
+"""Odometry is believed this much less, at most."""
+USUAL = 1.5
+"""Steps that differ from odometry by no more than so many spreads are as usual."""
+DOUBT_KEPT = 5.0
+"""For so long after a doubt the pose may still be off [s]."""
+STILL = 0.0005
+"""Variance [m²] along which a scan says nothing of the pose."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mounting:
+    """Where the camera is: what its tilt does to ranges depends on it."""
+
+    x: float
+    """Ahead of the robot's origin [m]."""
+    height: float
+    """Above the floor [m]."""
+
+
+LASER = Mounting(0.0, math.inf)
+"""A laser measures ranges; it does not see them on the floor."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """How far an estimate may be off by what its covariance does not know."""
+
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad] by what was found: zero while nothing is."""
+    unknown: Array = field(repr=False)
+    """(3, 3) by what was not found, but cannot be excluded yet."""
+    alerts: tuple[Alert, ...]
+    fits: bool
+    """Whether the last scans fit here at all."""
+
+
+NO_DOUBT = Doubt(np.zeros((3, 3)), np.zeros((3, 3)), (), True)
+
+
+class Monitor:
+    """Takes each estimate with the scan that it was made of."""
+
+    def __init__(self, evidence: RayEvidence, mounting: Mounting = LASER) -> None:
+        self._evidence = evidence
+        self._mounting = mounting
+        self._odometry = OdometryCheck()
+        self._camera = MountingCheck()
+        self._causes = Causes()
+        self._stamp: float | None = None
+        self._pose: Pose2 | None = None
+        self._fit = 1.0
+        self._doubted = -math.inf
+        """When a doubt was raised last [s]."""
+        self.doubt = NO_DOUBT
+        self.looseness = 1.0
+        """How many times wider than usual odometry seems to err."""
+
+    def begin_anew(self) -> None:
+        """Another pose was told: what was found of the robot stays, steps to here do not count."""
+        self._odometry.jump()
+        self._pose, self._fit = None, 1.0
+        self.doubt = NO_DOUBT
+
+    def use(self, evidence: RayEvidence) -> None:
+        """Go on with other parameters."""
+        self._evidence = evidence
+
+    def observe(self, one: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
+        """Take the heaviest hypothesis after a scan.
+
+        Args:
+            one: where the robot should be.
+            scan: that was taken there.
+            odometry: the robot in the odom frame then.
+            spread: share of the cloud that is effective; 1 is a scan that told nothing.
+        """
+        elapsed = 0.03 if self._stamp is None else max(scan.stamp - self._stamp, 1e-3)
+        self._stamp = scan.stamp
+        rays = rays_of(scan, BEAMS)
+        pose = one.pose.to_array()
+        sums, used, returned = residual_sums(
+            pose,
+            rays,
+            self._evidence.index,
+            self._evidence.range_max,
+            self._mounting.x,
+            self._mounting.height,
+        )
+        self._camera.observe(sums, used, elapsed, np.diag([1.0, 1.0, 1.0]))
+        self._judge_fit(one.pose, rays)
+        self._odometry.observe(scan.stamp, one.pose, odometry, one.covariance)
+        findings = Findings(
+            scan.stamp,
+            elapsed,
+            self._odometry.errors(),
+            self._camera.error(),
+            used / max(returned, 1),
+            returned,
+            spread,
+            math.sqrt(float(np.trace(one.covariance[:2, :2]))),
+        )
+        self._causes.judge(findings)
+        rest = findings.odometry.rest
+        self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, 1.0), LOOSEST)
+        if self._causes.alerts:
+            self._doubted = scan.stamp
+        self.doubt = self._doubt(one.pose, findings)
+
+    def _judge_fit(self, pose: Pose2, rays: Array) -> None:
+        seeing = rays[~np.isnan(rays[:, 4])]
+        if not len(seeing):
+            return
+        hit = np.isfinite(seeing[:, 3])
+        returned = self._evidence.log_peaks(seeing[hit, 3]) - WORST
+        badly = (float(returned.sum()) - MISSED * float((~hit).sum())) / len(seeing)
+        better = self._evidence.log_likelihood(pose, seeing) - badly
+        self._fit += FITTING * (min(better, 1.0) - self._fit)
+
+    def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
+        errors = findings.odometry
+        twist = self._odometry.twist
+        # The pose is a constant offset beside the robot's, and where it was tau before.
+        offset = np.zeros((3, 7))
+        offset[:, 0] = -twist.v, 0.0, -twist.omega
+        offset[:, 4:] = np.eye(3)
+        mean = offset @ errors.values
+        spread = offset @ errors.covariance @ offset.T
+        caused = self._camera.pose_error(findings.mounting)
+        rotation = np.eye(3)
+        rotation[:2, :2] = [
+            [math.cos(pose.theta), -math.sin(pose.theta)],
+            [math.sin(pose.theta), math.cos(pose.theta)],
+        ]
+        wiggle = self._odometry.wiggle
+        if findings.stamp - self._doubted < DOUBT_KEPT:
+            local = np.outer(mean, mean) + spread + wiggle
+            known = rotation @ local @ rotation.T + np.outer(caused, caused)
+            unknown = np.zeros((3, 3))
+        else:
+            known = np.zeros((3, 3))
+            unknown = rotation @ (np.outer(mean, mean) + spread) @ rotation.T
+        return Doubt(known, unknown, self._causes.alerts, self._fit > 0)
