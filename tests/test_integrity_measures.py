@@ -153,6 +153,14 @@ def test_a_cause_is_right_by_condition():
     assert "default" not in EXPECTED
 
 
+def test_doubt_after_a_carry_is_no_false_alarm():
+    cause = [None] * 30 + [Cause.MAP] * 30
+    found = measures(claims_made([0.0] * 60, cause=cause, carry_stamp=2.95))
+    assert (found["alert"], found["first_cause"], found["main_cause"]) == (0, None, None)
+    early = measures(claims_made([0.0] * 60, cause=cause, carry_stamp=4.0))
+    assert early["first_cause"] == "map" and early["alert"] == pytest.approx(11 / 41)
+
+
 def test_shares_of_a_group_are_of_its_pictures():
     rows = [row(pictures=100, misleading=0.1), row(pictures=300, misleading=0.0, lost_again=True)]
     found = group_summary(rows)
