@@ -43,6 +43,7 @@ CONDITIONS: Mapping[str, Preset] = MappingProxyType(
         "late": _late(0.030),
         "worn": {"imperfections.wheel_radius_sd": 0.05},
         "slippery": {"imperfections.slip_sd": 0.2},
+        "stretched": {"camera.floor_scale": 1.02},
         "sparse": {"camera.frame_rate": 3.0},
         "gaps": {"camera.lost_share": 0.9, "camera.lost_burst": 0.33, "camera.gap": 4.0},
         "all-at-once": {

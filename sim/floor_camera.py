@@ -70,6 +70,12 @@ class CameraSettings:
     glare: float = setting(
         0.0, "Grey levels that the reflections of lamps on the floor add at most", low=0, high=255
     )
+    floor_scale: float = setting(
+        1.0,
+        "How much larger the floor is than its drawing: nobody tapes exactly",
+        low=0.8,
+        high=1.25,
+    )
     lost_share: float = setting(
         0.0, "Share of the pictures that never arrive, in bursts", low=0, high=0.99
     )
@@ -100,7 +106,7 @@ class FloorCamera:
     ) -> None:
         # Streams of their own: with or without clutter, noise is the same.
         for_clutter, for_light, for_glare = rng.spawn(3)
-        littered = cluttered(floor, settings.clutter, for_clutter)
+        littered = cluttered(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
         lit = lit_unevenly(littered, settings.uneven_light, for_light)
         self._floor = with_glare(lit, settings.glare, for_glare)
         self._settings = settings

@@ -23,7 +23,7 @@ from sim.pictures.losses import GAP_EVERY
 
 NAMES = [
     *("default", "noisy", "dark", "uneven", "cluttered", "fast", "askew", "late", "worn"),
-    *("slippery", "sparse", "gaps", "all-at-once", "as-real", "hand-built"),
+    *("slippery", "stretched", "sparse", "gaps", "all-at-once", "as-real", "hand-built"),
 ]
 
 
@@ -160,3 +160,11 @@ def test_a_lens_of_another_focal_length_changes_nothing_else():
     np.testing.assert_array_equal(
         draw(spec, both, rng(1)).robot_from_camera, askew.robot_from_camera
     )
+
+
+def test_a_floor_that_is_larger_than_its_drawing_is_seen_farther_off():
+    floor = load_field("square", MAPS).floor
+    larger = floor.scaled(1.02)
+    points = np.random.default_rng(0).uniform(-0.7, 0.7, (500, 2))
+    np.testing.assert_array_equal(larger.grey_at(1.02 * points), floor.grey_at(points))
+    assert np.abs(picture(floor_scale=1.02) - picture()).max() > 50

@@ -17,6 +17,7 @@ from app.evaluation.integrity.evaluate_integrity import evaluate_integrity
 from app.evaluation.integrity.experiment import IntegrityExperiment
 from app.evaluation.integrity.measures import measures, right
 from app.evaluation.integrity.oracle import decided_stamp, field_decides
+from app.evaluation.runs import EvaluationError
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 
@@ -80,6 +81,25 @@ def test_the_report_stands_alone_and_links_to_runs(folder):
     assert links and all((folder / link).is_file() for link in links)
     for text in ("Stanford", "noisy", "scattered", "misleading", "prefers-color-scheme: dark"):
         assert text in page
+
+
+class Tired(Here):
+    """As ``Here``, but the first job fails."""
+
+    def each(self, work, jobs):
+        for place, job in enumerate(jobs):
+            yield place, work(job) if place else ValueError("the\nbattery")
+
+
+def test_a_drive_that_fails_is_told_and_the_rest_goes_on(tmp_path):
+    two = replace(SMALL, starts=("known",))
+    results = evaluate_integrity(two, Tired(), tmp_path)
+    about = {"map": "generated-8", "condition": "default", "seed": 3, "error": "the battery"}
+    assert results["failures"] == [about]
+    assert [run["condition"] for run in results["runs"]] == ["noisy"]
+    assert "the battery" in (tmp_path / "report.html").read_text()
+    with pytest.raises(EvaluationError, match="the battery"):
+        evaluate_integrity(replace(two, conditions=("default",)), Tired(), tmp_path)
 
 
 def test_a_course_fits_its_field_and_is_no_faster_than_the_wheels():

@@ -9,7 +9,7 @@ from claims_made import PERIOD, claims_made
 from app.evaluation.integrity.claims_file import COLUMNS, claims_csv, read_numbers
 from app.evaluation.integrity.measures import longest, measures
 from app.evaluation.integrity.oracle import decision_measures
-from app.evaluation.integrity.stanford import PLACE_BINS, counted
+from app.evaluation.integrity.stanford import PLACE_BINS, counted, trade
 from app.evaluation.integrity.summary import EXPECTED, causes_of, group_summary, summary_of
 from robot.localization.integrity import Cause, State
 
@@ -113,6 +113,15 @@ def test_stanford_diagrams_count_each_claim_of_one_place():
     assert both.place.sum() == 30 and both.unavailable == 10
 
 
+def test_the_trade_counts_what_a_limit_on_the_radius_lets_through():
+    radius = [0.003] * 10 + [0.03] * 10 + [0.3] * 10
+    one = counted(claims_made([0.001] * 10 + [0.05] * 20, radius=radius))
+    available, outside = trade(one, 40)
+    for limit, expected in ((0.01, (0.25, 0.0)), (0.1, (0.5, 0.25)), (1.0, (0.75, 0.25))):
+        place = int(np.searchsorted(PLACE_BINS[1:], limit * 0.999))
+        assert (available[place], outside[place]) == expected
+
+
 def test_claims_are_read_as_they_were_written(tmp_path):
     claims = claims_made([0.001, math.nan], [CERTAIN, State.SEARCHING], [0.01, math.inf])
     path = tmp_path / "one.csv"
@@ -142,6 +151,14 @@ def test_a_cause_is_right_by_condition():
     assert found["first_alert_median_s"] == pytest.approx(0.5)
     assert causes_of("default", rows)["first_right"] is None
     assert "default" not in EXPECTED
+
+
+def test_doubt_after_a_carry_is_no_false_alarm():
+    cause = [None] * 30 + [Cause.MAP] * 30
+    found = measures(claims_made([0.0] * 60, cause=cause, carry_stamp=2.95))
+    assert (found["alert"], found["first_cause"], found["main_cause"]) == (0, None, None)
+    early = measures(claims_made([0.0] * 60, cause=cause, carry_stamp=4.0))
+    assert early["first_cause"] == "map" and early["alert"] == pytest.approx(11 / 41)
 
 
 def test_shares_of_a_group_are_of_its_pictures():

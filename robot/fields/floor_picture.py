@@ -63,6 +63,13 @@ class FloorPicture:
         xmin, _, _, ymax = self.extent
         return np.array([[scale, 0, -xmin * scale - 0.5], [0, -scale, ymax * scale - 0.5]])
 
+    def scaled(self, factor: float) -> FloorPicture:
+        """The same picture of a floor that is larger by a factor, about the map's origin."""
+        if factor == 1:
+            return self
+        xmin, ymin, xmax, ymax = (factor * side for side in self.extent)
+        return FloorPicture(self.image, factor * self.resolution, (xmin, ymin, xmax, ymax))
+
     @cached_property
     def border(self) -> int:
         """The commonest grey level along the picture's rim: what to show outside it."""

@@ -28,7 +28,9 @@ BY_SIDE = 0.19
 REACH = 1.6
 """A path reaches two radii from its middle; the rest may lie beyond the tape."""
 STEP = 0.1
-"""Between middles that are compared [m]."""
+"""Between middles that are compared [m]; more on floors as large as a building."""
+MOST_STEPS = 12
+"""From the field's middle to its sides."""
 AS_GOOD = 0.05
 """The field's middle is preferred to a place that shows tape on so much more of the way."""
 TURNS, MOMENTS = 8, 32
@@ -80,8 +82,8 @@ def _middles(field: Field, radius: float) -> Array:
     box = np.reshape(field.roamed, (2, 2))
     middle = box.mean(axis=0)
     room = np.maximum(np.ptp(box, axis=0) / 2 - REACH * radius, 0)
-    steps = np.floor(room / STEP).astype(int)
-    x, y = (STEP * np.arange(-n, n + 1) for n in steps)
+    step = max(STEP, float(room.max()) / MOST_STEPS)
+    x, y = (step * np.arange(-n, n + 1) for n in np.floor(room / step).astype(int))
     around = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     order = np.argsort(np.hypot(*around.T), kind="stable")
     middles: Array = middle + around[order]

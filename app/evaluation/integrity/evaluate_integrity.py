@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from app.batch.output import RESULTS, write_json, written_whole
 from app.batch.provenance import changed_settings, versions
 from app.batch.workers import Workers
 from app.evaluation.integrity.experiment import (
+    Failure,
     IntegrityExperiment,
     IntegrityRun,
     each_run,
@@ -18,6 +20,7 @@ from app.evaluation.integrity.experiment import (
 from app.evaluation.integrity.report.integrity_report import IntegrityResults, report
 from app.evaluation.integrity.stanford import Stanford
 from app.evaluation.integrity.summary import Row, summary_of
+from app.evaluation.runs import EvaluationError
 
 
 def evaluate_integrity(
@@ -34,18 +37,24 @@ def evaluate_integrity(
         What is in ``results.json``; the same for the same seeds, whoever does the work.
 
     Raises:
-        EvaluationError: a drive cannot be made or followed.
+        EvaluationError: no drive at all could be followed.
         OSError: the folder cannot be written.
     """
     with written_whole(folder) as new:
         rows: list[Row] = []
         diagrams: defaultdict[str, Stanford] = defaultdict(Stanford.empty)
+        failures: list[Failure] = []
         for run in each_run(experiment.jobs(), workers):
+            if isinstance(run, Failure):
+                failures.append(run)
+                continue
             _write_run(new, run)
             rows.append(run.row)
             diagrams[run.row["condition"]] += run.stanford
+        if not rows:
+            raise EvaluationError(f"no drive could be followed: {failures[0].error}")
         rows = _in_order(rows, experiment)
-        results = _results(experiment, rows)
+        results = _results(experiment, rows, failures)
         shown = IntegrityResults(experiment, results, dict(diagrams), new)
         (new / "report.html").write_text(report(shown), encoding="utf-8")
         write_json(new / RESULTS, results)
@@ -57,7 +66,9 @@ def run_path(row: Row) -> str:
     return f"runs/{row['map']}-{row['condition']}-{row['start']}/{row['seed']}.csv"
 
 
-def _results(experiment: IntegrityExperiment, rows: list[Row]) -> dict[str, Any]:
+def _results(
+    experiment: IntegrityExperiment, rows: list[Row], failures: list[Failure]
+) -> dict[str, Any]:
     return {
         "experiment": {
             "maps": list(experiment.maps),
@@ -70,6 +81,7 @@ def _results(experiment: IntegrityExperiment, rows: list[Row]) -> dict[str, Any]
             "versions": versions(),
         },
         "runs": rows,
+        "failures": [asdict(one) for one in failures],
         "summary": summary_of(rows),
     }
 

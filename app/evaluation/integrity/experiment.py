@@ -18,7 +18,6 @@ from app.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
 from app.evaluation.integrity.measures import measures
 from app.evaluation.integrity.oracle import decided_stamp, decision_measures
 from app.evaluation.integrity.stanford import Stanford, counted
-from app.evaluation.runs import EvaluationError
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 
@@ -116,16 +115,26 @@ def map_stem(name: str) -> str:
     return Path(name).stem
 
 
-def each_run(jobs: list[IntegrityJob], workers: Workers) -> Iterator[IntegrityRun]:
+@dataclass(frozen=True)
+class Failure:
+    """A drive that could not be made or followed."""
+
+    map: str
+    condition: str
+    seed: int
+    error: str
+
+
+def each_run(jobs: list[IntegrityJob], workers: Workers) -> Iterator[IntegrityRun | Failure]:
     """Do all of it, and show how far it is; robots come in the order in which they are done.
 
-    Raises:
-        EvaluationError: a drive cannot be made or followed; names seed, field and condition.
+    What fails is told, and the rest goes on: hours of work are not lost to one drive.
     """
     done = workers.each(do_job, jobs)
     for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
         job = jobs[place]
         if isinstance(outcome, Exception):
-            where = f"seed {job.config.seed} on {job.config.map}, {job.condition}"
-            raise EvaluationError(f"{where}: {outcome}") from outcome
-        yield from outcome
+            what = " ".join(str(outcome).split()) or type(outcome).__name__
+            yield Failure(map_stem(job.config.map), job.condition, job.config.seed, what)
+        else:
+            yield from outcome

@@ -159,15 +159,21 @@ def _squared(off: Array, covariance: Array) -> Array:
 
 
 def _cause_measures(claims: Claims) -> Measures:
-    """Which reasons for doubt were named first, how soon, and in which share of the pictures."""
-    doubts = [place for place, cause in enumerate(claims.causes) if cause is not None]
+    """Which reasons for doubt were named first, how soon, and in which share of the pictures.
+
+    Until it is carried off: then doubt is due, whatever it is called.
+    """
+    until = math.inf if claims.carry_stamp is None else claims.carry_stamp
+    count = int(np.searchsorted(claims.stamps, until, side="right"))
+    causes = claims.causes[:count]
+    doubts = [place for place, cause in enumerate(causes) if cause is not None]
     first = doubts[0] if doubts else None
-    counted = {cause: claims.causes.count(cause) for cause in Cause}
+    counted = {cause: causes.count(cause) for cause in Cause}
     most = max(counted, key=counted.__getitem__)
     return {
-        "alert": len(doubts) / len(claims.stamps),
+        "alert": len(doubts) / max(count, 1),
         "first_alert_s": None if first is None else float(claims.stamps[first] - claims.stamps[0]),
-        "first_cause": None if first is None else str(claims.causes[first]),
+        "first_cause": None if first is None else str(causes[first]),
         "main_cause": str(most) if counted[most] else None,
     }
 

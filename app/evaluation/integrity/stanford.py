@@ -42,6 +42,18 @@ class Stanford:
         )
 
 
+def trade(stanford: Stanford, pictures: int) -> tuple[Array, Array]:
+    """What a narrower limit on the radius costs and saves, for each of its bins' upper borders.
+
+    Returns:
+        Share of all pictures (60,) that claim a radius below it, and of those whose error is in a
+        bin above that of the radius.
+    """
+    claimed = stanford.place.sum(axis=0)
+    outside = np.tril(stanford.place, -1).sum(axis=0)
+    return np.cumsum(claimed) / max(pictures, 1), np.cumsum(outside) / max(pictures, 1)
+
+
 def counted(claims: Claims) -> Stanford:
     """One robot's pictures: those that claim one place, with a finite bound."""
     approximate = np.array([state is State.APPROXIMATE for state in claims.states], dtype=bool)

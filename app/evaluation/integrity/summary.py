@@ -17,6 +17,7 @@ EXPECTED: dict[str, tuple[Cause, ...]] = {
     "late": (Cause.PICTURES_LATE,),
     "worn": (Cause.WHEEL_SIZE,),
     "slippery": (Cause.WHEEL_SLIP,),
+    "stretched": (Cause.MAP,),
     "all-at-once": (
         Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP, Cause.WHEEL_SIZE,
     ),
@@ -83,7 +84,11 @@ def group_summary(rows: Sequence[Row]) -> Row:
     later = [row["misleading_later_longest_s"] for row in rows if "misleading_later" in row]
     if later:
         found["misleading_later_longest_s"] = max(later)
-    return found | {name: over_pictures(name) for name in shares}
+    while_right = weights * np.array([row["right"] for row in rows])
+    if while_right.any():
+        sure = [row["sure_while_right"] for row in rows]
+        found["sure_while_right"] = _weighted(sure, while_right)
+    return {name: over_pictures(name) for name in shares} | found
 
 
 def causes_of(condition: str, rows: Sequence[Row]) -> Row:
@@ -112,7 +117,7 @@ def _among(named: list[str], expected: tuple[Cause, ...]) -> float | None:
 
 
 def _weighted(values: Sequence[float | None], weights: Any) -> float | None:
-    known = [place for place, value in enumerate(values) if value is not None]
+    known = [place for place, value in enumerate(values) if value is not None and weights[place]]
     if not known:
         return None
     return float(

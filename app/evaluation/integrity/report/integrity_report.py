@@ -40,18 +40,21 @@ def report(shown: IntegrityResults) -> str:
     """The page."""
     results = shown.results
     whole = sum(shown.diagrams.values(), Stanford.empty())
-    ordered = {name: shown.diagrams[name] for name in shown.experiment.conditions}
+    conditions = shown.experiment.conditions
+    ordered = {name: shown.diagrams[name] for name in conditions if name in shown.diagrams}
     worst = worst_runs(results["runs"])
     return page(
         TEMPLATE,
         experiment=results["experiment"],
         summary=results["summary"],
+        failures=results["failures"],
         groups=results["summary"]["groups"],
         causes=results["summary"]["causes"],
         cause_names=[*map(str, Cause), NO_ALERT],
         place=embedded(stanford_figures.place_diagram(whole)),
         heading=embedded(stanford_figures.heading_diagram(whole)),
         panels=embedded(stanford_figures.condition_diagrams(ordered)),
+        trade=embedded(stanford_figures.trade_curve(ordered)),
         unavailable=whole.unavailable,
         worst=[_worst_row(shown.folder, row, place < WORST / 2) for place, row in enumerate(worst)],
         settings=settings_of(shown.experiment.config),

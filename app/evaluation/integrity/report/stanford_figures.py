@@ -12,12 +12,13 @@ from matplotlib.colors import LogNorm
 
 from app.evaluation.convergence import PLACE_XY, Mask
 from app.evaluation.integrity.measures import NARROW
-from app.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford
+from app.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
 from app.evaluation.report.figures import drawn
 from robot.geometry import Array
 
 MISLEADING, NAVY, ORANGE = "#d55e00", "#0072b2", "#e69f00"
 """Okabe and Ito."""
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 COLUMNS = 3
 """Of small diagrams."""
 
@@ -59,6 +60,27 @@ def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
     return done[0]
 
 
+def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
+    """Pictures that claim a radius below a limit, against those of them that it does not hold."""
+    done: list[str] = []
+    with drawn(5.6, 3.2, done) as figure:
+        axes = figure.add_subplot()
+        for place, (name, one) in enumerate(diagrams.items()):
+            pictures = int(one.place.sum()) + one.unavailable
+            available, outside = trade(one, pictures)
+            dashes = ("-", "--", ":")[place // len(COLOURS) % 3]
+            axes.plot(
+                100 * outside, 100 * available, dashes, lw=1.3, label=name,
+                color=COLOURS[place % len(COLOURS)],
+            )  # fmt: skip
+        axes.set(xlabel="truth outside of the bound [%]", ylabel="bound below the limit [%]")
+        axes.set_xscale("symlog", linthresh=0.01)
+        axes.set_xlim(left=0)
+        axes.grid(alpha=0.3)
+        figure.legend(loc="outside right upper", frameon=False, fontsize=7)
+    return done[0]
+
+
 def place_diagram(stanford: Stanford) -> str:
     """Of places [mm]."""
     return stanford_diagram(stanford.place, PLACE_BINS, "mm", 1e3, "place")
@@ -89,7 +111,7 @@ def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float |
         if carry_stamp is not None:
             axes.axvline(carry_stamp, color="#888888", lw=0.7, ls=":")
         axes.set(yscale="log", xlabel="time [s]", ylabel="[mm]")
-        axes.legend(frameon=False, ncols=4, fontsize=7, loc="lower right")
+        figure.legend(frameon=False, ncols=4, fontsize=7, loc="outside upper center")
     return done[0]
 
 
