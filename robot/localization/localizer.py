@@ -114,6 +114,7 @@ class Localizer:
             spread = estimate.effective / max(len(self.filter.cloud.weights), 1)
             self.monitor.observe(heaviest, seen, odometry, spread)
             self.filter.loosen(self.monitor.looseness)
+            heaviest = self.monitor.caught_up(heaviest)
             heaviest = replace(
                 heaviest, covariance=heaviest.covariance + self.monitor.doubt.covariance
             )

@@ -36,8 +36,8 @@ USUAL = 1.5
 """Steps that differ from odometry by no more than so many spreads are as usual."""
 DOUBT_KEPT = 5.0
 """For so long after a doubt the pose may still be off [s]."""
-STILL = 0.0005
-"""Variance [m²] along which a scan says nothing of the pose."""
+LATE_SURE, LATE_BLEND = 1.5, 0.1
+"""Lateness of so many standard deviations is made up for, by so much more with each scan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +101,8 @@ class Monitor:
         self._doubted = -math.inf
         """When a doubt was raised last [s]."""
         self.doubt = NO_DOUBT
+        self.lateness = 0.0
+        """By so much pictures seem to be stamped later than they were taken [s]."""
         self.looseness = 1.0
         """How many times wider than usual odometry seems to err."""
 
@@ -113,6 +115,12 @@ class Monitor:
     def use(self, evidence: RayEvidence) -> None:
         """Go on with other parameters."""
         self._evidence = evidence
+
+    def caught_up(self, one: Hypothesis) -> Hypothesis:
+        """Where the robot is at the scan's stamp, if its picture was taken before."""
+        if self.lateness == 0.0:
+            return one
+        return replace(one, pose=one.pose @ self._odometry.twist.integrate(self.lateness))
 
     def corrected(self, scan: Scan) -> Scan:
         """A scan as it would be without the tilt that the camera seems to have."""
@@ -187,7 +195,12 @@ class Monitor:
         offset = np.zeros((3, 7))
         offset[:, 0] = -twist.v, 0.0, -twist.omega
         offset[:, 4:] = np.eye(3)
-        mean = offset @ errors.values
+        late, late_sd = errors.value("late"), errors.sd("late")
+        wanted = late if abs(late) > LATE_SURE * late_sd else 0.0
+        self.lateness += LATE_BLEND * (wanted - self.lateness)
+        left = errors.values.copy()
+        left[0] -= self.lateness
+        mean = offset @ left
         spread = offset @ errors.covariance @ offset.T
         caused, caused_spread = self._camera.pose_error(findings.mounting)
         rotation = np.eye(3)

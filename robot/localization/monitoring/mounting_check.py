@@ -20,7 +20,7 @@ RAYS_WORTH = 0.1
 """Neighbouring rays, and scans that follow each other, err together: one counts for so many."""
 LEAST_REST = 0.03
 """Rays never lie closer to their edges than this, as a mean square in spreads."""
-PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.003]))
+PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.0015]))
 """How far off pitch, roll and scale usually are: a camera that was mounted with care."""
 STANDS_OUT, EXPLAINS = 2.0, 0.3
 """A tilt of so many standard deviations, which explains such a share, is taken off the scans."""

@@ -25,10 +25,10 @@ MEMORY = 20.0
 """Steps older than this hardly count for errors that stay [s]."""
 RECENT = 3.0
 """The same for what is left unexplained [s]."""
-CORRELATION = 1.5
+CORRELATION = 1.0
 """Slip lasts for about a second: so many steps are worth one."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
-PRIOR_SD = np.array([0.020, 0.03, 0.4, 0.04, 0.004, 0.004, 0.010])
+PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
