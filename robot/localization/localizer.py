@@ -82,7 +82,7 @@ class Localizer:
         due = self._is_due(moved)
         if due:
             self._odometry = odometry
-            self.filter.predict(moved)
+            self.filter.predict(self._as_wheels_are(moved))
         return due
 
     def update(self, odometry: Pose2, scan: Scan) -> Estimate | None:
@@ -98,7 +98,7 @@ class Localizer:
         self._forced = False
         # The window of odometry advances only here, so no motion is lost between updates.
         self._odometry = odometry
-        self.filter.predict(moved)
+        self.filter.predict(self._as_wheels_are(moved))
         seen = scan.within(*self.reach)
         if self.monitor is not None:
             seen = self.monitor.corrected(seen)
@@ -146,6 +146,9 @@ class Localizer:
         if self._odometry is None:
             self._odometry = odometry
         return self._odometry.inverse() @ odometry
+
+    def _as_wheels_are(self, moved: Pose2) -> Pose2:
+        return moved if self.monitor is None else self.monitor.corrected_step(moved)
 
     def _is_due(self, moved: Pose2) -> bool:
         far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d

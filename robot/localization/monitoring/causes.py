@@ -59,6 +59,10 @@ class Causes:
         self._flat = 0.0
         self.alerts: tuple[Alert, ...] = ()
 
+    def forget(self) -> None:
+        """Another place is followed from now on."""
+        self._held, self._last, self.alerts = {}, {}, ()
+
     def judge(self, findings: Findings) -> None:
         """Take what was found of one more scan."""
         cause, text = self._likeliest(findings)

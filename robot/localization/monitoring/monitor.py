@@ -30,6 +30,12 @@ WORST = 1.8
 """How much less likely a ray is where it fits but badly, as log-likelihood."""
 MISSED = 0.2
 """The same of a ray that returned nothing."""
+TRUSTED, EXPLAINED = 0.95, 0.6
+"""Weight of a place, and share of the returns that it explains, to learn of the robot there."""
+TORN = 2.5
+"""Where steps differ from odometry by so many spreads, wheels slip or it was carried off."""
+JUMP, JUMP_TURN = 0.04, 0.2
+"""A pose that moves so much from one scan to the next is another place [m], [rad]."""
 LOOSEST = 4.0
 """Odometry is believed this much less, at most."""
 USUAL = 1.5
@@ -80,7 +86,7 @@ class Doubt:
     """(3, 3) by what was not found, but cannot be excluded yet."""
     alerts: tuple[Alert, ...]
     fits: bool
-    """Whether the last scans fit here at all."""
+    """Whether the last scans fit here at all, and poses follow each other as odometry says."""
 
 
 NO_DOUBT = Doubt(np.zeros((3, 3)), np.zeros((3, 3)), (), True)
@@ -96,20 +102,24 @@ class Monitor:
         self._camera = MountingCheck()
         self._causes = Causes()
         self._stamp: float | None = None
-        self._pose: Pose2 | None = None
+        self._last: tuple[Pose2, Pose2] | None = None
+        """Pose and odometry of the last scan."""
         self._fit = 1.0
         self._doubted = -math.inf
         """When a doubt was raised last [s]."""
         self.doubt = NO_DOUBT
         self.lateness = 0.0
         """By so much pictures seem to be stamped later than they were taken [s]."""
+        self._wheels: tuple[float, ...] = (0.0, 0.0, 0.0)
+        """By how much odometry seems to be off: forward, turn by way [rad/m], and turn."""
         self.looseness = 1.0
         """How many times wider than usual odometry seems to err."""
 
     def begin_anew(self) -> None:
         """Another pose was told: what was found of the robot stays, steps to here do not count."""
         self._odometry.jump()
-        self._pose, self._fit = None, 1.0
+        self._last, self._fit = None, 1.0
+        self._causes.forget()
         self.doubt = NO_DOUBT
 
     def use(self, evidence: RayEvidence) -> None:
@@ -121,6 +131,14 @@ class Monitor:
         if self.lateness == 0.0:
             return one
         return replace(one, pose=one.pose @ self._odometry.twist.integrate(self.lateness))
+
+    def corrected_step(self, moved: Pose2) -> Pose2:
+        """A step by odometry as it would be with wheels of the size that they seem to have."""
+        forward, turn_by_way, turn = self._wheels
+        theta = moved.theta * (1 + turn) + moved.x * turn_by_way
+        half = 0.5 * (theta - moved.theta)
+        there = Pose2(theta=half).apply(np.array([[moved.x, moved.y]]) * (1 + forward))[0]
+        return Pose2(float(there[0]), float(there[1]), theta)
 
     def corrected(self, scan: Scan) -> Scan:
         """A scan as it would be without the tilt that the camera seems to have."""
@@ -147,6 +165,9 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         pose = one.pose.to_array()
+        if self._has_jumped(one.pose, odometry):
+            self._odometry.jump()
+            self._causes.forget()
         sums, used, returned = residual_sums(
             pose,
             rays,
@@ -156,9 +177,15 @@ class Monitor:
             self._mounting.height,
             *self._camera.applied.tolist(),
         )
-        self._camera.observe(sums, used, elapsed, np.diag([1.0, 1.0, 1.0]))
         self._judge_fit(one.pose, rays)
-        self._odometry.observe(scan.stamp, one.pose, odometry, one.covariance)
+        # At a wrong place nothing is learnt of the robot.
+        trusted = one.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
+        if trusted:
+            self._camera.observe(sums, used, elapsed)
+            self._odometry.observe(scan.stamp, one.pose, odometry, one.covariance)
+        else:
+            self._odometry.jump()
+            self._camera.look(sums)
         mounting = self._camera.error()
         findings = Findings(
             scan.stamp,
@@ -172,11 +199,19 @@ class Monitor:
         )
         self._causes.judge(findings)
         self._camera.follow(mounting)
+        self._wheels = tuple(findings.odometry.values[1:4].tolist())
         rest = findings.odometry.rest
         self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, 1.0), LOOSEST)
         if self._causes.alerts:
             self._doubted = scan.stamp
         self.doubt = self._doubt(one.pose, findings)
+
+    def _has_jumped(self, pose: Pose2, odometry: Pose2) -> bool:
+        last, self._last = self._last, (pose, odometry)
+        if last is None:
+            return False
+        expected = last[0] @ (last[1].inverse() @ odometry)
+        return expected.distance_to(pose) > JUMP or abs(expected.turn_to(pose)) > JUMP_TURN
 
     def _judge_fit(self, pose: Pose2, rays: Array) -> None:
         seeing = rays[~np.isnan(rays[:, 4])]
@@ -214,7 +249,8 @@ class Monitor:
             known += rotation @ self._odometry.wiggle @ rotation.T
         unknown = rotation @ (np.outer(mean, mean) + spread) @ rotation.T
         unknown += np.outer(caused, caused) + caused_spread
-        return Doubt(known, unknown, self._causes.alerts, self._fit > 0)
+        torn = float(errors.rest.max()) > TORN
+        return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
 
 
 def _beyond(mean: Array, covariance: Array) -> Array:

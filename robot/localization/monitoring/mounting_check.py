@@ -62,22 +62,26 @@ class MountingCheck:
         self.applied = np.zeros(2)
         """Pitch and roll [rad] that are taken off the scans."""
 
-    def observe(self, sums: Array, rays: int, elapsed: float, known: Array) -> None:
+    def observe(self, sums: Array, rays: int, elapsed: float) -> None:
         """Add a scan.
 
         Args:
             sums: of ``residual_sums`` (7, 7).
             rays: how many lie on an edge.
             elapsed: since the last one [s].
-            known: information (3, 3) of the pose without this scan.
         """
         keep = math.exp(-elapsed / MEMORY)
-        by_pose = sums[:3, :3] * RAYS_WORTH + known
-        gain = np.asarray(np.linalg.solve(by_pose, sums[:3, 3:] * RAYS_WORTH), dtype=np.float64)
+        gain = self.look(sums)
         left = sums[3:, 3:] - sums[3:, :3] @ gain
         self._sums = keep * self._sums + left
         self._rays = keep * self._rays + rays
+
+    def look(self, sums: Array) -> Array:
+        """Only see how a pose (3,) takes up tilt, scale and distances (3, 4) in a scan's sums."""
+        by_pose = sums[:3, :3] * RAYS_WORTH + np.eye(3)
+        gain = np.asarray(np.linalg.solve(by_pose, sums[:3, 3:] * RAYS_WORTH), dtype=np.float64)
         self._caused = -gain[:, :3]
+        return gain
 
     def error(self) -> MountingError:
         """The likeliest, whatever is taken off already."""
