@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robot.localization.estimate import Hypothesis
+from robot.localization.matrices import inverse
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
 from robot.localization.setup import Setup
@@ -55,7 +56,6 @@ class Refinement:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
         if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
             return one
-        known = np.linalg.inv(one.covariance + LUCK)
+        known = inverse(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        covariance = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
-        return replace(one, pose=match.pose, covariance=covariance)
+        return replace(one, pose=match.pose, covariance=inverse(match.information))

@@ -10,6 +10,7 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
+from robot.localization.matrices import inverse
 from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
@@ -84,7 +85,7 @@ class Track:
         none comes to seem likelier than another.
         """
         best = self.best
-        known = np.linalg.inv(best.covariance + POLISH)
+        known = inverse(best.covariance + POLISH)
         narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
         matcher = setup.fine_matcher if narrow else setup.matcher
         fitting = matcher.match(best.pose, rays, known).pose

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from robot.geometry import Array
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.integrity import Integrity, State
+from robot.localization.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
@@ -47,7 +46,6 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
 
 def bounds(covariance: Array) -> tuple[float, float]:
     """Radius [m] and angle [rad] that hold in 99.9 % of pictures, by a covariance (3, 3)."""
-    across = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
-    radius = PLACE_QUANTILE * math.sqrt(across + LEAST_PLACE**2)
+    radius = PLACE_QUANTILE * math.hypot(widest(covariance), LEAST_PLACE)
     heading = HEADING_QUANTILE * math.sqrt(float(covariance[2, 2]) + LEAST_HEADING**2)
     return radius, min(heading, math.pi)

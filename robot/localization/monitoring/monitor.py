@@ -190,7 +190,7 @@ class Monitor:
         findings = Findings(
             scan.stamp,
             elapsed,
-            self._odometry.errors(),
+            self._odometry.errors,
             mounting,
             used / max(returned, 1),
             returned,
