@@ -36,6 +36,8 @@ LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
 BORN_SHARE = 0.05
 """A place is found within centimetres: a few particles do to begin with."""
+EQUAL = -3.0
+"""A place of so much log-weight beside the heaviest has its images followed."""
 REMEMBERED = 4
 """Short maps' lengths for which it counts what was told of the start: then more has been seen."""
 
@@ -68,6 +70,8 @@ class MultiHypothesisFilter:
         """Kept since the start."""
         self._lost_at = 0
         """The same, when it was last lost or the start."""
+        self._anchored = True
+        """Whether the start was told, and it was never lost since."""
         self._confirmed = True
         """Whether it has looked over the whole field since it was lost."""
         self._looseness = 1.0
@@ -174,6 +178,7 @@ class MultiHypothesisFilter:
                 self._told = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
+            self._mirror()
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
@@ -206,6 +211,26 @@ class MultiHypothesisFilter:
         if kept:
             self._level(kept[0].log_weight)
 
+    def _mirror(self) -> None:
+        """Follow what looks the same as the heaviest places, by the field's own symmetry.
+
+        Unless the start was told nothing ever tells them apart: they weigh the same, always.
+        """
+        if self._anchored:
+            return
+        p = self.setup.hypotheses
+        for track in self._tracks[:]:
+            if track.log_weight < EQUAL:
+                continue
+            for turned in self.setup.field.symmetries:
+                image = turned @ track.pose
+                there = [one for one in self._tracks if p.alike(image, one.pose)]
+                for one in there:
+                    one.log_weight = max(one.log_weight, track.log_weight)
+                if not there and len(self._tracks) < p.max_hypotheses:
+                    covariance = _turned(track.best.covariance, turned.theta)
+                    self._follow(image, covariance, track.log_weight)
+
     def _level(self, heaviest: float) -> None:
         """Make the heaviest weight one; notice when elsewhere has become the likeliest."""
         for track in self._tracks:
@@ -218,7 +243,7 @@ class MultiHypothesisFilter:
             self._local.begin_anew(max(self._elsewhere.doubts, 1))
             self._search, self._wait = None, LOST
             self._told, self._lost_at = [], self._scans
-            self._confirmed = False
+            self._confirmed = self._anchored = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
@@ -304,7 +329,7 @@ class MultiHypothesisFilter:
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search = None
-        self._confirmed = True
+        self._confirmed, self._anchored = True, bool(told)
         self._wait, self._patience = FIRST, SOON
         self._local = LocalMap.of(p)
 
@@ -312,3 +337,11 @@ class MultiHypothesisFilter:
         likelihood = np.exp([track.log_weight for track in self._tracks])
         weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere.log_weight))
         return weights
+
+
+def _turned(covariance: Array, turn: float) -> Array:
+    """A covariance (3, 3) after a turn of the map [rad]."""
+    c, s = math.cos(turn), math.sin(turn)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned: Array = rotation @ covariance @ rotation.T
+    return turned
