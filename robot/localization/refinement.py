@@ -28,6 +28,9 @@ NEAR_SHARE = 0.025
 WIDEST = 5.0
 """A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
 lie between two places."""
+DRAWN = 4.0
+"""Where scans say nothing, as along one edge, clouds grow narrower than they know: by chance in
+drawing, and as scans err together. So many times wider is what their covariance is worth."""
 LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
 """How far the filter's mean may be off besides its covariance [m², m², rad²]."""
 
@@ -58,4 +61,6 @@ class Refinement:
             return one
         known = inverse(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        return replace(one, pose=match.pose, covariance=inverse(match.information))
+        # Of the scan alone, and of the cloud what can be relied on.
+        information = match.information - known + inverse(DRAWN * one.covariance + LUCK)
+        return replace(one, pose=match.pose, covariance=inverse(information))

@@ -14,7 +14,7 @@ PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
 """Standard deviations within which 99.9 % lie: of a place on a plane, and of a heading."""
 LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
 """Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
-NARROW, NARROW_HEADING = 0.020, math.radians(10)
+NARROW, NARROW_HEADING = 0.030, math.radians(10)
 """A wider bound is approximate only [m], [rad]."""
 CERTAIN = 0.95
 """Weight from which on one place is the only one."""
