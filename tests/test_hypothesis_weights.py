@@ -12,12 +12,11 @@ from told_filters import at_places
 
 from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import (
-    INDIFFERENT,
     LEAST_SHARE,
     REMEMBERED,
     MultiHypothesisFilter,
 )
-from robot.localization.hypotheses.track import Track
+from robot.localization.hypotheses.track import INDIFFERENT, Track
 from robot.localization.rays import rays_of
 
 

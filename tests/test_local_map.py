@@ -169,7 +169,7 @@ def test_the_past_goes_from_the_newest_back_step_by_step() -> None:
     steps = [Pose2(*rng.normal(0, [0.05, 0.05, 0.5])) for _ in range(10)]
     past = driven(steps).past(10, 61, MOTION)
     assert past.moves.shape == (10, 3) and past.noise.shape == (10, 3, 3)
-    assert past.rays.shape == (10, 61, 6)
+    assert past.rays.shape == (10, 61, 7)
     np.testing.assert_allclose(past.moves[0], 0, atol=1e-12)
     for move, noise, step in zip(past.moves[1:], past.noise[1:], reversed(steps), strict=False):
         np.testing.assert_allclose(move, step.inverse().to_array(), atol=1e-12)

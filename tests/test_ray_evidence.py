@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,8 +41,14 @@ ACROSS_END = Pose2(0.2, 0.2, -math.pi / 2)
 """As before, but 25 mm from the stub's end."""
 
 
-def ray(length: float, near: float = 0.0, far: float = math.inf, bearing: float = 0.0) -> Array:
-    return np.array([[0.0, 0.0, bearing, length, near, far]])
+def ray(
+    length: float,
+    near: float = 0.0,
+    far: float = math.inf,
+    bearing: float = 0.0,
+    clear: float = 1.0,
+) -> Array:
+    return np.array([[0.0, 0.0, bearing, length, near, far, clear]])
 
 
 def value(pose: Pose2, rays: Array, on: str = "stub") -> float:
@@ -128,11 +135,40 @@ def test_both_ends_of_tape_are_lenient(end: str, from_end: float, lenient: bool)
     assert (value(pose, ray(math.inf)) == 0) == lenient
 
 
+@pytest.mark.parametrize("clear", [1.0, 0.6, 0.0])
+def test_a_ray_of_a_picture_that_is_not_clear_tells_less(clear: float) -> None:
+    missed = MISSED + SEEN * (1 - clear) * (1 - MISSED)
+    assert value(AT_SIDE, ray(math.inf, clear=clear)) == pytest.approx(math.log(missed))
+    peak = clear * SEEN / (SD * math.sqrt(2 * math.pi))
+    assert value(AT_SIDE, ray(0.5, clear=clear)) == pytest.approx(math.log(peak + STRAY))
+
+
+def test_a_far_range_errs_more_by_the_slope() -> None:
+    sloping = RayEvidence.of(STUB, 1.0, SD, slope=12.0)
+    wide = SD * (1 + 12.0 * 0.5**2)
+    peak = SEEN / (wide * math.sqrt(2 * math.pi))
+    assert sloping.log_likelihood(AT_SIDE, ray(0.5)) == pytest.approx(math.log(peak + STRAY))
+    off = 0.5 + wide * math.sqrt(2)
+    wanted = math.log(peak / math.e + STRAY)
+    # Which spread a ray has is told by its own range.
+    assert sloping.log_likelihood(AT_SIDE, ray(off)) == pytest.approx(wanted, abs=0.15)
+    np.testing.assert_allclose(sloping.log_peaks(np.array([0.5])), [math.log(peak + STRAY)])
+
+
+def test_what_is_blind_may_be_missed_or_seen_past() -> None:
+    blind = ON["stub"].sight._replace(seen=np.zeros_like(ON["stub"].sight.seen))
+    one = replace(ON["stub"], sight=blind)
+    for pose in (AT_SIDE, ACROSS_STUB):
+        assert one.log_likelihood(pose, ray(math.inf)) == 0
+    assert one.log_likelihood(AT_SIDE, ray(0.5)) == pytest.approx(BEST)
+    assert one.log_likelihood(ACROSS_STUB, ray(0.675)) == pytest.approx(BEST, abs=1e-6)
+
+
 # --- many rays
 
 
 def test_no_rays_tell_nothing() -> None:
-    assert value(AT_SIDE, np.zeros((0, 6))) == 0
+    assert value(AT_SIDE, np.zeros((0, 7))) == 0
 
 
 def test_it_is_the_average_of_the_rays() -> None:

@@ -28,7 +28,7 @@ def track_at(pose: Pose2) -> Track:
 
 
 def fit(pose: Pose2) -> float:
-    return track_at(pose).fit(RAYS, SETUP.matcher, SETUP.evidence)
+    return track_at(pose).fit(RAYS, SETUP)
 
 
 def test_its_pose_is_that_of_its_heaviest_hypothesis() -> None:
@@ -61,7 +61,7 @@ def test_surer_than_it_should_be_it_begins_anew_where_scans_fit() -> None:
     off = Pose2(TRUE.x + 0.018, TRUE.y + 0.018, TRUE.theta + 0.03)
     track = track_at(off)
     for scans in range(1, STUCK + 1):
-        track.fit(RAYS, SETUP.matcher, SETUP.evidence)
+        track.fit(RAYS, SETUP)
         track.come_unstuck()
         held = track.pose.distance_to(off) < 0.003
         assert held == (scans < STUCK)
@@ -73,7 +73,7 @@ def test_one_scan_that_fits_elsewhere_does_not_move_it() -> None:
     track = track_at(off)
     here = rays_of(Drive(off).scan(), 60)
     for rays in (RAYS, RAYS, here, RAYS, RAYS):
-        track.fit(rays, SETUP.matcher, SETUP.evidence)
+        track.fit(rays, SETUP)
         track.come_unstuck()
     assert track.pose.distance_to(off) < 0.003
 
@@ -81,7 +81,7 @@ def test_one_scan_that_fits_elsewhere_does_not_move_it() -> None:
 def test_to_look_how_it_fits_moves_nothing() -> None:
     track = track_at(TRUE @ Pose2(0.004, 0, 0))
     before = track.pose
-    track.fit(RAYS, SETUP.matcher, SETUP.evidence)
+    track.fit(RAYS, SETUP)
     assert track.pose == before and track.log_weight == 0
 
 

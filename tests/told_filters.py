@@ -9,7 +9,7 @@ import square_drive
 from square_drive import ON_STUB
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Hypothesis
+from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.hypotheses.track import Track
@@ -23,6 +23,11 @@ class Notes:
     """What any of them writes down."""
 
     told: list[object]
+
+    standing = Standing.CONFIRMED
+
+    def loosen(self, factor: float) -> None:
+        self.told.append(factor)
 
     def use(self, setup: Setup) -> None:
         self.told.append(setup)
