@@ -16,12 +16,12 @@ WHEELS_SLIP = 2.8
 """What is left of steps in heading, in usual spreads, where wheels slip."""
 PATH_TORN = 2.4
 """The same of steps ahead or aside, where poses do not fit together."""
-LATE, LATE_SURE = 0.010, 1.5
+LATE, LATE_SURE = 0.012, 1.7
 """Pictures that come later than so much [s], and so many standard deviations, are late."""
 TILT = math.radians(0.1)
 TILT_EXPLAINS = 0.4
 """A camera that is askew by so much [rad] explains such a share of what no pose does."""
-RADII, RADII_TURN = 0.030, 0.35
+RADII, RADII_TURN = 0.033, 0.45
 """Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
 SURE = 3.0
 """Standard deviations by which a wheel's error stands out."""
