@@ -44,7 +44,9 @@ USUAL = 1.5
 """Steps that differ from odometry by no more than so many spreads are as usual."""
 DOUBT_KEPT = 5.0
 """For so long after a doubt the pose may still be off [s]."""
-LATE_SURE, LATE_BLEND = 1.5, 0.1
+LEAST_LATE = 0.001
+"""Less is not made up for [s]."""
+LATE_SURE, LATE_BLEND = 2.2, 0.1
 """Lateness of so many standard deviations is made up for, by so much more with each scan."""
 
 
@@ -245,6 +247,8 @@ class Monitor:
         late, late_sd = errors.value("late"), errors.sd("late")
         wanted = late if abs(late) > LATE_SURE * late_sd else 0.0
         self.lateness += LATE_BLEND * (wanted - self.lateness)
+        if abs(self.lateness) < LEAST_LATE:
+            self.lateness = 0.0
         left = errors.values.copy()
         left[0] -= self.lateness
         mean = offset @ left
@@ -256,6 +260,9 @@ class Monitor:
             [math.sin(pose.theta), math.cos(pose.theta)],
         ]
         beyond = np.diag(np.square(_beyond(mean, spread)))
+        if self.lateness:
+            # What is made up for is not known better than this.
+            beyond += late_sd**2 * np.outer(offset[:, 0], offset[:, 0])
         known = rotation @ beyond @ rotation.T + np.diag(np.square(_beyond(caused, caused_spread)))
         if findings.stamp - self._doubted < DOUBT_KEPT:
             known += rotation @ self._odometry.wiggle @ rotation.T

@@ -32,6 +32,8 @@ ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
 PRIOR = np.diag(PRIOR_SD**-2)
+TELLING, CHANGE_V, CHANGE_OMEGA = 3.0, 0.05, 0.4
+"""A step over which the speed changes by more than this [m/s, rad/s] counts so many times more."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
@@ -131,7 +133,10 @@ class OdometryCheck:
             np.array([before.twist.v, 0.0, before.twist.omega]),
             np.array([now.twist.v, 0.0, now.twist.omega]),
         )
+        # Steps overlap; but what a change of speed tells, few of them tell.
         share = elapsed / max(now.stamp - before.stamp, 1e-3)
+        if _has_changed(before.twist, now.twist):
+            share = min(TELLING * share, 1.0)
         errors = self.errors
         left = off - columns @ errors.values
         squares = np.square(left) / variance
@@ -159,6 +164,10 @@ class OdometryCheck:
         # As if a step before any had been as usual.
         rest = np.sqrt((self._squares + 1) / (self._recent + 1))
         return OdometryErrors(covariance @ self._pull, covariance, rest, self._count)
+
+
+def _has_changed(first: Twist2, last: Twist2) -> bool:
+    return abs(last.v - first.v) > CHANGE_V or abs(last.omega - first.omega) > CHANGE_OMEGA
 
 
 @njit(cache=True, nogil=True)
