@@ -97,8 +97,10 @@ class Causes:
         for name, limit in (("forward", RADII), ("turn_by_way", RADII_TURN)):
             value, sd = f.odometry.value(name), f.odometry.sd(name)
             if abs(value) > limit and abs(value) > SURE * sd:
-                percent = 100 * f.odometry.value("forward")
-                return Cause.WHEEL_SIZE, f"wheels seem to be of another size ({percent:+.0f} %)"
+                size = f"{100 * value:+.0f} %"
+                if name == "turn_by_way":
+                    size = f"the robot turns by {math.degrees(value):+.0f}° a metre"
+                return Cause.WHEEL_SIZE, f"wheels seem to be of another size ({size})"
         return None, ""
 
     def _is_flat(self, f: Findings) -> bool:
