@@ -16,6 +16,7 @@ from robot.localization.hypotheses.multi_hypothesis import (
     REMEMBERED,
     MultiHypothesisFilter,
 )
+from robot.localization.hypotheses.prior import log_prior
 from robot.localization.hypotheses.track import INDIFFERENT, STEADY, Track
 from robot.localization.rays import rays_of
 
@@ -166,8 +167,8 @@ def test_what_was_told_of_the_start_moves_with_odometry() -> None:
     f = at_places((Pose2(), 0.0))
     step = Pose2(0.2, 0.1, 0.5)
     f.predict(step)
-    assert f._log_prior(step) == pytest.approx(0, abs=1e-3)
-    assert f._log_prior(step @ step) < -4
+    assert log_prior(f._told, step, f.setup.hypotheses.log_kidnapped) == pytest.approx(0, abs=1e-3)
+    assert log_prior(f._told, step @ step, f.setup.hypotheses.log_kidnapped) < -4
 
 
 def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None:
@@ -179,4 +180,7 @@ def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None
     for moved, scan in drive.eight(0.2):
         f.predict(moved)
         f.correct(scan)
-    assert f._log_prior(f._tracks[0].pose) == DEFAULTS.hypotheses.log_kidnapped
+    assert (
+        log_prior(f._told, f._tracks[0].pose, f.setup.hypotheses.log_kidnapped)
+        == DEFAULTS.hypotheses.log_kidnapped
+    )

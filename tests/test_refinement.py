@@ -13,6 +13,7 @@ from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import (
+    DRAWN,
     FEWEST_BEAMS,
     GATE,
     LUCK,
@@ -84,7 +85,9 @@ def test_its_weight_stays_that_of_the_filter_and_its_covariance_is_its_own() -> 
     # One side is ahead: x and heading are measured, y is not.
     before, after = (np.sqrt(np.diag(one.covariance)) for one in (rough, fine))
     assert after[0] < 0.1 * before[0] and after[2] < 0.1 * before[2]
-    assert after[1] == pytest.approx(math.hypot(before[1], math.sqrt(LUCK[1, 1])), rel=0.05)
+    # Along what the scan says nothing of a cloud is narrower than it should be.
+    wider = math.sqrt(DRAWN * before[1] ** 2 + LUCK[1, 1])
+    assert after[1] == pytest.approx(wider, rel=0.05)
 
 
 def test_its_covariance_is_honest() -> None:
@@ -104,8 +107,8 @@ def test_its_covariance_is_honest() -> None:
         error = fine.pose.to_array() - true.to_array()
         error[2] = true.turn_to(fine.pose)
         squared.append(error @ np.linalg.solve(fine.covariance, error))
-    # 3 on average of an honest one; the median leaves out rays that met a corner.
-    assert 1.6 < np.median(squared) < 3.2
+    # 2.4 of an honest one; a little less where it allows for clouds that are too narrow.
+    assert 1.2 < np.median(squared) < 3.2
 
 
 def test_what_is_known_better_than_a_scan_tells_hardly_moves() -> None:

@@ -15,6 +15,7 @@ from robot.fields.drawing.coverage import coverage
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.floor_picture import Extent, FloorPicture
 from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
+from robot.fields.symmetry import symmetries
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
 
@@ -70,6 +71,11 @@ class Field:
     def sharp_ends(self) -> NDArray[np.bool_]:
         """Whether each edge ends, or turns sharply, at its start and at its end (n, 2)."""
         return edge_geometry.sharp_ends(self.edges)
+
+    @cached_property
+    def symmetries(self) -> tuple[Pose2, ...]:
+        """Rotations that carry the edges onto themselves, but for the whole turn."""
+        return symmetries(self.edges) if self.grid is None else ()
 
     @cached_property
     def visibility(self) -> Visibility:

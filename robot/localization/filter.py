@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -26,6 +27,13 @@ class Cloud:
     def even(cls, poses: Array) -> Cloud:
         """Poses that all weigh the same."""
         return cls(poses, np.full(len(poses), 1.0 / len(poses)))
+
+    @classmethod
+    def joined(cls, clouds: Sequence[Cloud], weights: Array) -> Cloud:
+        """Several clouds in one, weighed relative to each other by weights (n,)."""
+        shares = (weights / weights.sum()).tolist()
+        parts = [cloud.weights * share for cloud, share in zip(clouds, shares, strict=True)]
+        return cls(np.concatenate([cloud.poses for cloud in clouds]), np.concatenate(parts))
 
     @classmethod
     def drawn(

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robot.localization.estimate import Hypothesis
+from robot.localization.matrices import inverse
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
 from robot.localization.setup import Setup
@@ -27,6 +28,9 @@ NEAR_SHARE = 0.025
 WIDEST = 5.0
 """A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
 lie between two places."""
+DRAWN = 4.0
+"""Where scans say nothing, as along one edge, clouds grow narrower than they know: by chance in
+drawing, and as scans err together. So many times wider is what their covariance is worth."""
 LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
 """How far the filter's mean may be off besides its covariance [m², m², rad²]."""
 
@@ -55,7 +59,8 @@ class Refinement:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
         if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
             return one
-        known = np.linalg.inv(one.covariance + LUCK)
+        known = inverse(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
-        covariance = np.asarray(np.linalg.inv(match.information), dtype=np.float64)
-        return replace(one, pose=match.pose, covariance=covariance)
+        # Of the scan alone, and of the cloud what can be relied on.
+        information = match.information - known + inverse(DRAWN * one.covariance + LUCK)
+        return replace(one, pose=match.pose, covariance=inverse(information))

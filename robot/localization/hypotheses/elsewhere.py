@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from robot.geometry import Array, Pose2
@@ -44,6 +46,12 @@ class Elsewhere:
         self.log_weight = min(max(self.log_weight - heaviest, least), -least)
         self.lost = self.log_weight > 0
         return self.lost and not before
+
+    def beside(self, log_weights: list[float]) -> Array:
+        """Weights (n,) of places, which sum to less than one by what is elsewhere."""
+        likelihood = np.exp(log_weights)
+        weights: Array = likelihood / (likelihood.sum() + math.exp(self.log_weight))
+        return weights
 
     def at_least(self, log_weight: float) -> None:
         """Take it for no less likely than that."""

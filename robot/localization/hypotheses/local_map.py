@@ -101,6 +101,11 @@ class LocalMap:
         )
 
     @property
+    def lacking(self) -> int:
+        """Scans until it is full."""
+        return self._most - len(self._scans)
+
+    @property
     def since(self) -> Pose2:
         """How the robot moved since the newest kept scan."""
         return self._scans[-1].pose.inverse() @ self._robot

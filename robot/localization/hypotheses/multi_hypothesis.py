@@ -7,7 +7,6 @@ unlikely now may be right when a mark comes into sight. Only a hopeless one is g
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -18,10 +17,11 @@ from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
 from robot.localization.hypotheses.given_places import GivenPlace, begun_at, clusters_of
+from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.prior import Prior
-from robot.localization.hypotheses.track import Track, TrackFilter
+from robot.localization.hypotheses.prior import Prior, log_prior
+from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size
 from robot.localization.rays import rays_of
 from robot.localization.setup import Setup
@@ -68,6 +68,8 @@ class MultiHypothesisFilter:
         """Kept since the start."""
         self._lost_at = 0
         """The same, when it was last lost or the start."""
+        self._anchored = True
+        """Whether the start was told, and it was never lost since."""
         self._confirmed = True
         """Whether it has looked over the whole field since it was lost."""
         self._looseness = 1.0
@@ -93,10 +95,7 @@ class MultiHypothesisFilter:
         """The particles of all tracks; poses all over the field while nothing was found yet."""
         if not self._tracks:
             return self._anywhere
-        clouds = [track.filter.cloud for track in self._tracks]
-        weights = self._weights()
-        parts = [c.weights * w for c, w in zip(clouds, weights / weights.sum(), strict=True)]
-        return Cloud(np.concatenate([c.poses for c in clouds]), np.concatenate(parts))
+        return Cloud.joined([track.filter.cloud for track in self._tracks], self._weights())
 
     @property
     def effective(self) -> float:
@@ -111,7 +110,7 @@ class MultiHypothesisFilter:
         return Standing.CONFIRMED if self._confirmed else Standing.UNCONFIRMED
 
     def loosen(self, factor: float) -> None:
-        """From now on steps err so many times more than the motion model says."""
+        """Let steps err so many times more than the motion model says."""
         self._looseness = factor
         for track in self._tracks:
             track.filter.loosen(factor)
@@ -174,6 +173,7 @@ class MultiHypothesisFilter:
                 self._told = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
+            self._mirror()
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
@@ -196,15 +196,18 @@ class MultiHypothesisFilter:
 
         The lighter one's weight is not added: it is the same place, found or followed twice.
         """
+        self._tracks = distinct(self._tracks, self.setup.hypotheses)
+        if self._tracks:
+            self._level(self._tracks[0].log_weight)
+
+    def _mirror(self) -> None:
+        """Follow what looks the same as the heaviest places, unless the start was told."""
+        if self._anchored:
+            return
         p = self.setup.hypotheses
-        kept: list[Track] = []
-        for track in sorted(self._tracks, key=lambda track: -track.log_weight):
-            hopeless = kept and track.log_weight < kept[0].log_weight + p.log_hopeless
-            if not hopeless and not any(p.alike(track.pose, other.pose) for other in kept):
-                kept.append(track)
-        self._tracks = kept[: p.max_hypotheses]
-        if kept:
-            self._level(kept[0].log_weight)
+        for image in list(missing_images(self._tracks, self.setup.field.symmetries, p)):
+            if len(self._tracks) < p.max_hypotheses:
+                self._follow(image.pose, image.covariance, image.log_weight)
 
     def _level(self, heaviest: float) -> None:
         """Make the heaviest weight one; notice when elsewhere has become the likeliest."""
@@ -218,7 +221,7 @@ class MultiHypothesisFilter:
             self._local.begin_anew(max(self._elsewhere.doubts, 1))
             self._search, self._wait = None, LOST
             self._told, self._lost_at = [], self._scans
-            self._confirmed = False
+            self._confirmed = self._anchored = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
@@ -234,8 +237,7 @@ class MultiHypothesisFilter:
             self._wait = self._patience
             if not self._confirmed:
                 # As soon as the short map is full, it is looked for all places once more.
-                lacking = self.setup.hypotheses.map_scans - len(self._local)
-                self._wait = min(self._wait, max(lacking, 1))
+                self._wait = min(self._wait, max(self._local.lacking, 1))
 
     def _bear(self, search: PlaceSearch) -> None:
         """Follow the places that were found, weighed as if they had been there all along."""
@@ -245,19 +247,18 @@ class MultiHypothesisFilter:
         # has come to, but not the old one itself.
         old = any(track.born < self._lost_at for track in self._tracks[:1])
         whole = search.whole and not self._told and not (self._elsewhere.lost and old)
-        lives = [life for life in search.found if not self._is_followed(life.pose @ search.since)]
+        lives = search.found_beside([track.pose for track in self._tracks])
         before = len(self._tracks)
         if not lives:
             self._patience = min(2 * self._patience, LATE)
             return
-        newcomers = bool(self._tracks)
         reference, log_weight = self._reference(search)
         worth = p.scan_worth * search.scans / search.scans_lived
         for life in lives:
             weight = log_weight + worth * float((life.fits - reference).sum())
             here = life.pose @ search.since
-            if newcomers and not whole:
-                prior = self._log_prior(here)
+            if before and not whole:
+                prior = log_prior(self._told, here, p.log_kidnapped)
                 # One of the places elsewhere is no likelier than all of them together.
                 weight = min(weight + prior, max(self._elsewhere.log_weight, prior))
             if weight > p.log_hopeless:
@@ -273,12 +274,11 @@ class MultiHypothesisFilter:
 
     def _reference(self, search: PlaceSearch) -> tuple[Array, float]:
         """How the heaviest place that was lived through fits, and its log-weight."""
-        lives = (*search.alive, *search.found)
         for track in self._tracks:
-            for life in lives:
-                if self.setup.hypotheses.alike(life.pose @ search.since, track.pose):
-                    return life.fits, track.log_weight
-        return max((life.fits for life in lives), key=lambda fits: float(fits.sum())), 0.0
+            life = search.life_at(track.pose)
+            if life is not None:
+                return life.fits, track.log_weight
+        return search.best_life.fits, 0.0
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
@@ -286,29 +286,15 @@ class MultiHypothesisFilter:
         born.loosen(self._looseness)
         self._tracks.append(Track(born, log_weight, self._scans))
 
-    def _is_followed(self, pose: Pose2) -> bool:
-        return any(self.setup.hypotheses.alike(pose, track.pose) for track in self._tracks)
-
-    def _log_prior(self, pose: Pose2) -> float:
-        """How likely a pose was before it was found, beside the one that is followed."""
-        kidnapped = self.setup.hypotheses.log_kidnapped
-        if not self._told:
-            return kidnapped
-        told = max(prior.log_likelihood(pose) for prior in self._told)
-        return float(np.logaddexp(told, kidnapped))
-
     def _start(self, tracks: list[Track], told: list[Prior]) -> None:
         p = self.setup.hypotheses
         self._tracks = tracks
         self._told = told
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
-        self._search = None
-        self._confirmed = True
-        self._wait, self._patience = FIRST, SOON
+        self._search, self._wait, self._patience = None, FIRST, SOON
+        self._confirmed, self._anchored = True, bool(told)
         self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:
-        likelihood = np.exp([track.log_weight for track in self._tracks])
-        weights: Array = likelihood / (likelihood.sum() + math.exp(self._elsewhere.log_weight))
-        return weights
+        return self._elsewhere.beside([track.log_weight for track in self._tracks])

@@ -6,7 +6,7 @@ best are laid on the edges exactly; those that fit about as well as the best are
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,6 +80,27 @@ class PlaceSearch:
     def scans_lived(self) -> int:
         """Scans that a life is judged by."""
         return len(self._past.moves)
+
+    def life_at(self, pose: Pose2) -> Life | None:
+        """What one would have come to that is at a pose by now; None if there is none."""
+        for life in (*self.alive, *self.found):
+            if self._parameters.alike(life.pose @ self.since, pose):
+                return life
+        return None
+
+    def found_beside(self, poses: Sequence[Pose2]) -> list[Life]:
+        """The places that are none of some poses by now."""
+        alike = self._parameters.alike
+        return [
+            life
+            for life in self.found
+            if not any(alike(life.pose @ self.since, pose) for pose in poses)
+        ]
+
+    @property
+    def best_life(self) -> Life:
+        """The one that fits best."""
+        return max((*self.alive, *self.found), key=lambda life: float(life.fits.sum()))
 
     def move(self, moved: Pose2) -> None:
         """Follow a step by odometry."""

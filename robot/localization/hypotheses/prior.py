@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,3 +36,11 @@ class Prior:
         return self.log_weight - 0.5 * float(
             off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off)
         )
+
+
+def log_prior(told: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> float:
+    """How likely a pose was before it was found, beside the one that is followed."""
+    if not told:
+        return log_kidnapped
+    likeliest = max(prior.log_likelihood(pose) for prior in told)
+    return float(np.logaddexp(likeliest, log_kidnapped))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -10,6 +11,8 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
+from robot.localization.matrices import inverse
 from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
@@ -84,7 +87,7 @@ class Track:
         none comes to seem likelier than another.
         """
         best = self.best
-        known = np.linalg.inv(best.covariance + POLISH)
+        known = inverse(best.covariance + POLISH)
         narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
         matcher = setup.fine_matcher if narrow else setup.matcher
         fitting = matcher.match(best.pose, rays, known).pose
@@ -114,3 +117,13 @@ class Track:
         if better and self._fitting is not None:
             self.filter.set_pose(self._fitting, self.best.covariance + POLISH)
             self._gains = ()
+
+
+def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[Track]:
+    """The heaviest first, without those that are hopeless, or where a heavier one is."""
+    kept: list[Track] = []
+    for track in sorted(tracks, key=lambda track: -track.log_weight):
+        hopeless = kept and track.log_weight < kept[0].log_weight + parameters.log_hopeless
+        if not hopeless and not any(parameters.alike(track.pose, other.pose) for other in kept):
+            kept.append(track)
+    return kept[: parameters.max_hypotheses]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from robot.localization.integrity import Alert, Cause
@@ -15,18 +16,20 @@ WHEELS_SLIP = 2.8
 """What is left of steps in heading, in usual spreads, where wheels slip."""
 PATH_TORN = 2.4
 """The same of steps ahead or aside, where poses do not fit together."""
-LATE, LATE_SURE = 0.010, 1.5
+LATE, LATE_SURE = 0.012, 1.7
 """Pictures that come later than so much [s], and so many standard deviations, are late."""
 TILT = math.radians(0.1)
 TILT_EXPLAINS = 0.4
 """A camera that is askew by so much [rad] explains such a share of what no pose does."""
-RADII, RADII_TURN = 0.030, 0.35
+RADII, RADII_TURN = 0.033, 0.45
 """Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
 SURE = 3.0
 """Standard deviations by which a wheel's error stands out."""
 FLAT, FLAT_WIDE = 0.97, 0.010
 """A model that leaves such a share of the cloud effective, which is wider than so much [m], rates
 all poses alike."""
+PULLED = -2.0
+"""A model that takes so much of a ray's log-likelihood away is none of this scanner."""
 FLAT_RAYS = 20
 """Rays that should have told."""
 
@@ -46,6 +49,8 @@ class Findings:
     """Share of the cloud that is effective."""
     width: float
     """Of the hypothesis [m]."""
+    pulled: float
+    """By how much scans moved the pose to where they fit worse, as log-likelihood."""
 
 
 class Causes:
@@ -56,7 +61,6 @@ class Causes:
         """For how long each has been the likeliest [s]."""
         self._last: dict[Cause, tuple[float, str]] = {}
         """When each was last told [s], and its words."""
-        self._flat = 0.0
         self.alerts: tuple[Alert, ...] = ()
 
     def forget(self) -> None:
@@ -77,33 +81,64 @@ class Causes:
         self.alerts = tuple(Alert(each, words) for each, (_, words) in newest)
 
     def _likeliest(self, f: Findings) -> tuple[Cause | None, str]:
-        if self._is_flat(f):
-            return Cause.MODEL, "this sensor model rates all poses alike"
-        ahead, aside, heading = f.odometry.rest.tolist()
-        torn = max(ahead, aside) > PATH_TORN
-        if f.mounting.tilt > TILT and f.mounting.explained > TILT_EXPLAINS:
-            degrees = math.degrees(f.mounting.tilt)
-            return Cause.CAMERA_ASKEW, f"rays fit as if the camera were {degrees:.1f}° askew"
-        if heading > WHEELS_SLIP:
-            return Cause.WHEEL_SLIP, "the robot turns otherwise than its wheels: do they slip?"
-        if torn:
-            return Cause.MAP, "poses do not fit together: is the map of this floor?"
-        late, late_sd = f.odometry.value("late"), f.odometry.sd("late")
-        if late > LATE and late > LATE_SURE * late_sd:
-            return Cause.PICTURES_LATE, f"pictures seem to come {1e3 * late:.0f} ms late"
-        return self._wheels(f)
-
-    def _wheels(self, f: Findings) -> tuple[Cause | None, str]:
-        for name, limit in (("forward", RADII), ("turn_by_way", RADII_TURN)):
-            value, sd = f.odometry.value(name), f.odometry.sd(name)
-            if abs(value) > limit and abs(value) > SURE * sd:
-                size = f"{100 * value:+.0f} %"
-                if name == "turn_by_way":
-                    size = f"the robot turns by {math.degrees(value):+.0f}° a metre"
-                return Cause.WHEEL_SIZE, f"wheels seem to be of another size ({size})"
+        """The first of the patterns that is there: what stands first hides what comes after."""
+        for cause, pattern in PATTERNS.items():
+            text = pattern(f)
+            if text:
+                return cause, text
         return None, ""
 
-    def _is_flat(self, f: Findings) -> bool:
-        flat = f.spread > FLAT and f.width > FLAT_WIDE and f.returned >= FLAT_RAYS
-        self._flat = self._flat + f.elapsed if flat else 0.0
-        return self._flat > 0
+
+def _model(f: Findings) -> str:
+    flat = f.spread > FLAT and f.width > FLAT_WIDE and f.returned >= FLAT_RAYS
+    if flat:
+        return "this sensor model rates all poses alike"
+    if f.pulled < PULLED:
+        return "this sensor model moves the robot to where rays do not fit"
+    return ""
+
+
+def _camera(f: Findings) -> str:
+    if f.mounting.tilt > TILT and f.mounting.explained > TILT_EXPLAINS:
+        return f"rays fit as if the camera were {math.degrees(f.mounting.tilt):.1f}° askew"
+    return ""
+
+
+def _slip(f: Findings) -> str:
+    if f.odometry.rest[2] > WHEELS_SLIP:
+        return "the robot turns otherwise than its wheels: do they slip?"
+    return ""
+
+
+def _map(f: Findings) -> str:
+    if f.odometry.rest[:2].max() > PATH_TORN:
+        return "poses do not fit together: is the map of this floor?"
+    return ""
+
+
+def _late(f: Findings) -> str:
+    late = f.odometry.value("late")
+    if late > LATE and late > LATE_SURE * f.odometry.sd("late"):
+        return f"pictures seem to come {1e3 * late:.0f} ms late"
+    return ""
+
+
+def _wheels(f: Findings) -> str:
+    for name, limit in (("forward", RADII), ("turn_by_way", RADII_TURN)):
+        value = f.odometry.value(name)
+        if abs(value) > limit and abs(value) > SURE * f.odometry.sd(name):
+            size = f"{100 * value:+.0f} %"
+            if name == "turn_by_way":
+                size = f"the robot turns by {math.degrees(value):+.0f}° a metre"
+            return f"wheels seem to be of another size ({size})"
+    return ""
+
+
+PATTERNS: dict[Cause, Callable[[Findings], str]] = {
+    Cause.MODEL: _model,
+    Cause.CAMERA_ASKEW: _camera,
+    Cause.WHEEL_SLIP: _slip,
+    Cause.MAP: _map,
+    Cause.PICTURES_LATE: _late,
+    Cause.WHEEL_SIZE: _wheels,
+}

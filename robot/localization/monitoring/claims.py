@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from robot.geometry import Array
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.integrity import Integrity, State
+from robot.localization.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
 """Standard deviations within which 99.9 % lie: of a place on a plane, and of a heading."""
 LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
 """Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
-NARROW, NARROW_HEADING = 0.020, math.radians(10)
+NARROW, NARROW_HEADING = 0.030, math.radians(10)
 """A wider bound is approximate only [m], [rad]."""
 CERTAIN = 0.95
 """Weight from which on one place is the only one."""
@@ -47,7 +46,6 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
 
 def bounds(covariance: Array) -> tuple[float, float]:
     """Radius [m] and angle [rad] that hold in 99.9 % of pictures, by a covariance (3, 3)."""
-    across = float(np.linalg.eigvalsh(covariance[:2, :2])[-1])
-    radius = PLACE_QUANTILE * math.sqrt(across + LEAST_PLACE**2)
+    radius = PLACE_QUANTILE * math.hypot(widest(covariance), LEAST_PLACE)
     heading = HEADING_QUANTILE * math.sqrt(float(covariance[2, 2]) + LEAST_HEADING**2)
     return radius, min(heading, math.pi)

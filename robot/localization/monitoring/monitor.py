@@ -26,6 +26,8 @@ BEAMS = 91
 """Rays of a scan that are looked at."""
 FITTING = 0.5
 """Share of a new scan in the mean of how well scans fit."""
+FORGETTING = 0.01
+"""Share of what scans did to the pose that the next one makes forget."""
 WORST = 1.8
 """How much less likely a ray is where it fits but badly, as log-likelihood."""
 MISSED = 0.2
@@ -105,6 +107,8 @@ class Monitor:
         self._last: tuple[Pose2, Pose2] | None = None
         """Pose and odometry of the last scan."""
         self._fit = 1.0
+        self._pulled = 0.0
+        """By how much scans moved the pose to where they fit worse, as log-likelihood."""
         self._doubted = -math.inf
         """When a doubt was raised last [s]."""
         self.doubt = NO_DOUBT
@@ -118,7 +122,7 @@ class Monitor:
     def begin_anew(self) -> None:
         """Another pose was told: what was found of the robot stays, steps to here do not count."""
         self._odometry.jump()
-        self._last, self._fit = None, 1.0
+        self._last, self._fit, self._pulled = None, 1.0, 0.0
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -165,7 +169,8 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         pose = one.pose.to_array()
-        if self._has_jumped(one.pose, odometry):
+        expected = self._expected(odometry)
+        if expected is not None and _is_far(expected, one.pose):
             self._odometry.jump()
             self._causes.forget()
         sums, used, returned = residual_sums(
@@ -177,7 +182,8 @@ class Monitor:
             self._mounting.height,
             *self._camera.applied.tolist(),
         )
-        self._judge_fit(one.pose, rays)
+        self._judge_fit(one.pose, expected, rays)
+        self._last = one.pose, odometry
         # At a wrong place nothing is learnt of the robot.
         trusted = one.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
         if trusted:
@@ -190,12 +196,13 @@ class Monitor:
         findings = Findings(
             scan.stamp,
             elapsed,
-            self._odometry.errors(),
+            self._odometry.errors,
             mounting,
             used / max(returned, 1),
             returned,
             spread,
             math.sqrt(float(np.trace(one.covariance[:2, :2]))),
+            self._pulled,
         )
         self._causes.judge(findings)
         self._camera.follow(mounting)
@@ -206,14 +213,14 @@ class Monitor:
             self._doubted = scan.stamp
         self.doubt = self._doubt(one.pose, findings)
 
-    def _has_jumped(self, pose: Pose2, odometry: Pose2) -> bool:
-        last, self._last = self._last, (pose, odometry)
-        if last is None:
-            return False
-        expected = last[0] @ (last[1].inverse() @ odometry)
-        return expected.distance_to(pose) > JUMP or abs(expected.turn_to(pose)) > JUMP_TURN
+    def _expected(self, odometry: Pose2) -> Pose2 | None:
+        """Where the last pose is by now, by odometry."""
+        if self._last is None:
+            return None
+        pose, before = self._last
+        return pose @ self.corrected_step(before.inverse() @ odometry)
 
-    def _judge_fit(self, pose: Pose2, rays: Array) -> None:
+    def _judge_fit(self, pose: Pose2, expected: Pose2 | None, rays: Array) -> None:
         seeing = rays[~np.isnan(rays[:, 4])]
         if not len(seeing):
             return
@@ -222,6 +229,11 @@ class Monitor:
         badly = (float(returned.sum()) - MISSED * float((~hit).sum())) / len(seeing)
         better = self._evidence.log_likelihood(pose, seeing) - badly
         self._fit += FITTING * (min(better, 1.0) - self._fit)
+        self._pulled *= 1 - FORGETTING
+        if expected is not None:
+            before = self._evidence.log_likelihood(expected, seeing) - badly
+            # From a place that did not fit anyway it may be moved anywhere.
+            self._pulled += min(better - before, 0.0) if before > 0 else 0.0
 
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
@@ -251,6 +263,10 @@ class Monitor:
         unknown += np.outer(caused, caused) + caused_spread
         torn = float(errors.rest.max()) > TORN
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
+
+
+def _is_far(expected: Pose2, pose: Pose2) -> bool:
+    return expected.distance_to(pose) > JUMP or abs(expected.turn_to(pose)) > JUMP_TURN
 
 
 def _beyond(mean: Array, covariance: Array) -> Array:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array
+from robot.localization.matrices import inverse, solved
 
 MEMORY = 20.0
 """Scans older than this hardly count [s]."""
@@ -79,7 +80,7 @@ class MountingCheck:
     def look(self, sums: Array) -> Array:
         """Only see how a pose (3,) takes up tilt, scale and distances (3, 4) in a scan's sums."""
         by_pose = sums[:3, :3] * RAYS_WORTH + np.eye(3)
-        gain = np.asarray(np.linalg.solve(by_pose, sums[:3, 3:] * RAYS_WORTH), dtype=np.float64)
+        gain = solved(by_pose, sums[:3, 3:] * RAYS_WORTH)
         self._caused = -gain[:, :3]
         return gain
 
@@ -92,13 +93,13 @@ class MountingCheck:
     def follow(self, error: MountingError) -> None:
         """Take off what stands out."""
         tilt = np.array([error.pitch, error.roll])
-        sure = tilt @ np.linalg.solve(error.covariance[:2, :2], tilt) > STANDS_OUT**2
+        sure = tilt @ inverse(np.ascontiguousarray(error.covariance[:2, :2])) @ tilt > STANDS_OUT**2
         wanted = tilt if sure and error.explained > EXPLAINS else np.zeros(2)
         self.applied = self.applied + BLEND * (wanted - self.applied)
 
     def _solved(self, worth: float) -> MountingError:
         information = worth * self._sums[:3, :3] + PRIOR
-        covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
+        covariance = inverse(information)
         found = covariance @ (worth * self._sums[:3, 3])
         whole = max(float(self._sums[3, 3]), 1e-12)
         explained = float(2 * found @ self._sums[:3, 3] - found @ self._sums[:3, :3] @ found)

@@ -18,6 +18,7 @@ import numpy as np
 from numba import njit
 
 from robot.geometry import Array, Pose2, Twist2
+from robot.localization.matrices import inverse
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and most where pictures are few [s]."""
@@ -30,6 +31,7 @@ CORRELATION = 1.0
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
+PRIOR = np.diag(PRIOR_SD**-2)
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
@@ -79,6 +81,8 @@ class OdometryCheck:
         self._recent = 0.0
         self._count = 0.0
         self._wiggle = np.zeros(3)
+        self.errors = self._estimate()
+        """The likeliest steady errors."""
         self.twist = Twist2(0.0, 0.0)
         """By odometry, at the last pose."""
 
@@ -128,7 +132,7 @@ class OdometryCheck:
             np.array([now.twist.v, 0.0, now.twist.omega]),
         )
         share = elapsed / max(now.stamp - before.stamp, 1e-3)
-        errors = self.errors()
+        errors = self.errors
         left = off - columns @ errors.values
         squares = np.square(left) / variance
         # What slips now says less of what stays.
@@ -141,6 +145,7 @@ class OdometryCheck:
         self._wiggle = recent * self._wiggle + share * np.minimum(np.square(left), MOST_WIGGLE)
         self._recent = recent * self._recent + share
         self._count = keep * self._count + share
+        self.errors = self._estimate()
 
     @property
     def wiggle(self) -> Array:
@@ -148,10 +153,9 @@ class OdometryCheck:
         left: Array = np.diag(self._wiggle / (self._recent + 1))
         return left
 
-    def errors(self) -> OdometryErrors:
-        """The likeliest steady errors."""
-        information = self._information + np.diag(PRIOR_SD**-2)
-        covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
+    def _estimate(self) -> OdometryErrors:
+        information = self._information + PRIOR
+        covariance = inverse(information)
         # As if a step before any had been as usual.
         rest = np.sqrt((self._squares + 1) / (self._recent + 1))
         return OdometryErrors(covariance @ self._pull, covariance, rest, self._count)
