@@ -17,7 +17,7 @@ from robot.localization.hypotheses.multi_hypothesis import (
     MultiHypothesisFilter,
 )
 from robot.localization.hypotheses.prior import log_prior
-from robot.localization.hypotheses.track import INDIFFERENT, Track
+from robot.localization.hypotheses.track import INDIFFERENT, STEADY, Track
 from robot.localization.rays import rays_of
 
 
@@ -56,9 +56,7 @@ def test_a_place_that_does_not_fit_is_given_up_but_not_for_one_scan() -> None:
     f.correct(drive.scan())
     _, light = f.hypotheses
     assert light.pose == ELSEWHERE
-    assert light.weight / f.hypotheses[0].weight == pytest.approx(
-        math.exp(-DEFAULTS.hypotheses.most_a_scan)
-    )
+    assert light.weight / f.hypotheses[0].weight == pytest.approx(math.exp(-STEADY))
     for _ in range(6):
         f.predict(Pose2(0.01))
         drive.true = drive.true @ Pose2(0.01)

@@ -26,12 +26,15 @@ from robot.scan import Scan
 
 @pytest.mark.parametrize("extra_sd", [0.0, 0.01])
 def test_the_likelihood_field_is_the_books_formula(extra_sd: float) -> None:
-    """Table 6.3, over exact distances to the edges; the table's cells may blur it a little."""
+    """Table 6.3, over exact distances to the edges; the table's cells may blur it a little.
+
+    The spread of a range grows with its square.
+    """
     p = replace(PARAMETERS, sigma_hit=0.02, max_beams=61)
     model = sensor_model(p, ENTRIES, FIELD.edges)
     scan = replace(scan_at(TRUTH), extra_sd=extra_sd)
     poses = TRUTH.to_array() + np.random.default_rng(0).normal(0, [0.02, 0.02, 0.05], (30, 3))
-    sd = math.hypot(0.02, extra_sd)
+    sd = np.hypot(0.02 * (1 + p.sigma_slope * scan.ranges[scan.hit] ** 2), extra_sd)
     expected = []
     for x, y, theta in poses:
         ends = Pose2(x, y, theta).apply(scan.points())

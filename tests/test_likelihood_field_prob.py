@@ -27,7 +27,7 @@ from robot.scan import Scan
 
 
 def skipping(**changes: Any) -> LikelihoodFieldProb:
-    fixed = {"do_beamskip": True, "beam_skip_distance": 0.02, "sigma_hit": 0.01, "max_beams": 61}
+    fixed = {"do_beamskip": True, "beam_skip_distance": 0.02, "sigma_hit": 0.008, "max_beams": 61}
     given = {**fixed, **changes}
     parameters = replace(PARAMETERS, laser_model_type="likelihood_field_prob", **given)
     made = sensor_model(parameters, ENTRIES, FIELD.edges)
@@ -35,7 +35,7 @@ def skipping(**changes: Any) -> LikelihoodFieldProb:
     return made
 
 
-PLAIN = model_of("likelihood_field", sigma_hit=0.01, max_beams=61)
+PLAIN = model_of("likelihood_field", sigma_hit=0.008, max_beams=61)
 NEAR = TRUTH.to_array() + np.random.default_rng(2).normal(0, [0.004, 0.004, 0.01], (200, 3))
 """A cloud around the truth, much narrower than ``beam_skip_distance``."""
 

@@ -206,5 +206,6 @@ def test_a_scan_is_corrected_by_what_is_taken_off() -> None:
         corrected = monitor.corrected(tilted)
         away = np.hypot(*(corrected.points() - scan.points()).T).max()
         shifted = np.hypot(*(tilted.points() - scan.points()).T).max()
-        assert (away < 0.02 * shifted) == mended
+        # A tilt of a tilt is left.
+        assert (away < 0.05 * shifted) == mended
         np.testing.assert_array_equal(corrected.hit, scan.hit)

@@ -79,7 +79,7 @@ def found(planted: Planted, seconds: float = 30.0, seed: int = 0) -> OdometryErr
     check = OdometryCheck()
     for stamp, pose, odometry in path(planted, seconds, seed):
         check.observe(stamp, pose, odometry, COVARIANCE)
-    return check.errors()
+    return check.errors
 
 
 CASES = {
@@ -123,7 +123,7 @@ def test_of_a_clean_robot_nothing_is_left() -> None:
 
 
 def test_before_it_has_moved_it_knows_what_robots_usually_are() -> None:
-    errors = OdometryCheck().errors()
+    errors = OdometryCheck().errors
     np.testing.assert_array_equal(errors.values, np.zeros(7))
     np.testing.assert_allclose(errors.rest, np.ones(3))
     assert errors.steps == 0 and errors.sd("late") == pytest.approx(0.015)
@@ -139,7 +139,7 @@ def test_jumps_do_not_count() -> None:
             jumping.jump()
         plain.observe(stamp, pose, odometry, COVARIANCE)
         jumping.observe(stamp, away @ pose, odometry, COVARIANCE)
-    told, without = jumping.errors(), plain.errors()
+    told, without = jumping.errors, plain.errors
     assert 0.5 * without.steps < told.steps < without.steps
     assert (told.rest < 1.2).all()
     sds = np.sqrt(np.diag(told.covariance))
@@ -150,7 +150,7 @@ def test_wheels_that_slip_now_and_then_leave_a_rest_and_move_no_steady_error() -
     check = OdometryCheck()
     for stamp, pose, odometry in path(Planted(), 25.0, 0, slip=0.25):
         check.observe(stamp, pose, odometry, COVARIANCE)
-    errors = check.errors()
+    errors = check.errors
     assert errors.rest[2] > 2
     assert abs(errors.value("late")) < 3 * errors.sd("late")
     assert check.wiggle[2, 2] > 0.01**2
@@ -164,7 +164,7 @@ def test_gaps_in_the_pictures_are_bridged_unless_they_are_long() -> None:
         for stamp, pose, odometry in path(Planted(), 10.0, 0):
             if not 4.0 < stamp < 4.0 + gap:
                 check.observe(stamp, pose, odometry, COVARIANCE)
-        errors = check.errors()
+        errors = check.errors
         assert (errors.rest < 1.3).all()
         steps.append(errors.steps)
     assert steps[0] > steps[1] > steps[2] > 0.5 * steps[0]

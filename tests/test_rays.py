@@ -40,13 +40,20 @@ def test_a_ray_that_returned_nothing_is_a_ray() -> None:
 
 def test_a_scan_without_limits_sees_from_its_centre_to_anywhere() -> None:
     rays = rays_of(Scan(0.0, BEARINGS, RANGES), 99)
-    np.testing.assert_array_equal(rays[:, 4:], np.tile([0, math.inf], (11, 1)))
+    np.testing.assert_array_equal(rays[:, 4:6], np.tile([0, math.inf], (11, 1)))
+
+
+def test_a_ray_has_the_clearness_of_its_picture_and_is_clear_without() -> None:
+    clear = np.linspace(0, 1, 11)
+    np.testing.assert_array_equal(rays_of(Scan(0.0, BEARINGS, RANGES), 99)[:, 6], 1)
+    rays = rays_of(Scan(0.0, BEARINGS, RANGES, clear=clear), 4)
+    np.testing.assert_array_equal(rays[:, 6], clear[[0, 3, 6, 10]])
 
 
 def test_each_ray_keeps_its_own_limits_of_sight() -> None:
     sight = np.column_stack([0.1 + 0.01 * np.arange(11), 0.5 + 0.01 * np.arange(11)])
     rays = rays_of(Scan(0.0, BEARINGS, RANGES, sight=sight), 4)
-    np.testing.assert_array_equal(rays[:, 4:], sight[[0, 3, 6, 10]])
+    np.testing.assert_array_equal(rays[:, 4:6], sight[[0, 3, 6, 10]])
     np.testing.assert_array_equal(rays[:, 2], BEARINGS[[0, 3, 6, 10]])
     np.testing.assert_array_equal(rays[:, 3], RANGES[[0, 3, 6, 10]])
 
@@ -62,7 +69,7 @@ def test_rays_that_see_nowhere_are_marked() -> None:
 def test_there_are_no_more_than_asked_for_and_they_span_the_scan(count: int, most: int) -> None:
     bearings = np.linspace(-0.5, 0.5, count)
     rays = rays_of(Scan(0.0, bearings, np.ones(count)), most)
-    assert rays.shape == (min(count, most), 6)
+    assert rays.shape == (min(count, most), 7)
     if min(count, most) > 1:
         assert rays[0, 2] == bearings[0] and rays[-1, 2] == bearings[-1]
         assert (np.diff(rays[:, 2]) > 0).all()

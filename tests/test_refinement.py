@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
-from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
+import pytest
+from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive, noisy_scan
 
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.refinement import FEWEST_BEAMS, WIDEST, Refinement
+from robot.localization.refinement import (
+    DRAWN,
+    FEWEST_BEAMS,
+    GATE,
+    LUCK,
+    NEAR_SHARE,
+    SLOPE,
+    WIDEST,
+    Refinement,
+)
 from robot.localization.setup import Setup
 
 SD = DEFAULTS.sensor.sigma_hit
@@ -30,7 +41,8 @@ def made() -> Refinement:
 def test_it_is_there_if_asked_for_and_has_the_sensors_figures() -> None:
     assert refinement(replace(DEFAULTS, filter=replace(DEFAULTS.filter, refine=False))) is None
     matcher = made().matcher
-    assert matcher.sd == SD and matcher.range_max == DEFAULTS.sensor.laser_max_range
+    assert matcher.sd == NEAR_SHARE * SD and matcher.slope == SLOPE
+    assert matcher.gate == GATE * SD and matcher.range_max == DEFAULTS.sensor.laser_max_range
     assert matcher.index is STUB.edge_index
 
 
@@ -59,11 +71,44 @@ def test_it_takes_away_the_luck_of_the_draws() -> None:
     assert np.mean(turned_after) < 0.4 * np.mean(turned)
 
 
-def test_weight_and_covariance_stay_those_of_the_filter() -> None:
+def test_a_laser_measures_as_exactly_as_it_is_said_to_however_far() -> None:
+    walls = replace(STUB, tape_width=None)
+    setup = Setup.of(walls, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
+    one = Refinement.of(setup)
+    assert one is not None and one.matcher.sd == SD and one.matcher.slope == 0
+
+
+def test_its_weight_stays_that_of_the_filter_and_its_covariance_is_its_own() -> None:
     rough = Hypothesis(0.7, Pose2(0.002, -0.001, 0.01), NARROW)
     fine = made().refine(rough, Drive().scan())
-    assert fine.pose != rough.pose
-    assert fine.weight == 0.7 and fine.covariance is NARROW
+    assert fine.pose != rough.pose and fine.weight == 0.7
+    # One side is ahead: x and heading are measured, y is not.
+    before, after = (np.sqrt(np.diag(one.covariance)) for one in (rough, fine))
+    assert after[0] < 0.1 * before[0] and after[2] < 0.1 * before[2]
+    # Along what the scan says nothing of a cloud is narrower than it should be.
+    wider = math.sqrt(DRAWN * before[1] ** 2 + LUCK[1, 1])
+    assert after[1] == pytest.approx(wider, rel=0.05)
+
+
+def test_its_covariance_is_honest() -> None:
+    """For scans whose ends err as the matcher supposes, and a mean as what was known says."""
+    rng, one, squared = np.random.default_rng(0), made(), []
+    sd = one.matcher.sd
+    for _ in range(150):
+        true = Pose2(*rng.uniform(-0.15, 0.15, 2), rng.uniform(-3, 3))
+        scan = noisy_scan(true, sd, rng)
+        spread = np.where(scan.hit, 1 + SLOPE * np.nan_to_num(scan.ranges, posinf=0) ** 2, 1)
+        exact = noisy_scan(true, 0.0, rng).ranges
+        with np.errstate(invalid="ignore"):
+            ranges = np.where(scan.hit, exact + spread * (scan.ranges - exact), np.inf)
+        off = rng.normal(0, np.sqrt(np.diag(NARROW + LUCK)))
+        rough = Hypothesis(1.0, Pose2.from_array(true.to_array() + off), NARROW)
+        fine = one.refine(rough, replace(scan, ranges=ranges))
+        error = fine.pose.to_array() - true.to_array()
+        error[2] = true.turn_to(fine.pose)
+        squared.append(error @ np.linalg.solve(fine.covariance, error))
+    # 2.4 of an honest one; a little less where it allows for clouds that are too narrow.
+    assert 1.2 < np.median(squared) < 3.2
 
 
 def test_what_is_known_better_than_a_scan_tells_hardly_moves() -> None:

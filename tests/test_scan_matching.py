@@ -16,7 +16,7 @@ from robot.fields.field_loading import load_field
 from robot.fields.ray_casting import cast_ray
 from robot.geometry import Array, Pose2
 from robot.localization.rays import rays_of
-from robot.localization.scan_matching import ScanMatcher, fit_rays
+from robot.localization.scan_matching import TAIL, ScanMatcher
 
 SQUARE = load_field("square", MAPS)
 SD = 0.01
@@ -119,14 +119,28 @@ def test_it_finds_the_pose_from_three_centimetres_and_degrees(
 def test_what_was_known_pulls_as_much_as_it_weighs() -> None:
     """One ray straight at a wall: the pose is the mean, weighed by information."""
     for known, sd in ((1.0, SD), (1e3, SD), (1e4, SD), (1e6, SD), (100.0, 0.1), (3.0, 1.0)):
-        ray = np.array([[0.0, 0, 0, 1.02, 0, np.inf]])
+        # So close that Cauchy's weights are one.
+        ray = np.array([[0.0, 0, 0, 1.002, 0, np.inf, 1.0]])
         information = np.diag([known, 7.0, 9.0])
-        match = ScanMatcher(WALL, 2.0, sd, 0.1).match(Pose2(0.03), ray, information)
+        match = ScanMatcher(WALL, 2.0, sd, 0.1).match(Pose2(0.0003 - 0.002), ray, information)
         measured = 1 / sd**2
-        wanted = (known * 0.03 + measured * -0.02) / (known + measured)
-        assert match.pose.x == pytest.approx(wanted, abs=1e-6)
+        wanted = -0.002 + known * 0.0003 / (known + measured)
+        assert match.pose.x == pytest.approx(wanted, abs=1e-7)
         assert (match.pose.y, match.pose.theta) == (0, 0)
-        np.testing.assert_allclose(match.information, information + np.diag([measured, 0, 0]))
+        wanted_information = information + np.diag([measured, 0, 0])
+        np.testing.assert_allclose(match.information, wanted_information, rtol=2e-4)
+
+
+@pytest.mark.parametrize("known", [1.0, 1e3, 3e4])
+def test_what_surprises_pulls_less(known: float) -> None:
+    """Five standard deviations off: where prior and Cauchy's pull are in balance."""
+    ray = np.array([[0.0, 0, 0, 1.02, 0, np.inf, 1.0]])
+    match = ScanMatcher(WALL, 2.0, SD, 0.1).match(Pose2(0.03), ray, np.diag([known, 7.0, 9.0]))
+    x = match.pose.x
+    residual = x + 0.02
+    weight = 1 / SD**2 / (1 + residual**2 / SD**2 / TAIL)
+    assert known * (0.03 - x) == pytest.approx(weight * residual, rel=0.02, abs=0.1)
+    assert match.information[0, 0] == pytest.approx(known + weight, rel=0.01)
 
 
 @given(st.floats(-0.02, 0.02), st.floats(-0.04, 0.04), st.sampled_from([0.0, 1e3, 1e5]))
@@ -148,7 +162,8 @@ def test_a_heading_is_the_same_across_the_half_turn(
 def test_what_was_known_of_the_heading_pulls_the_short_way_across_the_half_turn() -> None:
     """The ray turns it from just below the half turn to above it; the prior hardly pulls back."""
     here = Pose2(0.0, 0.2, math.pi - 0.01)
-    rays = np.array([[0.0, 0.3, 0.0, 0.475 / math.cos(0.02) + 0.3 * math.tan(0.02), 0, np.inf]])
+    length = 0.475 / math.cos(0.02) + 0.3 * math.tan(0.02)
+    rays = np.array([[0.0, 0.3, 0.0, length, 0, np.inf, 1.0]])
     match = matcher(SQUARE).match(here, rays, np.diag([1e9, 1e9, 30.0]))
     measured = 0.3**2 / SD**2
     assert here.turn_to(match.pose) * (1 + 30 / measured) == pytest.approx(0.03, rel=0.05)
@@ -158,7 +173,7 @@ def test_a_heading_that_comes_out_is_within_a_half_turn() -> None:
     true = Pose2(0.15, 0.1, math.pi - 0.001)
     start = (true @ Pose2(0.01, 0.01, -0.03)).to_array()
     true = true @ Pose2(0, 0, 0.003)
-    found, _, _ = fit_rays(start, np.zeros((3, 3)), rays_at(true), STUB.edge_index, 1.0, SD, 0.08)
+    found = matcher().match(Pose2.from_array(start), rays_at(true)).pose.to_array()
     assert found[2] == pytest.approx(true.theta, abs=0.001)
 
 
@@ -174,7 +189,7 @@ def test_ranges_beyond_the_gate_do_not_count() -> None:
     assert lenient.used == len(rays) and not near(lenient.pose, CORNER, 0.005, 0.01)
 
 
-@pytest.mark.parametrize("rays", [np.zeros((0, 6)), rays_at(Pose2(3, 3, 0))], ids=["none", "miss"])
+@pytest.mark.parametrize("rays", [np.zeros((0, 7)), rays_at(Pose2(3, 3, 0))], ids=["none", "miss"])
 def test_without_returns_the_pose_stays(rays: Array) -> None:
     information = np.diag([1.0, 2.0, 3.0])
     match = matcher().match(CORNER, rays, information)
@@ -191,9 +206,66 @@ def test_a_return_where_no_edge_is_does_not_count() -> None:
 def test_an_edge_nearer_than_sight_begins_is_not_the_one_that_was_met() -> None:
     """Across the stub: 0.175 m off is its edge, 0.675 m off the side behind it."""
     here = Pose2(0.3, 0.2, -math.pi / 2)
-    ray = np.array([[0.0, 0, 0, 0.665, 0, np.inf]])
+    ray = np.array([[0.0, 0, 0, 0.665, 0, np.inf, 1.0]])
     assert matcher().match(here, ray).used == 0
     ray[0, 4] = 0.25
     match = matcher().match(here, ray)
     assert match.used == 1
     assert match.pose.y == pytest.approx(0.19, abs=1e-4)
+
+
+# --- a step is taken only if the cost falls
+
+
+def cost_of(pose: Pose2, start: Pose2, known: Array, rays: Array, gate: float = 0.08) -> float:
+    """Of the prior and of all rays, by Cauchy; a ray that fits no edge costs as one at the gate."""
+    off = start.to_array() - pose.to_array()
+    off[2] = pose.turn_to(start)
+    cost = float(off @ known @ off)
+    for ray in rays[np.isfinite(rays[:, 3])]:
+        away, edge = expected(pose.to_array(), ray)
+        square = (gate / SD) ** 2
+        if edge >= 0 and abs(ray[3] - away) <= gate:
+            x0, y0, x1, y1 = STUB.edges[edge]
+            sine = math.sin(math.atan2(y1 - y0, x1 - x0) - pose.theta - ray[2])
+            square = ((ray[3] - away) * sine / SD) ** 2
+        cost += TAIL * math.log1p(square / TAIL)
+    return cost
+
+
+@pytest.mark.parametrize("known", [0.0, 100.0, 1e5])
+def test_a_match_never_costs_more_than_where_it_began(known: float) -> None:
+    """From anywhere, also where rays change over from one edge to another."""
+    rng, moved = np.random.default_rng(0), 0
+    information = np.diag([known, known, known / 10])
+    for _ in range(60):
+        true = Pose2.from_array(STUB.free_poses(rng, 1)[0])
+        rays = rays_at(true)
+        start = true @ Pose2(*rng.normal(0, 0.05, 2), rng.normal(0, 0.2))
+        found = matcher().match(start, rays, information).pose
+        before, after = (cost_of(pose, start, information, rays) for pose in (start, found))
+        assert after <= before + 1e-9
+        moved += after < before
+    assert moved > 50
+
+
+def test_rays_to_another_edge_do_not_pull() -> None:
+    """A fifth of the rays end 70 mm before the edge that they should meet, within the gate."""
+    rays = rays_at(CORNER)
+    wrong = rays.copy()
+    wrong[::5, 3] -= 0.07
+    clean, pulled = (matcher().match(CORNER, one) for one in (rays, wrong))
+    # Where all ranges are as good as exact beside their spread, it is least squares.
+    squares = ScanMatcher(STUB.edge_index, 1.0, 1.0, 0.08).match(CORNER, wrong)
+    assert pulled.used == clean.used == len(rays)
+    assert squares.pose.distance_to(clean.pose) > 0.008
+    assert pulled.pose.distance_to(clean.pose) < 0.5 * squares.pose.distance_to(clean.pose)
+    assert np.trace(pulled.information) < 0.95 * np.trace(clean.information)
+
+
+def test_far_ranges_pull_less_by_the_slope() -> None:
+    ray = np.array([[0.0, 0, 0, 0.5, 0, np.inf, 1.0]])
+    wall = index_edges(np.array([[0.5, 1.0, 0.5, -1.0]]))
+    found = ScanMatcher(wall, 1.0, SD, 0.08, slope=8.0).match(Pose2(), ray)
+    spread = SD * (1 + 8.0 * 0.5**2)
+    assert found.information[0, 0] == pytest.approx(1 / spread**2)

@@ -36,7 +36,7 @@ def test_its_pose_is_that_of_its_heaviest_hypothesis() -> None:
     assert track.best.pose == track.pose == track.filter.hypotheses[0].pose
 
 
-@pytest.mark.parametrize("off", [Pose2(0.004, -0.003, 0.01), Pose2(-0.003, 0.004, -0.015)], ids=str)
+@pytest.mark.parametrize("off", [Pose2(0.004, -0.003, 0.01), Pose2(-0.004, 0.005, -0.015)], ids=str)
 def test_a_few_millimetres_off_it_fits_as_well(off: Pose2) -> None:
     """Where unpolished poses would differ by more than places do."""
     assert fit(TRUE @ off) == pytest.approx(fit(TRUE), abs=0.01)
@@ -51,9 +51,13 @@ def test_polished_or_not_elsewhere_does_not_fit() -> None:
 
 @pytest.mark.parametrize("off", [Pose2(0.06, 0, 0), Pose2(0, 0.04, 0.1)], ids=str)
 def test_it_does_not_live_on_what_fits_another_place(off: Pose2) -> None:
-    """From so near, rays would draw it over, millimetres though its filter is sure of."""
-    rough = SETUP.evidence.log_likelihood(TRUE @ off, RAYS)
-    assert fit(TRUE @ off) == pytest.approx(rough, abs=0.01)
+    """From so near, rays would draw it over, millimetres though its filter is sure of.
+
+    A match that stops on the way, as no step lowers its cost, fits hardly better than where it was.
+    """
+    track = track_at(TRUE @ off)
+    rough = SETUP.evidence.log_likelihood(track.pose, RAYS)
+    assert track.fit(RAYS, SETUP) == pytest.approx(rough, abs=0.02)
     assert rough < fit(TRUE) - 1
 
 

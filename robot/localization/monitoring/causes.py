@@ -127,8 +127,10 @@ def _wheels(f: Findings) -> str:
     for name, limit in (("forward", RADII), ("turn_by_way", RADII_TURN)):
         value = f.odometry.value(name)
         if abs(value) > limit and abs(value) > SURE * f.odometry.sd(name):
-            percent = 100 * f.odometry.value("forward")
-            return f"wheels seem to be of another size ({percent:+.0f} %)"
+            size = f"{100 * value:+.0f} %"
+            if name == "turn_by_way":
+                size = f"the robot turns by {math.degrees(value):+.0f}° a metre"
+            return f"wheels seem to be of another size ({size})"
     return ""
 
 
