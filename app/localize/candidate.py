@@ -80,6 +80,10 @@ class Candidate:
         lasted = self.sure >= laser.known_updates and self._way >= laser.known_way
         return lasted and self.fit >= laser.doubt_below
 
+    def explains(self, least: float) -> bool:
+        """Whether its place explains scans so well, or too few are taken to say."""
+        return self._judged < self._laser.known_updates or self.fit >= least
+
     @property
     def particles(self) -> int:
         """How many it has."""

@@ -81,7 +81,7 @@ class LaserFollower:
         leader, laser = self._leader, self._settings.laser
         floor = laser.tell_above if self._telling else laser.doubt_below
         told = leader.confirmed and leader.known and leader.behind <= laser.doubt_behind / 4
-        self._telling = told and leader.fit >= floor
+        self._telling = told and leader.explains(floor)
 
     def _withdraw(self) -> None:
         """Another place is better: mark what was told of the old one."""
