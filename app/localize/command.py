@@ -127,4 +127,5 @@ def _tell(found: Localized, folder: Path) -> None:
         )
         say(f"its way is {folder / PATH}, on the map {folder / PICTURE}")
     else:
-        say(f"it never was sure where the robot is; the places are in {folder / PICTURE}")
+        sure = "nothing of it stands" if found.withdrawn else "it never was sure where the robot is"
+        say(f"{sure}; the places are in {folder / PICTURE}")
