@@ -10,7 +10,7 @@ from app.command_line import main
 from app.trajectories.files.tum import parse_tum
 from benchmarks.lasers.laser_bags import KINDS, LaserBag
 from robot.geometry import Pose2
-from tests.laser_office import BEGAN, LASER, drive, true_pose, write_bag, write_map
+from tests.laser_office import BEGAN, LASER, drive, office_map, true_pose, write_bag, write_map
 
 NAMES = {"ros1": "drive.bag", "sqlite3": "drive_sqlite3", "mcap": "drive_mcap"}
 
@@ -66,6 +66,24 @@ def test_a_robot_whose_place_is_told_is_followed_from_the_first_scan(tmp_path, o
     assert len(way) == len(drive())
     assert off(way).max() < 0.25
     assert found["initial_pose"]["x"] == pytest.approx(start.x + 0.2)
+
+
+def test_a_place_that_turns_out_wrong_is_withdrawn_in_the_files(tmp_path, capsys):
+    seen = drive(seconds=30.0, seed=4)
+    bag = write_bag(tmp_path / "drive", seen=seen)
+    elsewhere = office_map().pose_in_map(Pose2(8.5, 2.0, 1.5))
+    told = [str(value) for value in elsewhere.to_array()]
+    found, way = run(tmp_path, bag, "--initial-pose", *told, "--sd-xy", "0.3", "--sd-theta", "0.2")
+    wrong = parse_tum((tmp_path / "out/localized_withdrawn.tum").read_text(), "withdrawn")
+    assert found["state"] == "certain"
+    assert found["scans"]["withdrawn"] == len(wrong)
+    assert found["withdrawn"][0]["from"] == pytest.approx(wrong.stamps[0])
+    assert sum(found["scans"]["by_state"].values()) == len(seen)
+    truth = {round(BEGAN + one.stamp, 6): true_pose(one) for one in seen}
+    last = truth[round(float(wrong.stamps[0]), 6)]
+    assert math.hypot(wrong.poses[0, 0] - last.x, wrong.poses[0, 1] - last.y) > 1
+    assert not set(wrong.stamps) & set(way.stamps)
+    assert "s that were told as certain are withdrawn" in capsys.readouterr().out
 
 
 def test_every_kind_of_bag_gives_the_same_result(tmp_path):

@@ -22,6 +22,12 @@ def drives():
     return tuple(tuple(wander(on, LASER, SECONDS, 4, at)) for at in (START, ELSEWHERE))
 
 
+def off(one, truth):
+    """Distance of what was told from the truth [m]."""
+    there = truth[one.stamp]
+    return np.hypot(one.pose[0] - there.x, one.pose[1] - there.y)
+
+
 def end_of(found):
     return Pose2.from_array(found.poses[-1])
 
@@ -32,6 +38,12 @@ def test_a_robot_that_was_told_to_be_elsewhere_is_found(drives):
     found = localize(measurements(iter(seen), LASER), on, LocalizeSettings(), wrong, 0)
     assert found.places_left == 1
     assert end_of(found).distance_to(true_pose(seen[-1])) < 0.15
+    truth = {one.stamp: true_pose(one) for one in seen}
+    assert found.withdrawn
+    assert all(off(one, truth) > 1 for one in found.withdrawn)
+    assert max(off(one, truth) for one in found.standing) < 0.3
+    assert {one.leader for one in found.withdrawn} == {0}
+    assert {one.leader for one in found.standing} == {1}
 
 
 def test_a_robot_that_is_carried_to_another_room_is_found_again(drives):
@@ -44,9 +56,14 @@ def test_a_robot_that_is_carried_to_another_room_is_found_again(drives):
     both = [*measurements(iter(first), LASER), *carried]
     start = Start(on.pose_in_map(START), 0.3, 0.2)
     found = localize(both, on, LocalizeSettings(), start, 0)
-    before = found.poses[len(first) - 1]
-    last = true_pose(first[-1])
-    assert np.hypot(before[0] - last.x, before[1] - last.y) < 0.15
+    truth = {one.stamp: true_pose(one) for one in first}
+    truth |= {round(SECONDS + one.stamp, 6): true_pose(one) for one in second}
+    before = [one for one in found.standing if one.stamp < SECONDS]
+    # Right as it was, what was told just before it was carried is withdrawn with the rest.
+    assert before[-1].stamp > SECONDS - 6
+    assert len(before) > 0.8 * len(first)
+    assert max(off(one, truth) for one in found.standing) < 0.3
+    assert max(off(one, truth) for one in found.withdrawn) > 1
     assert end_of(found).distance_to(true_pose(second[-1])) < 0.15
 
 
@@ -59,4 +76,4 @@ def test_a_robot_whose_place_explains_what_it_sees_gets_no_rival(drives):
 
 
 def _later(scan):
-    return replace(scan, stamp=scan.stamp + SECONDS)
+    return replace(scan, stamp=round(SECONDS + scan.stamp, 6))

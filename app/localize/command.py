@@ -11,13 +11,14 @@ from tqdm import tqdm
 
 from app.batch.output import make_folder
 from app.console import say
+from app.localize.found import Localized
 from app.localize.laser_map import LaserMap
-from app.localize.localize import Localized, Start, localize
+from app.localize.localize import Start, localize
 from app.localize.reading.bag import Bag, BagError
 from app.localize.reading.mounting import find_layout
 from app.localize.reading.pairing import CLOCKS, Measurement, Pairing
 from app.localize.reading.topics import choose
-from app.localize.results import PATH, PICTURE, Asked, write_results
+from app.localize.results import PATH, PICTURE, WITHDRAWN, Asked, write_results
 from app.localize.settings import LocalizeSettings, load_settings
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
@@ -112,13 +113,19 @@ def _nothing(pairing: Pairing, parsed: argparse.Namespace) -> str:
 def _tell(found: Localized, folder: Path) -> None:
     rate = found.updates / found.filter_s if found.filter_s else math.inf
     say(f"{found.scans} scans, {found.updates} updates at {rate:.0f}/s")
-    if len(found.poses) >= 2 and found.final is not None:
+    if found.withdrawn:
+        say(
+            f"{found.withdrawn_s:.1f} s that were told as certain are withdrawn: "
+            f"their places turned out wrong ({folder / WITHDRAWN})"
+        )
+    if len(found.standing) >= 2 and found.final is not None:
         pose, sd = found.final.pose, found.final.covariance.diagonal() ** 0.5
-        sure = "" if found.known else "; at the end it was not sure any more"
+        sure = "" if found.known else f"; at the end it was not sure any more, but {found.state}"
         say(
             f"it ends at {pose.x:.3f} m, {pose.y:.3f} m, {pose.theta:.3f} rad "
             f"(sd {sd[0]:.3f} m, {sd[1]:.3f} m, {sd[2]:.3f} rad){sure}"
         )
         say(f"its way is {folder / PATH}, on the map {folder / PICTURE}")
     else:
-        say(f"it never was sure where the robot is; the places are in {folder / PICTURE}")
+        sure = "nothing of it stands" if found.withdrawn else "it never was sure where the robot is"
+        say(f"{sure}; the places are in {folder / PICTURE}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -11,13 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from app.evaluation.report.figures import STROKES, STYLE
+from app.localize.found import LONGEST_GAP, Localized, Told
 from app.localize.laser_map import LaserMap
-from app.localize.localize import Localized
 from robot.geometry import Array, Pose2, compose
 
 INCHES, DPI = 9.0, 150
 MARGIN = 3.0
 """Of the map shown around the ways [m]."""
+WITHDRAWN = "#cc79a7"
+"""Of the way that was told and turned out wrong."""
 WIDER = 0.6
 """A picture is no narrower than this share of its longer side."""
 
@@ -37,7 +40,7 @@ def draw(path: Path, found: Localized, on: LaserMap) -> None:
         figure = Figure(figsize=(INCHES, INCHES), layout="constrained")
         axes = figure.add_subplot()
         _floor(axes, on)
-        shown = _ways(axes, found) if found.poses else _places(axes, found)
+        shown = _ways(axes, found) if found.told else _places(axes, found)
         _look_at(axes, shown, on)
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
         handles, labels = axes.get_legend_handles_labels()
@@ -60,15 +63,33 @@ def _floor(axes: Axes, on: LaserMap) -> None:
 
 def _ways(axes: Axes, found: Localized) -> Array:
     """Estimate and odometry, which begin together; where they go (n, 2)."""
-    poses, odometry = np.array(found.poses), np.array(found.odometry)
-    begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
-    alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)
-    for way, stroke in ((alone, STROKES["odometry"]), (poses, STROKES["amcl"])):
-        x, y, _ = way.T
-        axes.plot(x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label)
-    for pose, mark, label in ((poses[0], "o", "first known"), (poses[-1], "X", "end")):
-        axes.plot(*pose[:2], mark, color="#0072b2", ms=7, mec="white", label=label)
-    return poses[:, :2]
+    standing, shown = found.standing, []
+    if standing:
+        poses = np.array([one.pose for one in standing])
+        odometry = np.array([one.odometry for one in standing])
+        begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
+        alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)
+        for way, stroke in ((alone, STROKES["odometry"]), (_broken(standing), STROKES["amcl"])):
+            x, y, _ = way.T
+            axes.plot(x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label)
+        for pose, mark, label in ((poses[0], "o", "first known"), (poses[-1], "X", "end")):
+            axes.plot(*pose[:2], mark, color="#0072b2", ms=7, mec="white", label=label)
+        shown.append(poses[:, :2])
+    if withdrawn := found.withdrawn:
+        way = _broken(withdrawn)
+        axes.plot(way[:, 0], way[:, 1], ":", color=WITHDRAWN, lw=1.6, label="told, and withdrawn")
+        shown.append(np.array([one.pose[:2] for one in withdrawn]))
+    return np.concatenate(shown)
+
+
+def _broken(told: Sequence[Told]) -> Array:
+    """Poses (n, 3), with nan wherever some time was not told."""
+    rows = []
+    for before, one in zip([told[0], *told], told, strict=False):
+        if one.stamp - before.stamp > LONGEST_GAP:
+            rows.append(np.full(3, np.nan))
+        rows.append(one.pose)
+    return np.array(rows)
 
 
 def _places(axes: Axes, found: Localized) -> Array:

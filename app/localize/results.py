@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +12,8 @@ import numpy as np
 
 from app.batch.output import RESULTS, write_json, written_whole
 from app.batch.provenance import settings_of, versions
+from app.localize.found import Localized, Told
 from app.localize.laser_map import LaserMap
-from app.localize.localize import Localized
 from app.localize.picture import draw
 from app.localize.reading.mounting import Layout
 from app.localize.reading.pairing import LeftOut
@@ -22,8 +23,9 @@ from app.trajectories.files.tum import write_tum
 from app.trajectories.trajectory import Trajectory
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.localization.integrity import State
 
-PATH, PICTURE = "localized.tum", "path.png"
+PATH, WITHDRAWN, PICTURE = "localized.tum", "localized_withdrawn.tum", "path.png"
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,22 @@ def write_results(
         SettingError: the folder cannot be one.
         OSError: it cannot be written.
     """
+    notes = [f"{asked.bag.name} on {asked.map.name}, pose of {asked.layout.base_frame}"]
+    wrong = [*notes, "told as certain, and withdrawn: the place turned out wrong"]
+    ways = {PATH: (found.standing, notes, 2), WITHDRAWN: (found.withdrawn, wrong, 1)}
     with written_whole(folder) as new:
-        if len(found.poses) >= 2:
-            notes = [f"{asked.bag.name} on {asked.map.name}, pose of {asked.layout.base_frame}"]
-            write_tum(new / PATH, Trajectory.of_poses(found.stamps, np.array(found.poses)), notes)
+        for name, (told, lines, least) in ways.items():
+            if len(told) >= least:
+                write_tum(new / name, _trajectory(told), lines)
         draw(new / PICTURE, found, on)
         write_json(new / RESULTS, content(asked, found, left_out))
-    if len(found.poses) < 2:
-        (folder / PATH).unlink(missing_ok=True)  # of an earlier run
+    for name, (told, _, least) in ways.items():
+        if len(told) < least:
+            (folder / name).unlink(missing_ok=True)  # of an earlier run
+
+
+def _trajectory(told: Sequence[Told]) -> Trajectory:
+    return Trajectory.of_poses([one.stamp for one in told], np.array([one.pose for one in told]))
 
 
 def content(asked: Asked, found: Localized, left_out: LeftOut) -> dict[str, Any]:
@@ -67,17 +77,23 @@ def content(asked: Asked, found: Localized, left_out: LeftOut) -> dict[str, Any]
         "map": asked.map.name,
         "seed": asked.seed,
         "known": found.known,
+        "state": str(found.state),
         "final": None if final is None else {"stamp": final.stamp, **_place(final.hypotheses[0])},
         "hypotheses": [_place(one) for one in final.hypotheses] if final else [],
         "places_left": found.places_left,
-        "known_from": found.stamps[0] if found.stamps else None,
+        "known_from": found.standing[0].stamp if found.standing else None,
         "scans": {
             "used": found.scans,
-            "known": len(found.stamps),
+            "known": len(found.standing),
+            "withdrawn": len(found.withdrawn),
+            "by_state": {str(state): found.states[state] for state in State},
             "first_stamp": _number(found.first_stamp),
             "last_stamp": _number(found.last_stamp),
             **vars(left_out),
         },
+        "withdrawn": [
+            {"from": first, "to": last, "leader": leader} for first, last, leader in found.spans()
+        ],
         "rates": _rates(found),
         "topics": {"scan": asked.chosen.scan, "odometry": asked.chosen.odometry or "tf"},
         "frames": {

@@ -83,13 +83,19 @@ class LaserSettings:
     known_updates: int = setting(
         8, "After a start anywhere, this has to last for so many measurements", low=1, high=1000
     )
-    doubt_below: float = setting(
-        -0.7, "A place that explains scans worse, in log-likelihood a ray, gets a rival",
+    known_way: float = setting(2.0, "And for so much of a way", unit="m", low=0, high=100)
+    tell_above: float = setting(
+        -0.75, "Nothing is told while the place explains scans worse, in log-likelihood a ray",
         low=-100, high=0,
     )  # fmt: skip
-    doubt_margin: float = setting(
-        0.2, "By which a rival has to explain them better, likewise", low=0, high=10
-    )
+    doubt_below: float = setting(
+        -0.7, "A place that explains scans worse, likewise, gets a rival, and is not told anew",
+        low=-100, high=0,
+    )  # fmt: skip
+    doubt_behind: float = setting(
+        4.0, "By which one of two places has to explain them better, summed over measurements",
+        low=0.1, high=1000,
+    )  # fmt: skip
 
     def __post_init__(self) -> None:
         check_settings(self)

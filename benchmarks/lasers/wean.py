@@ -30,6 +30,12 @@ DATA = ROOT.parent / "shared" / "data" / "amcl_wean"
 REFERENCE_STAMP, REFERENCE = 131.882, Pose2(39.84, 41.07, 1.39)
 """Measured by another's filter; the robot drives on for 0.36 m and then stands."""
 NEAR_M, NEAR_RAD = 0.2, 0.1
+TRACK = DATA / "reference_run1.csv"
+"""The whole way by the same other filter: seconds and centimetres."""
+SETTLED, WRONG_M = 23.0, 1.5
+"""From then on that knows where it is [s]; a pose so far from it is wrong."""
+BREAK = 1.0
+"""Wrong poses farther apart are not of one stretch [s]."""
 SEEDS = range(10)
 BEGAN = 1_000_000_000.0
 """The log counts from 0, which in ROS means that there is no stamp [s]."""
@@ -52,14 +58,16 @@ def write_map(path: Path, data: Path = DATA) -> None:
     save_map_yaml(OccupancyGrid(cells, 0.1, Pose2()), path)
 
 
-def write_bag(path: Path, kind: str = "mcap", data: Path = DATA) -> None:
-    """The log as a bag: 180 beams from right to left, the laser 0.25 m ahead."""
+def write_bag(path: Path, kind: str = "mcap", data: Path = DATA, begin: float = 0.0) -> None:
+    """The log from a time on [s] as a bag: 180 beams from the right, the laser 0.25 m ahead."""
     with gzip.open(data / "robotdata1.log.gz", "rt") as file, LaserBag(path, kind) as bag:
         place = Pose2(0.25, 0.0, 0.0)
         bag.transform(BEGAN, "base_link", "laser", place, topic="/tf_static")
         for line in file:
             what, *words = line.split()
             numbers = np.array(words, dtype=np.float64)
+            if numbers[-1] < begin:
+                continue
             stamp = BEGAN + float(numbers[-1])
             bag.odometry(stamp, Pose2(numbers[0] / 100, numbers[1] / 100, numbers[2]))
             if what == "L":
@@ -76,9 +84,23 @@ def localized(folder: Path, seed: int) -> tuple[dict[str, object], Array, Array]
         code = main([*arguments, "--out", str(out), "--seed", str(seed)])
     if code:
         raise RuntimeError(f"seed {seed} ended with {code}")
-    way = parse_tum((out / "localized.tum").read_text(encoding="utf-8"), "localized.tum")
     found = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    if not (out / "localized.tum").exists():
+        return found, np.empty(0), np.empty((0, 3))
+    way = parse_tum((out / "localized.tum").read_text(encoding="utf-8"), "localized.tum")
     return found, way.stamps - BEGAN, way.poses
+
+
+def wrong_poses(stamps: Array, poses: Array) -> tuple[int, int, float]:
+    """How many poses can be judged, how many of them are wrong, and the longest such time [s]."""
+    track = np.genfromtxt(TRACK, delimiter=",", comments="#")
+    judged = stamps >= SETTLED
+    stamps, poses = stamps[judged], poses[judged]
+    true = [np.interp(stamps, track[:, 0], track[:, column] / 100) for column in (1, 2)]
+    at = stamps[np.hypot(poses[:, 0] - true[0], poses[:, 1] - true[1]) > WRONG_M]
+    parts = np.split(at, np.flatnonzero(np.diff(at) > BREAK) + 1)
+    longest = max((float(part[-1] - part[0]) for part in parts if len(part)), default=0.0)
+    return len(stamps), len(at), longest
 
 
 def error_at_reference(stamps: Array, poses: Array) -> tuple[float, float]:
@@ -98,18 +120,25 @@ def measure(seeds: range = SEEDS) -> Result:
     """Of ten seeds, how many end where the reference has the robot."""
     require_data()
     near, far, turns, known, rates = 0, [], [], [], []
+    judged, wrong, longest, withdrawn = 0, 0, 0.0, 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_map(folder / "wean.yaml")
         write_bag(folder / "bag")
         for seed in seeds:
             found, stamps, poses = localized(folder, seed)
+            withdrawn += found["scans"]["withdrawn"]  # type: ignore[index]
+            rates.append(found["rates"]["updates_per_s"])  # type: ignore[index]
+            if not len(stamps):
+                sys.stderr.write(f"seed {seed}: nothing told\n")
+                continue
+            count, off, lasted = wrong_poses(stamps, poses)
+            judged, wrong, longest = judged + count, wrong + off, max(longest, lasted)
             distance, turn = error_at_reference(stamps, poses)
             near += distance <= NEAR_M and turn <= NEAR_RAD
             far.append(distance)
             turns.append(turn)
             known.append(float(stamps[0]))
-            rates.append(found["rates"]["updates_per_s"])  # type: ignore[index]
             sys.stderr.write(f"seed {seed}: {distance:.3f} m, {turn:.3f} rad\n")
     more = {
         "seeds": float(len(seeds)),
@@ -118,6 +147,11 @@ def measure(seeds: range = SEEDS) -> Result:
         "heading, largest [rad]": max(turns),
         "known after, median [s]": float(np.median(known)),
         "known after, longest [s]": max(known),
+        "never told": float(len(seeds) - len(known)),
+        "told": float(judged),
+        "told and wrong [%]": 100 * wrong / max(judged, 1),
+        "told and wrong, longest [s]": longest,
+        "withdrawn": float(withdrawn),
         "updates a second, median": float(np.median(rates)),
     }
     told = f"of {len(seeds)} starts over the whole floor within {NEAR_M} m and {NEAR_RAD} rad"

@@ -1,0 +1,116 @@
+"""What became of a bag: the poses that were told, and what hindsight says of them."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from dataclasses import dataclass, field
+
+from robot.geometry import Array
+from robot.localization.estimate import Estimate
+from robot.localization.integrity import State
+
+LONGEST_GAP = 1.0
+"""Poses farther apart than this were not told one after the other [s]."""
+
+
+@dataclass
+class Told:
+    """A pose that was told as certain."""
+
+    stamp: float
+    """Of its scan [s]."""
+    pose: Array
+    """(3,) in the map [m, m, rad]."""
+    odometry: Array
+    """(3,) in the odom frame, of the same scan."""
+    leader: int
+    """Number of the belief that told it, from 0."""
+    withdrawn: bool = False
+    """Whether its place turned out wrong."""
+
+
+@dataclass
+class Localized:
+    """What became of a bag."""
+
+    told: list[Told] = field(default_factory=list)
+    """All poses that were told, also those withdrawn later."""
+    states: Counter[State] = field(default_factory=Counter)
+    """Scans, by what was claimed at each."""
+    state: State = State.SEARCHING
+    """What is claimed at the end."""
+    final: Estimate | None = None
+    """The last one, in the map, carried to the last scan by odometry; None if nothing came."""
+    first_stamp: float = math.nan
+    last_stamp: float = math.nan
+    scans: int = 0
+    updates: int = 0
+    places_left: int = 0
+    """How often another belief had the better place."""
+    particles: int = 0
+    """At the end."""
+    filter_s: float = 0.0
+    """Time that the updates took."""
+    tables_s: float = 0.0
+    """Time that the map's tables took."""
+
+    @property
+    def known(self) -> bool:
+        """Whether the robot's place is known at the end."""
+        return self.state is State.CERTAIN
+
+    @property
+    def standing(self) -> list[Told]:
+        """What was told and still stands."""
+        return [one for one in self.told if not one.withdrawn]
+
+    @property
+    def withdrawn(self) -> list[Told]:
+        """What was told of places that turned out wrong."""
+        return [one for one in self.told if one.withdrawn]
+
+    @property
+    def stamps(self) -> list[float]:
+        """Of scans at which the robot's place was known, and still stands."""
+        return [one.stamp for one in self.standing]
+
+    @property
+    def poses(self) -> list[Array]:
+        """(3,) in the map, of the same."""
+        return [one.pose for one in self.standing]
+
+    @property
+    def odometry(self) -> list[Array]:
+        """(3,) in the odom frame, of the same."""
+        return [one.odometry for one in self.standing]
+
+    def spans(self) -> list[tuple[float, float, int]]:
+        """First and last stamp of what was withdrawn without a break, and who told it [s]."""
+        found: list[tuple[float, float, int]] = []
+        before: Told | None = None
+        for one in self.told:
+            if one.withdrawn and before is not None and before.withdrawn and (
+                one.leader == before.leader and one.stamp - before.stamp <= LONGEST_GAP
+            ):  # fmt: skip
+                found[-1] = (found[-1][0], one.stamp, one.leader)
+            elif one.withdrawn:
+                found.append((one.stamp, one.stamp, one.leader))
+            before = one
+        return found
+
+    @property
+    def withdrawn_s(self) -> float:
+        """How long places were told that were withdrawn [s]."""
+        return sum(last - first for first, last, _ in self.spans())
+
+    def note(self, told: Told | None, state: State, stamp: float) -> None:
+        """A scan, what was claimed at it, and the pose that was told, if any was."""
+        if not self.scans:
+            self.first_stamp = stamp
+        self.scans += 1
+        self.last_stamp = stamp
+        self.state = state
+        self.states[state] += 1
+        if told is not None:
+            self.told.append(told)
