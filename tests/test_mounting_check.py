@@ -110,6 +110,15 @@ def test_of_a_camera_that_is_as_drawn_nothing_is_found_or_taken_off(name: str) -
         np.testing.assert_array_equal(check.applied, 0)
 
 
+def test_noise_alone_is_no_tilt(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three times as much of it; rays that graze err most."""
+    monkeypatch.setitem(globals(), "ACROSS", 3 * ACROSS)
+    for seed in (1, 3):
+        _, error = checked(FIELDS["tee"], 0.0, 0.0, seed=seed)
+        assert math.degrees(error.tilt) < 0.08
+        assert abs(error.scale) < 0.0005
+
+
 def test_a_tilt_that_stands_out_is_taken_off_and_the_rest_of_it_is_small() -> None:
     check, error = checked(FIELDS["stub"], HALF_A_DEGREE, 0.0, seconds=4.0)
     assert check.applied[0] == pytest.approx(error.pitch, abs=math.radians(0.02))
