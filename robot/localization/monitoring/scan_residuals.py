@@ -78,10 +78,12 @@ def residual_sums(
         if abs(off) > GATE:
             continue
         used += 1
-        # The end, from the robot: along the map's axes, and along the robot's from the camera.
-        ux, uy = ahead + length * dx, aside + length * dy
-        X = rays[i, 0] + length * math.cos(turn) - camera_x
-        Y = rays[i, 1] + length * math.sin(turn)
+        # Where the end is due, from the robot: along the map's axes, and along the robot's from the
+        # camera. By the end that was measured, noise of rays that graze would look like a tilt.
+        reach = near + expected
+        ux, uy = ahead + reach * dx, aside + reach * dy
+        X = rays[i, 0] + reach * math.cos(turn) - camera_x
+        Y = rays[i, 1] + reach * math.sin(turn)
         ahead_n, aside_n = nx * c + ny * s, ny * c - nx * s
         row[0], row[1], row[2] = nx, ny, ny * ux - nx * uy
         row[3] = row[4] = 0.0
