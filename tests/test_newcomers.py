@@ -11,7 +11,9 @@ from stub_drive import DEFAULTS
 from told_filters import at_places
 
 from robot.geometry import Pose2
+from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
+from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.reliving import Life
 
 OLD, NEW, OTHER = Pose2(0.2, 0.2, 0.0), Pose2(-0.2, 0.1, 2.0), Pose2(0.0, -0.3, -1.0)
@@ -33,6 +35,11 @@ class Done:
     since: Pose2 = field(default_factory=Pose2)
     scans: int = 8
     scans_lived: int = 8
+    _parameters = HypothesisParameters()
+
+    life_at = PlaceSearch.life_at
+    found_beside = PlaceSearch.found_beside
+    best_life = PlaceSearch.best_life
 
 
 def weights(f: MultiHypothesisFilter) -> dict[Pose2, float]:
