@@ -23,8 +23,11 @@ GATE = 10.0
 """Ranges that are off by so many standard deviations do not measure the edge."""
 SLOPE = 25.0
 """Of the spread of a range with its square [1/m²]: one over the square of the camera's height."""
-NEAR_SHARE = 0.025
+NEAR_SHARE = 0.1
 """Spread of a near range as a share of ``sigma_hit``, which has to cover a cloud's gaps."""
+BELIEVED = 16.0
+"""A pose errs so much less, as a variance, than the spread by which its rays are weighed beside the
+cloud: that blend is the most exact, and this makes its covariance honest (NEES near 3)."""
 WIDEST = 5.0
 """A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
 lie between two places."""
@@ -42,6 +45,8 @@ class Refinement:
     matcher: ScanMatcher
     max_beams: int
     """Rays used of a scan."""
+    believed: float = 1.0
+    """How much more than the spread of its rays says a scan knows, as information."""
 
     @classmethod
     def of(cls, setup: Setup) -> Refinement | None:
@@ -53,7 +58,8 @@ class Refinement:
         sd = sensor.sigma_hit * (NEAR_SHARE if slope else 1.0)
         gate = GATE * sensor.sigma_hit
         matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, gate, slope)
-        return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS))
+        believed = BELIEVED if slope else 1.0
+        return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS), believed)
 
     def refine(self, one: Hypothesis, scan: Scan) -> Hypothesis:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
@@ -62,5 +68,9 @@ class Refinement:
         known = inverse(one.covariance + LUCK)
         match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
         # Of the scan alone, and of the cloud what can be relied on.
-        information = match.information - known + inverse(DRAWN * one.covariance + LUCK)
-        return replace(one, pose=match.pose, covariance=inverse(information))
+        seen = self.believed * (match.information - known)
+        return replace(
+            one,
+            pose=match.pose,
+            covariance=inverse(seen + inverse(DRAWN * one.covariance + LUCK)),
+        )
