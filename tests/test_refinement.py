@@ -91,9 +91,9 @@ def test_its_weight_stays_that_of_the_filter_and_its_covariance_is_its_own() -> 
 
 
 def test_its_covariance_is_honest() -> None:
-    """For scans whose ends err as the matcher supposes, and a mean as what was known says."""
+    """For scans whose ends err as they are believed to, and a mean of a cloud that was as exact."""
     rng, one, squared = np.random.default_rng(0), made(), []
-    sd = one.matcher.sd
+    sd = one.matcher.sd / math.sqrt(one.believed)
     for _ in range(150):
         true = Pose2(*rng.uniform(-0.15, 0.15, 2), rng.uniform(-3, 3))
         scan = noisy_scan(true, sd, rng)
@@ -101,7 +101,7 @@ def test_its_covariance_is_honest() -> None:
         exact = noisy_scan(true, 0.0, rng).ranges
         with np.errstate(invalid="ignore"):
             ranges = np.where(scan.hit, exact + spread * (scan.ranges - exact), np.inf)
-        off = rng.normal(0, np.sqrt(np.diag(NARROW + LUCK)))
+        off = rng.normal(0, np.sqrt(np.diag(NARROW + LUCK) / one.believed))
         rough = Hypothesis(1.0, Pose2.from_array(true.to_array() + off), NARROW)
         fine = one.refine(rough, replace(scan, ranges=ranges))
         error = fine.pose.to_array() - true.to_array()
