@@ -29,6 +29,10 @@ SURPRISE = 0.05
 """Share of the rays that return something where no edge is due."""
 NEAR, FAR = 0.015, 0.06
 """So close to where sight begins or ends [m] an edge may be missed: tape is seen as a whole."""
+WORSE_ANYWHERE, MISSED_ANYWHERE = 1.8, 0.2
+"""How much less likely a ray is at a place that fits but badly, as log-likelihood: one that
+returned, than where it fits exactly (as if it were off by 1.9 standard deviations); one that did
+not, than where nothing is due."""
 END = 0.06
 """So close to its end [m] tape may be missed, and what is behind it seen."""
 ACROSS = 0.06
@@ -61,6 +65,12 @@ class RayEvidence:
         wide = self.sd * (1 + self.slope * ranges**2) * math.sqrt(2 * math.pi)
         peaks: Array = np.log(SEEN / wide + STRAY / self.range_max)
         return peaks
+
+    def log_likelihood_anywhere(self, rays: Array) -> float:
+        """Log-likelihood of rays (n, 7) at a place that fits but badly, on average of all."""
+        hit = np.isfinite(rays[:, 3])
+        returned = self.log_peaks(rays[hit, 3]) - WORSE_ANYWHERE
+        return (float(returned.sum()) - MISSED_ANYWHERE * float((~hit).sum())) / len(rays)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
         """Log-likelihood of rays (n, 7) at a pose, on average of all of them."""

@@ -10,10 +10,6 @@ from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.ray_evidence import RayEvidence
 
-WORSE_ANYWHERE, MISSED_ANYWHERE = 1.8, 0.2
-"""How much less likely a ray is at a place that fits but badly, as log-likelihood: one that
-returned, than where it fits exactly (as if it were off by 1.9 standard deviations); one that did
-not, than where nothing is due."""
 FRESH = -2.5
 """Log-weight of being elsewhere when places were found for the first time."""
 
@@ -33,9 +29,7 @@ class Elsewhere:
         self, best: Pose2, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
         """Compare the pose where rays (n, 7) fit best with a place that fits but badly."""
-        hit = np.isfinite(rays[:, 3])
-        returned = evidence.log_peaks(rays[hit, 3]) - WORSE_ANYWHERE
-        anywhere = (float(returned.sum()) - MISSED_ANYWHERE * float((~hit).sum())) / len(rays)
+        anywhere = evidence.log_likelihood_anywhere(rays)
         gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self.doubts = self.doubts + 1 if gain > 0 else 0

@@ -1,7 +1,8 @@
 """Watches an estimate: do scans and odometry fit what the models claim?
 
-What is steadily off shows in the scans. A monitor does not correct it; it says how far the pose may
-be off because of it, and what the likeliest reason is.
+What is steadily off shows in the scans. What stands out of its own spread is taken off: the tilt of
+the camera, the size of the wheels, the lateness of pictures. The monitor says what the likeliest
+reason is, and how far the pose may still be off.
 """
 
 from __future__ import annotations
@@ -28,10 +29,6 @@ FITTING = 0.5
 """Share of a new scan in the mean of how well scans fit."""
 FORGETTING = 0.01
 """Share of what scans did to the pose that the next one makes forget."""
-WORST = 1.8
-"""How much less likely a ray is where it fits but badly, as log-likelihood."""
-MISSED = 0.2
-"""The same of a ray that returned nothing."""
 TRUSTED, EXPLAINED = 0.95, 0.6
 """Weight of a place, and share of the returns that it explains, to learn of the robot there."""
 TORN = 2.5
@@ -226,9 +223,7 @@ class Monitor:
         seeing = rays[~np.isnan(rays[:, 4])]
         if not len(seeing):
             return
-        hit = np.isfinite(seeing[:, 3])
-        returned = self._evidence.log_peaks(seeing[hit, 3]) - WORST
-        badly = (float(returned.sum()) - MISSED * float((~hit).sum())) / len(seeing)
+        badly = self._evidence.log_likelihood_anywhere(seeing)
         better = self._evidence.log_likelihood(pose, seeing) - badly
         self._fit += FITTING * (min(better, 1.0) - self._fit)
         self._pulled *= 1 - FORGETTING
