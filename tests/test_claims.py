@@ -48,15 +48,16 @@ def test_the_state_is_told_by_weights_and_standing(
 ) -> None:
     found = claim(places(*weights), standing, NO_DOUBT)
     assert found.state is wanted
-    told = wanted in (State.CERTAIN, State.APPROXIMATE)
+    # Unconfirmed, it may be another place.
+    told = standing is Standing.CONFIRMED and wanted in (State.CERTAIN, State.APPROXIMATE)
     assert math.isfinite(found.radius) == told
 
 
 def test_a_wide_bound_is_approximate_only() -> None:
     for sds, wanted in (
-        ((0.004, 0.004, 0.003), State.CERTAIN),
-        ((0.009, 0.001, 0.003), State.APPROXIMATE),
-        ((0.001, 0.009, 0.003), State.APPROXIMATE),
+        ((0.015, 0.015, 0.003), State.CERTAIN),
+        ((0.025, 0.001, 0.003), State.APPROXIMATE),
+        ((0.001, 0.025, 0.003), State.APPROXIMATE),
         ((0.001, 0.001, 0.06), State.APPROXIMATE),
     ):
         one = Hypothesis(1.0, Pose2(), np.diag(np.square(sds)))
@@ -69,7 +70,7 @@ def test_what_cannot_be_excluded_widens_the_bound() -> None:
     plain, doubted = (claim(places(1.0), Standing.CONFIRMED, doubt) for doubt in (NO_DOUBT, wide))
     assert doubted.radius > 2 * plain.radius and doubted.heading_bound > 4 * plain.heading_bound
     assert plain.state is doubted.state is State.CERTAIN
-    wider = replace(NO_DOUBT, unknown=9 * wide.unknown)
+    wider = replace(NO_DOUBT, unknown=64 * wide.unknown)
     assert claim(places(1.0), Standing.CONFIRMED, wider).state is State.APPROXIMATE
 
 

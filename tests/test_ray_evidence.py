@@ -30,7 +30,9 @@ from robot.localization.rays import rays_of
 
 SQUARE, TOWN = load_field("square", MAPS), load_field("town", MAPS)
 SD = 0.01
-ON = {of.name: RayEvidence.of(of, 1.0, SD) for of in (STUB, SQUARE, TOWN)}
+SCANNED = {of.name: RayEvidence.of(of, 1.0, SD) for of in (STUB, SQUARE, TOWN)}
+ON = {name: replace(one, sight=one.sight._replace(support=0.0)) for name, one in SCANNED.items()}
+"""Of these a single ray can miss an edge."""
 BEST = math.log(SEEN / (SD * math.sqrt(2 * math.pi)) + STRAY)
 """Of a ray that ends just where it should."""
 AT_SIDE = Pose2(-0.1, -0.025, math.pi / 2)
@@ -110,6 +112,20 @@ def test_tape_met_aslant_must_lie_farther_in_sight() -> None:
     assert value(pose, ray(due)) == pytest.approx(BEST)
     assert value(pose, ray(math.inf, 0, due + 1.9 * FAR)) == 0
     assert value(pose, ray(math.inf, 0, due + 2.1 * FAR)) == pytest.approx(math.log(MISSED))
+
+
+def test_an_edge_that_too_few_rays_meet_may_be_missed() -> None:
+    """Tape in the corner of a picture: the scanner needs 40 mm of it on neighbouring rays."""
+    fan = np.radians([0.0, 3.0, 6.0, 9.0])
+    rays = np.vstack([ray(math.inf, far=1.0, bearing=bearing) for bearing in fan])
+    # Half a metre away they meet the edge 26 mm apart.
+    for count, counts in ((1, False), (2, False), (3, True), (4, True)):
+        assert (SCANNED["stub"].log_likelihood(AT_SIDE, rays[:count]) < 0) == counts
+    apart = rays[[0, 2]]
+    assert SCANNED["stub"].log_likelihood(AT_SIDE, apart) < 0
+    # The second leaves the picture before it is through the tape.
+    apart[1, 5] = 0.52
+    assert SCANNED["stub"].log_likelihood(AT_SIDE, apart) == 0
 
 
 def test_an_edge_before_sight_begins_does_not_hide_what_is_behind_it() -> None:

@@ -43,6 +43,8 @@ class Visibility(NamedTuple):
     """(n + 1,) the first part of each edge; an edge is cut into equal parts."""
     seen: NDArray[np.bool_]
     """(m,) whether the scanner sees each part."""
+    support: float
+    """Length of an edge that neighbouring rays must meet for the scanner to see it [m]."""
 
 
 def visibility(
@@ -51,7 +53,7 @@ def visibility(
     """Of edges (n, 4) around tape of a width [m]; without one they are walls, and all seen."""
     ends = sharp_ends(edges)
     if tape_width is None:
-        return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_))
+        return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_), 0.0)
     rules = settings or LineScannerSettings()
     parts = np.maximum(np.ceil(lengths(edges) / STEP - 1e-9), 1).astype(np.int64)
     starts = np.concatenate([[0], np.cumsum(parts)])
@@ -68,7 +70,8 @@ def visibility(
     )
     inward = index_edges(np.ascontiguousarray(edges[:, [2, 3, 0, 1]]))
     seen = _judge_parts(edges, starts, before, after, inward, limits)
-    return Visibility(ends, starts, _without_border(seen, starts, edges, before, after))
+    seen = _without_border(seen, starts, edges, before, after)
+    return Visibility(ends, starts, seen, rules.support)
 
 
 def _followers(edges: Array) -> NDArray[np.int64]:

@@ -20,6 +20,7 @@ from robot.fields.field import Field
 from robot.fields.ray_casting import cast_toward
 from robot.fields.visibility import Visibility
 from robot.geometry import Array, Pose2
+from robot.scanning.tape_edges import GAP
 
 SEEN, STRAY, MISSED = 0.85, 0.12, 0.03
 """Of rays where an edge is due, the shares that return it, something else, and nothing, in a clear
@@ -98,39 +99,86 @@ def ray_log_likelihood(
     missed: float,
 ) -> float:
     """Log-likelihood of rays (n, 7) at a pose (3,), on average of all of them; 0 without rays."""
+    dues = np.empty((len(rays), 5))
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    total, counted = 0.0, 0
     for i in range(len(rays)):
         if math.isnan(rays[i, 4]):
+            dues[i, 4] = 0.0
             continue
-        counted += 1
         heading = pose[2] + rays[i, 2]
         dx, dy = math.cos(heading), math.sin(heading)
         near, far = rays[i, 4], min(rays[i, 5], range_max)
         x = pose[0] + c * rays[i, 0] - s * rays[i, 1] + near * dx
         y = pose[1] + s * rays[i, 0] + c * rays[i, 1] + near * dy
-        due, edge = cast_toward(x, y, dx, dy, index, far - near)
-        at_end, across = False, 1.0
-        if edge >= 0:
-            at_end, across = _met(x + due * dx, y + due * dy, dx, dy, edge, index.edges, sight)
-        found = rays[i, 3] - near
+        _look(x, y, dx, dy, far - near, index, sight, dues[i])
+    total, counted = 0.0, 0
+    for i in range(len(rays)):
+        if math.isnan(rays[i, 4]):
+            continue
+        counted += 1
+        due, behind = dues[i, 0], dues[i, 1]
+        found = rays[i, 3] - rays[i, 4]
         if math.isfinite(found):
             wide = sd * (1 + slope * rays[i, 3] * rays[i, 3])
             density = SURPRISE / range_max
-            if edge >= 0:
+            if math.isfinite(due):
                 density = _density(found - due, wide, range_max, rays[i, 6])
-            if at_end:
-                past = due + 0.005
-                behind, edge = cast_toward(
-                    x + past * dx, y + past * dy, dx, dy, index, far - near - past
-                )
-                if edge >= 0:
-                    beyond = _density(found - past - behind, wide, range_max, rays[i, 6])
-                    density = max(density, beyond)
+            if math.isfinite(behind):
+                density = max(density, _density(found - behind, wide, range_max, rays[i, 6]))
             total += math.log(density)
-        elif edge >= 0 and not at_end and NEAR < due < far - near - FAR / across:
+        elif dues[i, 4] > 1 and _is_supported(dues, i, sight.support):
             total += math.log(missed + SEEN * (1 - rays[i, 6]) * (1 - missed))
     return total / max(counted, 1)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _look(
+    x: float,
+    y: float,
+    dx: float,
+    dy: float,
+    reach: float,
+    index: EdgeIndex,
+    sight: Visibility,
+    row: Array,
+) -> None:
+    """What a ray meets that begins at (x, y): a row (5,).
+
+    Distance of the edge that is due, and of the one behind it where that one may be missed, else
+    infinite [m]; x, y where the first is met [m]; 0 if nothing is met or not as a whole, 1 if it
+    may be missed, 2 if it should be seen.
+    """
+    due, edge = cast_toward(x, y, dx, dy, index, reach)
+    row[0], row[1], row[4] = math.inf, math.inf, 0.0
+    if edge < 0:
+        return
+    row[0], row[2], row[3] = due, x + due * dx, y + due * dy
+    at_end, across = _met(row[2], row[3], dx, dy, edge, index.edges, sight)
+    if NEAR < due < reach - FAR / across:
+        row[4] = 1.0 if at_end else 2.0
+    if at_end:
+        past = due + 0.005
+        behind, edge = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
+        if edge >= 0:
+            row[1] = past + behind
+
+
+@njit(cache=True, nogil=True)
+def _is_supported(dues: Array, ray: int, support: float) -> bool:
+    """Whether neighbouring rays meet enough of an edge, and as a whole, for it to be tape."""
+    first, last = ray, ray
+    while first > 0 and _is_next(dues[first - 1], dues[first], support):
+        first -= 1
+    while last + 1 < len(dues) and _is_next(dues[last + 1], dues[last], support):
+        last += 1
+    return math.hypot(dues[last, 2] - dues[first, 2], dues[last, 3] - dues[first, 3]) >= support
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _is_next(row: Array, beside: Array, support: float) -> bool:
+    """Whether a ray meets the same edge as one beside it."""
+    apart = math.hypot(row[2] - beside[2], row[3] - beside[3])
+    return row[4] > 0 and apart <= GAP * support
 
 
 @njit(cache=True, nogil=True, inline="always")

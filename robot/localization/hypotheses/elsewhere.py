@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robot.geometry import Array, Pose2
+from robot.geometry import Array
 from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.ray_evidence import RayEvidence
 
@@ -26,11 +26,11 @@ class Elsewhere:
         """Scans in a row that fit no place."""
 
     def weigh(
-        self, best: Pose2, rays: Array, evidence: RayEvidence, p: HypothesisParameters
+        self, best: float, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
-        """Compare the pose where rays (n, 7) fit best with a place that fits but badly."""
+        """Compare how well rays (n, 7) fit where they fit best with a place that fits but badly."""
         anywhere = evidence.log_likelihood_anywhere(rays)
-        gain = p.scan_worth * (anywhere - evidence.log_likelihood(best, rays))
+        gain = p.scan_worth * (anywhere - best)
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self.doubts = self.doubts + 1 if gain > 0 else 0
 

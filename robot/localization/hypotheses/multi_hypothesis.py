@@ -186,8 +186,7 @@ class MultiHypothesisFilter:
         for track, loss in zip(self._tracks, p.scan_worth * (fits.max() - fits), strict=True):
             track.lose(float(loss), p.most_a_scan)
         best = self._tracks[int(fits.argmax())]
-        # As the filter has it: laid on the edges, a wrong place would fit too well to be noticed.
-        self._elsewhere.weigh(best.pose, rays, evidence, p)
+        self._elsewhere.weigh(best.fit_unlaid(rays, self.setup), rays, evidence, p)
         for track in self._tracks:
             track.come_unstuck()
 

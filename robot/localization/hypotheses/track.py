@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -27,6 +28,8 @@ fit better there. Also beyond FARTHEST: of 12 robots with cameras askew two are 
 do not count."""
 NARROW = 0.012
 """Of a cloud less wide than this [m] no ray can be of another edge than the nearest."""
+SHARP = 0.008
+"""A pose that is known better than this [m, rad] is asked for what is due there alone."""
 STEADY, FORGETTING = 0.6, 0.2
 """A scan counts for so much more than the mean of those before it, as log-likelihood, and for so
 much in their mean."""
@@ -90,15 +93,27 @@ class Track:
         known = inverse(best.covariance + POLISH)
         narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
         matcher = setup.fine_matcher if narrow else setup.matcher
-        fitting = matcher.match(best.pose, rays, known).pose
+        match = matcher.match(best.pose, rays, known)
+        fitting = match.pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
         here = setup.evidence.log_likelihood(best.pose, rays)
         there = setup.evidence.log_likelihood(fitting, rays)
+        left = inverse(match.information - known + inverse(best.covariance))
+        there = max(there, _best_around(fitting, left, rays, setup))
         self._fitting = fitting
         self._gains = (*self._gains, there - here)[-STUCK:] if far > FAR else ()
         # Farther than it may be, it would live on what fits another place.
         return there if far < FARTHEST else here
+
+    def fit_unlaid(self, rays: Array, setup: Setup) -> float:
+        """How well rays fit as the filter has it.
+
+        Laid on the edges, a wrong place would fit too well to be noticed.
+        """
+        best = self.best
+        here = setup.evidence.log_likelihood(best.pose, rays)
+        return max(here, _best_around(best.pose, best.covariance, rays, setup))
 
     def lose(self, loss: float, most: float) -> None:
         """Take off what a scan tells against this place, and for the best one.
@@ -127,3 +142,17 @@ def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[
         if not hopeless and not any(parameters.alike(track.pose, other.pose) for other in kept):
             kept.append(track)
     return kept[: parameters.max_hypotheses]
+
+
+def _best_around(pose: Pose2, covariance: Array, rays: Array, setup: Setup) -> float:
+    """How well rays fit a standard deviation beside a pose, at best; -inf if it is known sharply.
+
+    Of a robot that turns and sees nothing the heading is known less and less: that an edge is
+    missed which is due at the mean, and not beside it, tells nothing.
+    """
+    root = np.linalg.cholesky(covariance)
+    if float(np.abs(root).max()) < SHARP:
+        return -math.inf
+    x, evidence = pose.to_array(), setup.evidence
+    beside = [x + sign * axis for axis in root.T for sign in (1, -1)]
+    return max(evidence.log_likelihood(Pose2(*one.tolist()), rays) for one in beside)

@@ -14,7 +14,7 @@ PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
 """Standard deviations within which 99.9 % lie: of a place on a plane, and of a heading."""
 LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
 """Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
-NARROW, NARROW_HEADING = 0.030, math.radians(10)
+NARROW, NARROW_HEADING = 0.080, math.radians(10)
 """A wider bound is approximate only [m], [rad]."""
 CERTAIN = 0.95
 """Weight from which on one place is the only one."""
@@ -36,12 +36,12 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if hypotheses[0].weight <= CERTAIN:
         return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)
+    if not doubt.fits or standing is not Standing.CONFIRMED:
+        # It may be another place: no radius holds.
+        return Integrity(State.APPROXIMATE, alerts=doubt.alerts)
     radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
     narrow = radius <= NARROW and heading <= NARROW_HEADING
-    sure = narrow and doubt.fits and standing is Standing.CONFIRMED
-    if not doubt.fits:
-        radius, heading = math.inf, math.pi
-    return Integrity(State.CERTAIN if sure else State.APPROXIMATE, radius, heading, doubt.alerts)
+    return Integrity(State.CERTAIN if narrow else State.APPROXIMATE, radius, heading, doubt.alerts)
 
 
 def bounds(covariance: Array) -> tuple[float, float]:

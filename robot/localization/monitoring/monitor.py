@@ -17,14 +17,20 @@ from robot.localization.estimate import Hypothesis
 from robot.localization.integrity import Alert
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.mounting_check import MountingCheck
-from robot.localization.monitoring.odometry_check import OdometryCheck
+from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.rays import rays_of
+from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 
 BEAMS = 91
 """Rays of a scan that are looked at."""
+LAID_SD, LAID_SLOPE, LAID_GATE = 0.0003, 25.0, 0.03
+"""Spread of a near range [m], how it grows [1/m²], and the gate [m] with which a scan is laid on
+the edges before it is looked at."""
+LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
+"""How little then is held to where the robot should be [1/m², 1/m², 1/rad²]."""
 FITTING = 0.5
 """Share of a new scan in the mean of how well scans fit."""
 FORGETTING = 0.01
@@ -39,6 +45,9 @@ LOOSEST = 4.0
 """Odometry is believed this much less, at most."""
 USUAL = 1.5
 """Steps that differ from odometry by no more than so many spreads are as usual."""
+SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
+"""With fewer rays on edges than this for so long [s], steps add up unseen, and err so many times
+more than each by itself: slip lasts for about a second, and wheels are never quite as drawn."""
 DOUBT_KEPT = 5.0
 """For so long after a doubt the pose may still be off [s]."""
 LEAST_LATE = 0.001
@@ -97,7 +106,7 @@ class Monitor:
     """Takes each estimate with the scan that it was made of."""
 
     def __init__(self, evidence: RayEvidence, mounting: Mounting = LASER) -> None:
-        self._evidence = evidence
+        self.use(evidence)
         self._mounting = mounting
         self._odometry = OdometryCheck()
         self._camera = MountingCheck()
@@ -105,6 +114,8 @@ class Monitor:
         self._stamp: float | None = None
         self._last: tuple[Pose2, Pose2] | None = None
         """Pose and odometry of the last scan."""
+        self._seen = -math.inf
+        """When edges were seen last [s]."""
         self._fit = 1.0
         self._pulled = 0.0
         """By how much scans moved the pose to where they fit worse, as log-likelihood."""
@@ -128,6 +139,9 @@ class Monitor:
     def use(self, evidence: RayEvidence) -> None:
         """Go on with other parameters."""
         self._evidence = evidence
+        self._matcher = ScanMatcher(
+            evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
+        )
 
     def caught_up(self, one: Hypothesis) -> Hypothesis:
         """Where the robot is at the scan's stamp, if its picture was taken before."""
@@ -167,13 +181,15 @@ class Monitor:
         elapsed = 0.03 if self._stamp is None else max(scan.stamp - self._stamp, 1e-3)
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
-        pose = one.pose.to_array()
         expected = self._expected(odometry)
         if expected is not None and _is_far(expected, one.pose):
+            expected = None
             self._odometry.jump()
             self._causes.forget()
+        # On bent tape a pose that is centimetres off would leave what looks like a tilt.
+        laid = self._matcher.match(one.pose, rays, LOOSE).pose
         sums, used, returned = residual_sums(
-            pose,
+            laid.to_array(),
             rays,
             self._evidence.index,
             self._evidence.range_max,
@@ -205,9 +221,12 @@ class Monitor:
         )
         self._causes.judge(findings)
         self._camera.follow(mounting)
-        self._wheels = tuple(findings.odometry.values[1:4].tolist())
+        self._wheels = _standing_out(findings.odometry)
+        if used >= SEEING:
+            self._seen = scan.stamp
+        least = BLIND if scan.stamp - self._seen > BLIND_AFTER else 1.0
         rest = findings.odometry.rest
-        self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, 1.0), LOOSEST)
+        self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, least), LOOSEST)
         if self._causes.alerts:
             self._doubted = scan.stamp
         self.doubt = self._doubt(one.pose, findings)
@@ -265,6 +284,12 @@ class Monitor:
         unknown += np.outer(caused, caused) + caused_spread
         torn = float(errors.rest.max()) > TORN
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
+
+
+def _standing_out(errors: OdometryErrors) -> tuple[float, ...]:
+    """What is beyond chance of the wheels' errors: forward, turn by way, and turn."""
+    values, sd = errors.values[1:4], np.sqrt(np.diag(errors.covariance)[1:4])
+    return tuple((np.sign(values) * np.maximum(np.abs(values) - sd, 0.0)).tolist())
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:

@@ -26,14 +26,15 @@ MEMORY = 20.0
 """Steps older than this hardly count for errors that stay [s]."""
 RECENT = 3.0
 """The same for what is left unexplained [s]."""
-CORRELATION = 1.0
-"""Slip lasts for about a second: so many steps are worth one."""
+CORRELATION = 8.0
+"""Slip lasts for about a second: so many steps at the same speed are worth one."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
 PRIOR = np.diag(PRIOR_SD**-2)
 TELLING, CHANGE_V, CHANGE_OMEGA = 3.0, 0.05, 0.4
-"""A step over which the speed changes by more than this [m/s, rad/s] counts so many times more."""
+"""A step over which the speed changes by more than this [m/s, rad/s] is worth so many: there slip
+is the same before and after, and what is late shows."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
@@ -135,13 +136,14 @@ class OdometryCheck:
         )
         # Steps overlap; but what a change of speed tells, few of them tell.
         share = elapsed / max(now.stamp - before.stamp, 1e-3)
+        worth = share / CORRELATION
         if _has_changed(before.twist, now.twist):
-            share = min(TELLING * share, 1.0)
+            share = worth = min(TELLING * share, 1.0)
         errors = self.errors
         left = off - columns @ errors.values
         squares = np.square(left) / variance
         # What slips now says less of what stays.
-        wide = variance * np.maximum(errors.rest**2, 1.0) * CORRELATION / share
+        wide = variance * np.maximum(errors.rest**2, 1.0) / worth
         weights = 1 / (wide * (1 + squares / TAIL))
         keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
         self._information = keep * self._information + (columns.T * weights) @ columns
