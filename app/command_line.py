@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from app.conditions import in_condition
+from app.conditions import in_condition, require_effect
 from app.config import ROBOTS, Config, load_config
 from app.console import say
 from app.doctor.options import add_doctor
@@ -211,6 +211,8 @@ def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
         raise SettingError(
             "--condition has no effect with --robot buildhat; valid are sim, kinematic"
         )
+    if "condition" in parsed:
+        require_effect(config.robot, parsed.condition)
 
 
 def _bench(parsed: argparse.Namespace) -> int:

@@ -87,13 +87,33 @@ def require_condition(name: str) -> None:
         raise SettingError(f"no condition {name!r}; valid are {condition_names()}")
 
 
+def require_effect(robot: str, name: str) -> None:
+    """Refuse a condition of wheels or mounting for a robot that is always as drawn.
+
+    Raises:
+        SettingError: lists those that are valid.
+    """
+    valid = [
+        each
+        for each, preset in CONDITIONS.items()
+        if not any(path.startswith("imperfections.") for path in preset)
+    ]
+    if robot == "kinematic" and name not in valid:
+        raise SettingError(
+            f"condition {name} is of wheels or of the camera's mounting, and the kinematic robot "
+            f"has perfect ones; valid are {', '.join(valid)}"
+        )
+
+
 def in_condition(config: Config, name: str) -> Config:
     """A configuration under a condition.
 
     Raises:
-        SettingError: there is no such condition; lists those that are valid.
+        SettingError: there is no such condition, or the robot does not have it; lists those that
+            are valid.
     """
     require_condition(name)
+    require_effect(config.robot, name)
     preset, known = CONDITIONS[name], settings_of(config)
     return with_settings(config, {path: _worse(path, known[path], preset[path]) for path in preset})
 

@@ -19,6 +19,7 @@ from robot.localization.monitoring.claims import (
     NARROW,
     PLACE_QUANTILE,
     bounds,
+    carried_on,
     claim,
 )
 from robot.localization.monitoring.monitor import NO_DOUBT
@@ -108,3 +109,19 @@ def test_no_bound_is_narrower_than_the_scanner_errs() -> None:
     assert radius == pytest.approx(PLACE_QUANTILE * LEAST_PLACE) and radius < NARROW
     assert heading == pytest.approx(HEADING_QUANTILE * LEAST_HEADING)
     assert bounds(np.diag([0.0, 0.0, 100.0]))[1] == math.pi
+
+
+def test_between_pictures_the_bound_grows_with_the_way() -> None:
+    claimed = claim(places(1.0), Standing.CONFIRMED, NO_DOUBT)
+    assert carried_on(claimed, Pose2()) == claimed
+    steps = [carried_on(claimed, Pose2(way, 0.0, 2 * way)) for way in (0.005, 0.05, 0.1, 0.5)]
+    radii = [claimed.radius, *(each.radius for each in steps)]
+    assert radii == sorted(radii) and radii[1] < claimed.radius + 0.001
+    assert [each.state for each in steps[1:]] == [State.CERTAIN, State.CERTAIN, State.APPROXIMATE]
+    assert steps[-1].heading_bound > claimed.heading_bound + 0.4
+
+
+def test_what_has_no_bound_stays_as_it_is() -> None:
+    for standing in (Standing.LOST, Standing.UNCONFIRMED):
+        claimed = claim(places(1.0), standing, NO_DOUBT)
+        assert carried_on(claimed, Pose2(1, 0, 1)) is claimed

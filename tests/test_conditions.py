@@ -168,3 +168,9 @@ def test_a_floor_that_is_larger_than_its_drawing_is_seen_farther_off():
     points = np.random.default_rng(0).uniform(-0.7, 0.7, (500, 2))
     np.testing.assert_array_equal(larger.grey_at(1.02 * points), floor.grey_at(points))
     assert np.abs(picture(floor_scale=1.02) - picture()).max() > 50
+
+
+def test_a_robot_that_is_as_drawn_refuses_conditions_of_wheels_and_mounting():
+    with pytest.raises(SettingError, match=r"worn .* valid are default, noisy"):
+        in_condition(Config(robot="kinematic"), "worn")
+    assert in_condition(Config(robot="kinematic"), "late").camera.stamp_error == 0.03

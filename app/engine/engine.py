@@ -270,7 +270,7 @@ class Engine:
             odom_from_robot=odometry.odom_from_robot,
             pose=belief.pose(odometry.odom_from_robot) if belief else None,
             estimate=belief.estimate if belief else None,
-            integrity=localization.integrity,
+            integrity=localization.integrity_at(odometry.odom_from_robot),
             twist=applied,
             mode=self._driving.mode,
             cloud=localization.cloud,

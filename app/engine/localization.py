@@ -21,6 +21,7 @@ from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.monitoring.claims import carried_on
 from robot.localization.monitoring.monitor import Monitor, Mounting
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
@@ -95,8 +96,15 @@ class Localization:
 
     @property
     def integrity(self) -> Integrity:
-        """What is claimed of the newest estimate."""
+        """What is claimed of the newest estimate, at the stamp of its scan."""
         return self._localizer.integrity
+
+    def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
+        """What is claimed of the pose that ``belief`` has now: odometry adds its errors."""
+        if self.belief is None:
+            return self.integrity
+        moved = self.belief.odom_from_robot.inverse() @ odom_from_robot
+        return carried_on(self.integrity, moved)
 
     @property
     def updates(self) -> int:

@@ -68,8 +68,13 @@ class RayEvidence:
         return peaks
 
     def log_likelihood_anywhere(self, rays: Array) -> float:
-        """Log-likelihood of rays (n, 7) at a place that fits but badly, on average of all."""
+        """Log-likelihood of rays (n, 7) at a place that fits but badly, on average of all.
+
+        Where no ray returns, any empty part of the floor fits.
+        """
         hit = np.isfinite(rays[:, 3])
+        if not hit.any():
+            return 0.0
         returned = self.log_peaks(rays[hit, 3]) - WORSE_ANYWHERE
         return (float(returned.sum()) - MISSED_ANYWHERE * float((~hit).sum())) / len(rays)
 

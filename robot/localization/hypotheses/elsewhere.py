@@ -13,6 +13,9 @@ from robot.localization.ray_evidence import RayEvidence
 FRESH = -2.5
 """Log-weight of being elsewhere when places were found for the first time."""
 
+SUSPECTED = 2 / 3
+"""Part of the log-probability of having been carried that is left where that is suspected."""
+
 
 class Elsewhere:
     """Grows while no hypothesis fits, down to the chance of having been carried off just now."""
@@ -22,6 +25,8 @@ class Elsewhere:
         """Relative to the heaviest hypothesis."""
         self.lost = False
         """Whether it is the likeliest."""
+        self.suspected = False
+        """Whether it has become likelier than usual."""
         self.doubts = 0
         """Scans in a row that fit no place."""
 
@@ -37,6 +42,7 @@ class Elsewhere:
     def level(self, heaviest: float, p: HypothesisParameters) -> bool:
         """Make the heaviest hypothesis weigh one; returns whether the robot is lost only now."""
         least, before = p.log_kidnapped, self.lost
+        self.suspected = self.log_weight - heaviest > SUSPECTED * least
         self.log_weight = min(max(self.log_weight - heaviest, least), -least)
         self.lost = self.log_weight > 0
         return self.lost and not before

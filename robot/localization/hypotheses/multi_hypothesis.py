@@ -15,12 +15,14 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
+from robot.localization.hypotheses.confirmation import Confirmation
 from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
+from robot.localization.hypotheses.found_places import found_places, has_rival
 from robot.localization.hypotheses.given_places import GivenPlace, begun_at, clusters_of
 from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.prior import Prior, log_prior
+from robot.localization.hypotheses.prior import Prior
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size
 from robot.localization.rays import rays_of
@@ -32,6 +34,8 @@ BEAMS = 60
 FIRST, LOST, SOON, LATE = 12, 2, 8, 64
 """Scans before the first search, and when lost; between searches that find something, and at most,
 when they find nothing."""
+CONFIRMING = 0.5
+"""To confirm a place that is known, so much of the returns do that a search else needs."""
 LEAST_SHARE = 0.2
 """A track keeps at least this part of its particles, however many there are."""
 BORN_SHARE = 0.05
@@ -70,8 +74,7 @@ class MultiHypothesisFilter:
         """The same, when it was last lost or the start."""
         self._anchored = True
         """Whether the start was told, and it was never lost since."""
-        self._confirmed = True
-        """Whether it has looked over the whole field since it was lost."""
+        self._confirmation = Confirmation()
         self._looseness = 1.0
         self._wait = FIRST
         """Scans until the next search."""
@@ -107,7 +110,7 @@ class MultiHypothesisFilter:
         """Lost while elsewhere is likelier; then confirmed by a search of a whole short map."""
         if self._elsewhere.lost:
             return Standing.LOST
-        return Standing.CONFIRMED if self._confirmed else Standing.UNCONFIRMED
+        return Standing.CONFIRMED if self._confirmation.is_given else Standing.UNCONFIRMED
 
     def loosen(self, factor: float) -> None:
         """Let steps err so many times more than the motion model says."""
@@ -213,71 +216,68 @@ class MultiHypothesisFilter:
         for track in self._tracks:
             track.log_weight -= heaviest
         lost_now = self._elsewhere.level(heaviest, self.setup.hypotheses)
-        for track, weight in zip(self._tracks, self._weights(), strict=True):
-            track.filter.share = max(float(weight), LEAST_SHARE)
+        weights = self._weights().tolist()
+        for track, weight in zip(self._tracks, weights, strict=True):
+            track.filter.share = max(weight, LEAST_SHARE)
+        another = self._confirmation.follow(self._tracks[0], weights[0], self.setup.hypotheses)
+        if self._elsewhere.suspected or another:
+            self._confirmation.doubt(self._scans)
         if lost_now:
-            # The map must not hold scans of before the robot was carried.
-            self._local.begin_anew(max(self._elsewhere.doubts, 1))
-            self._search, self._wait = None, LOST
-            self._told, self._lost_at = [], self._scans
-            self._confirmed = self._anchored = False
+            self._confirmation.lose()
+            self._begin_anew(self._elsewhere.doubts)
+        elif another:
+            self._begin_anew(self._scans - self._tracks[0].born)
+
+    def _begin_anew(self, scans: int) -> None:
+        """Forget what was before the robot was carried, about so many scans ago."""
+        self._local.begin_anew(max(scans, 1))
+        self._search, self._wait = None, LOST
+        self._told, self._lost_at = [], self._scans
+        self._anchored = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or go on with it."""
-        if self._search is not None:
-            if self._search.advance():
-                self._bear(self._search)
-                self._confirmed |= self._search.scans >= self.setup.hypotheses.map_scans
-                self._search = None
-        elif self._wait <= 0 and self._local.hit_share >= self.setup.hypotheses.least_hits:
+        if self._is_search_due():
+            self._confirmation.begin(self._scans, self._local)
             back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(self._local, alive, self.setup)
             self._wait = self._patience
-            if not self._confirmed:
-                # As soon as the short map is full, it is looked for all places once more.
-                self._wait = min(self._wait, max(self._local.lacking, 1))
+        elif self._search is not None and self._search.advance():
+            self._bear(self._search)
+            self._search = None
+
+    def _is_search_due(self) -> bool:
+        least = self.setup.hypotheses.least_hits
+        if self._confirmation.is_due(self._scans, self._local):
+            return self._local.hit_share >= CONFIRMING * least
+        return self._search is None and self._wait <= 0 and self._local.hit_share >= least
 
     def _bear(self, search: PlaceSearch) -> None:
-        """Follow the places that were found, weighed as if they had been there all along."""
+        """Follow the places that were found."""
         p = self.setup.hypotheses
         # Back to where it was lost, or to a start of which nothing was told, a place found now is
         # as likely as one that was found since then and fits as well: also one that the old track
         # has come to, but not the old one itself.
         old = any(track.born < self._lost_at for track in self._tracks[:1])
         whole = search.whole and not self._told and not (self._elsewhere.lost and old)
-        lives = search.found_beside([track.pose for track in self._tracks])
+        elsewhere = self._elsewhere.log_weight
+        places = found_places(search, self._tracks, self._told, elsewhere, whole, p)
+        rival = has_rival(self._tracks, places, self.setup.field.symmetries, p)
+        self._confirmation.end(self._scans, rival)
         before = len(self._tracks)
-        if not lives:
-            self._patience = min(2 * self._patience, LATE)
-            return
-        reference, log_weight = self._reference(search)
-        worth = p.scan_worth * search.scans / search.scans_lived
-        for life in lives:
-            weight = log_weight + worth * float((life.fits - reference).sum())
-            here = life.pose @ search.since
-            if before and not whole:
-                prior = log_prior(self._told, here, p.log_kidnapped)
-                # One of the places elsewhere is no likelier than all of them together.
-                weight = min(weight + prior, max(self._elsewhere.log_weight, prior))
-            if weight > p.log_hopeless:
-                self._follow(here, life.covariance, weight)
+        for place in places:
+            if place.log_weight > p.log_hopeless:
+                self._follow(place.pose, place.covariance, place.log_weight)
         # A place that is new, and not hopeless, may be the first of more.
         found = len(self._tracks) > before
         self._patience = SOON if found else min(2 * self._patience, LATE)
-        self._wait = min(self._wait, self._patience)
-        self._select()
+        if places:
+            self._wait = min(self._wait, self._patience)
+            self._select()
         if whole and found:
             # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
-
-    def _reference(self, search: PlaceSearch) -> tuple[Array, float]:
-        """How the heaviest place that was lived through fits, and its log-weight."""
-        for track in self._tracks:
-            life = search.life_at(track.pose)
-            if life is not None:
-                return life.fits, track.log_weight
-        return search.best_life.fits, 0.0
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
         born = self._new_filter(self.setup, BORN_SHARE)
@@ -292,7 +292,7 @@ class MultiHypothesisFilter:
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search, self._wait, self._patience = None, FIRST, SOON
-        self._confirmed, self._anchored = True, bool(told)
+        self._confirmation, self._anchored = Confirmation(), bool(told)
         self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:

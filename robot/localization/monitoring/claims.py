@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
-from robot.geometry import Array
+from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.integrity import Integrity, State
 from robot.localization.matrices import widest
@@ -16,6 +17,9 @@ LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
 """Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
 NARROW, NARROW_HEADING = 0.080, math.radians(10)
 """A wider bound is approximate only [m], [rad]."""
+TURNED, WAY, TURN = 0.3, 0.03, 0.05
+"""How odometry errs by itself, as standard deviations: a turn by way [rad/m], a way as a share of
+it, and a turn as a share of it."""
 CERTAIN = 0.95
 """Weight from which on one place is the only one."""
 ANY = 0.5
@@ -40,8 +44,24 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
         # It may be another place: no radius holds.
         return Integrity(State.APPROXIMATE, alerts=doubt.alerts)
     radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
+    return Integrity(_one_place(radius, heading), radius, heading, doubt.alerts)
+
+
+def carried_on(claimed: Integrity, moved: Pose2) -> Integrity:
+    """What may be claimed after a step by odometry alone, as between two pictures."""
+    if not math.isfinite(claimed.radius):
+        return claimed
+    way = math.hypot(moved.x, moved.y)
+    turned = HEADING_QUANTILE * math.hypot(TURNED * way, TURN * moved.theta)
+    heading = min(claimed.heading_bound + turned, math.pi)
+    aside = way * math.sin(min(heading, math.pi / 2))
+    radius = claimed.radius + aside + PLACE_QUANTILE * WAY * way
+    return replace(claimed, state=_one_place(radius, heading), radius=radius, heading_bound=heading)
+
+
+def _one_place(radius: float, heading: float) -> State:
     narrow = radius <= NARROW and heading <= NARROW_HEADING
-    return Integrity(State.CERTAIN if narrow else State.APPROXIMATE, radius, heading, doubt.alerts)
+    return State.CERTAIN if narrow else State.APPROXIMATE
 
 
 def bounds(covariance: Array) -> tuple[float, float]:

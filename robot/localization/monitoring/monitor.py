@@ -244,6 +244,8 @@ class Monitor:
             return
         badly = self._evidence.log_likelihood_anywhere(seeing)
         better = self._evidence.log_likelihood(pose, seeing) - badly
+        if better == 0 and not np.isfinite(seeing[:, 3]).any():
+            return
         self._fit += FITTING * (min(better, 1.0) - self._fit)
         self._pulled *= 1 - FORGETTING
         if expected is not None:
