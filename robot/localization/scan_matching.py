@@ -99,7 +99,7 @@ def fit_rays(
     total, pull = np.empty((3, 3)), np.empty(3)
     next_total, next_pull = np.empty((3, 3)), np.empty(3)
     used, cost = _normal_equations(
-        pose, start, known, rays, index, range_max, sd, gate, slope, total, pull
+        pose, start, known, rays, index, range_max, sd, gate, slope, np.inf, total, pull
     )
     for _ in range(STEPS):
         # Along what nothing is known of, the pose stays.
@@ -108,7 +108,18 @@ def fit_rays(
             ahead = pose + step
             ahead[2] = (ahead[2] + math.pi) % (2 * math.pi) - math.pi
             next_used, next_cost = _normal_equations(
-                ahead, start, known, rays, index, range_max, sd, gate, slope, next_total, next_pull
+                ahead,
+                start,
+                known,
+                rays,
+                index,
+                range_max,
+                sd,
+                gate,
+                slope,
+                np.inf,
+                next_total,
+                next_pull,
             )
             if next_cost < cost:
                 break
@@ -119,6 +130,10 @@ def fit_rays(
         total[:], pull[:] = next_total, next_pull
         if np.abs(step).max() < 1e-6:
             break
+    # A ray that is off by more pulls the other way than its edge would: it tells nothing for sure.
+    _normal_equations(
+        pose, start, known, rays, index, range_max, sd, gate, slope, TAIL, total, pull
+    )
     return pose, total, used
 
 
@@ -133,12 +148,14 @@ def _normal_equations(
     sd: float,
     gate: float,
     slope: float,
+    farthest: float,
     total: Array,
     pull: Array,
 ) -> tuple[int, float]:
     """Put J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
 
-    Returns how many rays fit, and the cost: Cauchy's of all residuals, where a ray that returned
+    Rays farther off than ``farthest``, as a square of their spreads, are left out of both. Returns
+    how many rays fit, and the cost: Cauchy's of all residuals, where a ray that returned
     something and fits no edge costs the gate's.
     """
     off = start - pose
@@ -174,14 +191,16 @@ def _normal_equations(
         spread = sd * (1 + slope * expected * expected)
         weight = across * across / ((ex * ex + ey * ey) * spread * spread)
         square = weight * (rays[i, 3] - expected) ** 2
+        cost += _cauchy(square)
+        used += 1
+        if square > farthest:
+            continue
         weight /= 1 + square / TAIL
         _add_outer(total, weight, by_x, by_y, by_theta)
         residual = weight * (rays[i, 3] - expected)
         pull[0] += residual * by_x
         pull[1] += residual * by_y
         pull[2] += residual * by_theta
-        cost += _cauchy(square)
-        used += 1
     return used, cost
 
 

@@ -191,7 +191,8 @@ class MultiHypothesisFilter:
         best = self._tracks[int(fits.argmax())]
         self._elsewhere.weigh(best.fit_unlaid(rays, self.setup), rays, evidence, p)
         for track in self._tracks:
-            track.come_unstuck()
+            if track.come_unstuck():
+                track.born = self._scans
 
     def _select(self) -> None:
         """Give up what is hopeless, and the lighter of two that are in one place.
@@ -257,10 +258,10 @@ class MultiHypothesisFilter:
         """Follow the places that were found."""
         p = self.setup.hypotheses
         # Back to where it was lost, or to a start of which nothing was told, a place found now is
-        # as likely as one that was found since then and fits as well: also one that the old track
-        # has come to, but not the old one itself.
+        # as likely as one that was found since then, or come to, and fits as well. But a place that
+        # was held before and fits again was not lost at all.
         old = any(track.born < self._lost_at for track in self._tracks[:1])
-        whole = search.whole and not self._told and not (self._elsewhere.lost and old)
+        whole = search.whole and not self._told and not old
         elsewhere = self._elsewhere.log_weight
         places = found_places(search, self._tracks, self._told, elsewhere, whole, p)
         rival = has_rival(self._tracks, places, self.setup.field.symmetries, p)

@@ -126,12 +126,17 @@ class Track:
         self._mean_loss += FORGETTING * (min(loss, most) - self._mean_loss)
         self.log_weight -= counted if counted > INDIFFERENT else 0.0
 
-    def come_unstuck(self) -> None:
-        """Begin anew where scans fit, if they have fitted far off, and better, for long enough."""
+    def come_unstuck(self) -> bool:
+        """Begin anew where scans fit, if they have fitted far off, and better, for long enough.
+
+        Returns whether it did.
+        """
         better = len(self._gains) == STUCK and self._gains[-1] > 0 and sum(self._gains) > 0
         if better and self._fitting is not None:
             self.filter.set_pose(self._fitting, self.best.covariance + POLISH)
             self._gains = ()
+            return True
+        return False
 
 
 def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[Track]:

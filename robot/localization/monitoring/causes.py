@@ -21,7 +21,7 @@ LATE, LATE_SURE = 0.012, 1.7
 TILT = math.radians(0.1)
 TILT_EXPLAINS = 0.4
 """A camera that is askew by so much [rad] explains such a share of what no pose does."""
-RADII, RADII_TURN = 0.033, 0.45
+RADII, RADII_TURN = 0.025, 0.38
 """Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
 SURE = 3.0
 """Standard deviations by which a wheel's error stands out."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from robot.geometry import Array, Pose2, heading_angles
 from robot.localization.estimate import Hypothesis
-from robot.localization.integrity import Alert
+from robot.localization.integrity import Alert, Cause
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.mounting_check import MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
@@ -50,6 +50,8 @@ SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
 more than each by itself: slip lasts for about a second, and wheels are never quite as drawn."""
 DOUBT_KEPT = 5.0
 """For so long after a doubt the pose may still be off [s]."""
+SCALE_SD, SCALE_DOUBTED = 0.004, 0.015
+"""How much too large or too small a map may be that is not doubted, and one that is."""
 LEAST_LATE = 0.001
 """Less is not made up for [s]."""
 LATE_SURE, LATE_BLEND = 2.2, 0.1
@@ -187,6 +189,7 @@ class Monitor:
             self._odometry.jump()
             self._causes.forget()
         # On bent tape a pose that is centimetres off would leave what looks like a tilt.
+        pitch, roll = self._camera.applied.tolist()
         laid = self._matcher.match(one.pose, rays, LOOSE).pose
         sums, used, returned = residual_sums(
             laid.to_array(),
@@ -195,7 +198,9 @@ class Monitor:
             self._evidence.range_max,
             self._mounting.x,
             self._mounting.height,
-            *self._camera.applied.tolist(),
+            pitch,
+            roll,
+            self._camera.exactness,
         )
         self._judge_fit(one.pose, expected, rays)
         self._last = one.pose, odometry
@@ -269,7 +274,9 @@ class Monitor:
         left[0] -= self.lateness
         mean = offset @ left
         spread = offset @ errors.covariance @ offset.T
-        caused, caused_spread = self._camera.pose_error(findings.mounting)
+        mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
+        scale_sd = SCALE_DOUBTED if mapped else SCALE_SD
+        caused, caused_spread = self._camera.pose_error(findings.mounting, scale_sd)
         rotation = np.eye(3)
         rotation[:2, :2] = [
             [math.cos(pose.theta), -math.sin(pose.theta)],

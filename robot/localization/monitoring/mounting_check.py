@@ -19,8 +19,10 @@ MEMORY = 20.0
 """Scans older than this hardly count [s]."""
 RAYS_WORTH = 0.1
 """Neighbouring rays, and scans that follow each other, err together: one counts for so many."""
-LEAST_REST = 0.03
-"""Rays never lie closer to their edges than this, as a mean square in spreads."""
+EXACT, INEXACT, ADAPTED = 0.15, 4.0, 0.1
+"""Rays lie no closer to their edges than this, nor farther, in usual spreads; and how much of that
+is learnt from a scan. Without it a few rays that meet another edge than they should would count for
+more than all that are exact."""
 PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.0015]))
 """How far off pitch, roll and scale usually are: a camera that was mounted with care."""
 STANDS_OUT, EXPLAINS = 2.0, 0.3
@@ -60,6 +62,8 @@ class MountingCheck:
         self._rays = 0.0
         self._caused = np.zeros((3, 3))
         """Pose error (3,) [m, m, rad] by pitch, roll and scale, at the last scan."""
+        self.exactness = 0.25
+        """How far rays lie from their edges, in usual spreads."""
         self.applied = np.zeros(2)
         """Pitch and roll [rad] that are taken off the scans."""
 
@@ -76,6 +80,8 @@ class MountingCheck:
         left = sums[3:, 3:] - sums[3:, :3] @ gain
         self._sums = keep * self._sums + left
         self._rays = keep * self._rays + rays
+        exactness = self.exactness * self.error().unexplained ** (0.5 * ADAPTED)
+        self.exactness = min(max(exactness, EXACT), INEXACT)
 
     def look(self, sums: Array) -> Array:
         """Only see how a pose (3,) takes up tilt, scale and distances (3, 4) in a scan's sums."""
@@ -86,9 +92,7 @@ class MountingCheck:
 
     def error(self) -> MountingError:
         """The likeliest, whatever is taken off already."""
-        first = self._solved(RAYS_WORTH)
-        # Rays are as exact as they prove to be.
-        return self._solved(RAYS_WORTH / max(first.unexplained, LEAST_REST))
+        return self._solved(RAYS_WORTH)
 
     def follow(self, error: MountingError) -> None:
         """Take off what stands out."""
@@ -107,11 +111,18 @@ class MountingCheck:
         pitch, roll, scale = found.tolist()
         return MountingError(pitch, roll, scale, covariance, explained / whole, rest)
 
-    def pose_error(self, error: MountingError) -> tuple[Array, Array]:
+    def pose_error(self, error: MountingError, scale_sd: float) -> tuple[Array, Array]:
         """How far the last pose is off by what is not taken off, along the map's axes.
 
-        Mean (3,) and covariance (3, 3) [m, m, rad].
+        Args:
+            error: as it is known.
+            scale_sd: how far the map's scale may be off besides.
+
+        Returns:
+            Mean (3,) and covariance (3, 3) [m, m, rad].
         """
         left = np.array([error.pitch, error.roll, error.scale])
         left[:2] -= self.applied
-        return self._caused @ left, self._caused @ error.covariance @ self._caused.T
+        covariance = error.covariance.copy()
+        covariance[2, 2] += scale_sd**2
+        return self._caused @ left, self._caused @ covariance @ self._caused.T

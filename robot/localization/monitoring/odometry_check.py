@@ -26,15 +26,18 @@ MEMORY = 20.0
 """Steps older than this hardly count for errors that stay [s]."""
 RECENT = 3.0
 """The same for what is left unexplained [s]."""
-CORRELATION = 8.0
+CORRELATION = 5.0
 """Slip lasts for about a second: so many steps at the same speed are worth one."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
+WHEELS = slice(1, 4)
 PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
 PRIOR = np.diag(PRIOR_SD**-2)
 TELLING, CHANGE_V, CHANGE_OMEGA = 3.0, 0.05, 0.4
 """A step over which the speed changes by more than this [m/s, rad/s] is worth so many: there slip
 is the same before and after, and what is late shows."""
+MOST = 100.0
+"""Squares of its spread that a step counts for, at most."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
@@ -80,6 +83,7 @@ class OdometryCheck:
         self._steps: deque[_Step] = deque()
         self._information = np.zeros((7, 7))
         self._pull = np.zeros(7)
+        self._left = np.zeros(3)
         self._squares = np.zeros(3)
         self._recent = 0.0
         self._count = 0.0
@@ -136,23 +140,33 @@ class OdometryCheck:
         )
         # Steps overlap; but what a change of speed tells, few of them tell.
         share = elapsed / max(now.stamp - before.stamp, 1e-3)
-        worth = share / CORRELATION
-        if _has_changed(before.twist, now.twist):
-            share = worth = min(TELLING * share, 1.0)
         errors = self.errors
         left = off - columns @ errors.values
         squares = np.square(left) / variance
         # What slips now says less of what stays.
-        wide = variance * np.maximum(errors.rest**2, 1.0) / worth
-        weights = 1 / (wide * (1 + squares / TAIL))
+        wide = variance * np.maximum(errors.rest**2, 1.0)
+        weights = share / (wide * (1 + squares / TAIL))
         keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
-        self._information = keep * self._information + (columns.T * weights) @ columns
-        self._pull = keep * self._pull + (columns.T * weights) @ off
-        self._squares = recent * self._squares + share * np.minimum(squares, 100.0)
-        self._wiggle = recent * self._wiggle + share * np.minimum(np.square(left), MOST_WIGGLE)
+        self._information *= keep
+        self._pull *= keep
+        self._learn(columns, off, weights / CORRELATION)
+        if _has_changed(before.twist, now.twist):
+            # What its wheels are off by is not told by the one second in which it changes.
+            beside_wheels = off - columns[:, WHEELS] @ errors.values[WHEELS]
+            columns[:, WHEELS] = 0.0
+            self._learn(columns, beside_wheels, min(TELLING, 1 / share) * weights)
         self._recent = recent * self._recent + share
+        self._left = recent * self._left + share * left
+        # What stays off is no slip, though it may not be learnt yet.
+        unsteady = np.square(left - self._left / (self._recent + 1))
+        self._squares = recent * self._squares + share * np.minimum(unsteady / variance, MOST)
+        self._wiggle = recent * self._wiggle + share * np.minimum(np.square(left), MOST_WIGGLE)
         self._count = keep * self._count + share
         self.errors = self._estimate()
+
+    def _learn(self, columns: Array, off: Array, weights: Array) -> None:
+        self._information += (columns.T * weights) @ columns
+        self._pull += (columns.T * weights) @ off
 
     @property
     def wiggle(self) -> Array:

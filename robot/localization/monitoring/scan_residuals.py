@@ -37,6 +37,7 @@ def residual_sums(
     camera_height: float,
     pitch: float,
     roll: float,
+    exactness: float,
 ) -> tuple[Array, int, int]:
     """Sums of products (7, 7) over the rays of a scan, each weighed by its spread.
 
@@ -49,6 +50,7 @@ def residual_sums(
         camera_height: above the floor [m]; infinite for a laser, which has neither pitch nor roll.
         pitch: by which the rays were corrected already [rad].
         roll: the same.
+        exactness: of the ends, in usual spreads: far off by this measure, a ray counts no more.
 
     Returns:
         The sums, how many rays lie on an edge, and how many returned something.
@@ -93,7 +95,7 @@ def residual_sums(
             row[4] = (X * Y * ahead_n + (Y * Y + h * h) * aside_n) / h
         row[5] = nx * ux + ny * uy
         row[6] = off + row[3] * pitch + row[4] * roll
-        spread = SPREAD * (1 + SLOPE * length * length)
+        spread = exactness * SPREAD * (1 + SLOPE * length * length)
         weight = 1 / (spread * spread + off * off / TAIL)
         for a in range(COLUMNS):
             for b in range(COLUMNS):
