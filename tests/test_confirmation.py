@@ -68,13 +68,16 @@ def test_a_doubt_during_the_search_takes_it_back() -> None:
     assert not one.is_given
 
 
-def test_a_rival_puts_it_off_by_a_short_map() -> None:
+def test_a_rival_puts_it_off_by_a_short_map_and_once() -> None:
     one, local = Confirmation(), filled(LocalMap.of(P), 10)
     one.doubt(0)
     one.begin(10, local)
     one.end(11, rival=True)
     assert not one.is_given
     assert not one.is_due(16, local) and one.is_due(17, local)
+    one.begin(17, local)
+    one.end(18, rival=True)
+    assert one.is_given
 
 
 def test_a_map_that_began_anew_is_enough_as_soon_as_it_is_full() -> None:

@@ -45,7 +45,8 @@ def test_a_carried_robot_is_not_certain_of_another_place() -> None:
     assert longest(claims.stamps, misleading(claims)) < 0.5
     # To find another place is no fault of the model.
     since = claims.stamps > 14
-    assert right(claims)[since].all() and certain(claims)[since].all()
+    assert right(claims)[since].all()
+    assert certain(claims)[claims.stamps > 16].all()
     assert {cause for cause, later in zip(claims.causes, since, strict=True) if later} == {None}
 
 

@@ -23,11 +23,12 @@ class Confirmation:
         """Scans kept then."""
         self._leader: Track | None = None
         self._search_counts = False
+        self._put_off = False
 
     def doubt(self, scans: int) -> None:
         """It may be elsewhere; so many scans were kept so far."""
         self.is_given, self._doubted_at = False, scans
-        self._search_counts = False
+        self._search_counts = self._put_off = False
 
     def lose(self) -> None:
         """The place is lost: whichever leads next follows no other."""
@@ -50,8 +51,13 @@ class Confirmation:
         self._search_counts = self.is_due(scans, local)
 
     def end(self, scans: int, rival: bool) -> None:
-        """It is done, and has found a rival that fits as well, or none."""
-        self.is_given |= self._search_counts and not rival
+        """It is done, and has found a rival that fits as well, or none.
+
+        A rival is followed from now on, and puts it off once: what looks as good as the place over
+        a short map, but not over the scans before, is found again and again.
+        """
+        if self._search_counts:
+            self.is_given = not rival or self._put_off
+            self._put_off = not self.is_given
+            self._doubted_at = scans if self._put_off else self._doubted_at
         self._search_counts = False
-        if rival and not self.is_given:
-            self._doubted_at = scans

@@ -16,7 +16,7 @@ WHEELS_SLIP = 2.8
 """What is left of steps in heading, in usual spreads, where wheels slip."""
 PATH_TORN = 2.4
 """The same of steps ahead or aside, where poses do not fit together."""
-LATE, LATE_SURE = 0.012, 1.7
+LATE, LATE_SURE = 0.012, 2.4
 """Pictures that come later than so much [s], and so many standard deviations, are late."""
 TILT = math.radians(0.1)
 TILT_EXPLAINS = 0.4
@@ -28,7 +28,7 @@ SURE = 3.0
 FLAT, FLAT_WIDE = 0.97, 0.010
 """A model that leaves such a share of the cloud effective, which is wider than so much [m], rates
 all poses alike."""
-PULLED = -2.0
+PULLED = -1.6
 """A model that takes so much of a ray's log-likelihood away is none of this scanner."""
 FLAT_RAYS = 20
 """Rays that should have told."""

@@ -35,6 +35,8 @@ FITTING = 0.5
 """Share of a new scan in the mean of how well scans fit."""
 FORGETTING = 0.01
 """Share of what scans did to the pose that the next one makes forget."""
+MOST_PULLED = 1.5
+"""What one scan may do to the pose counts for no more: another place may take the lead."""
 TRUSTED, EXPLAINED = 0.95, 0.6
 """Weight of a place, and share of the returns that it explains, to learn of the robot there."""
 TORN = 2.5
@@ -133,7 +135,7 @@ class Monitor:
 
     def begin_anew(self) -> None:
         """Another pose was told: what was found of the robot stays, steps to here do not count."""
-        self._odometry.jump()
+        self._odometry.begin_anew()
         self._last, self._fit, self._pulled = None, 1.0, 0.0
         self._causes.forget()
         self.doubt = NO_DOUBT
@@ -185,8 +187,7 @@ class Monitor:
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
         if expected is not None and _is_far(expected, one.pose):
-            expected = None
-            self._odometry.jump()
+            self._odometry.begin_anew()
             self._causes.forget()
         # On bent tape a pose that is centimetres off would leave what looks like a tilt.
         pitch, roll = self._camera.applied.tolist()
@@ -256,7 +257,7 @@ class Monitor:
         if expected is not None:
             before = self._evidence.log_likelihood(expected, seeing) - badly
             # From a place that did not fit anyway it may be moved anywhere.
-            self._pulled += min(better - before, 0.0) if before > 0 else 0.0
+            self._pulled += max(min(better - before, 0.0), -MOST_PULLED) if before > 0 else 0.0
 
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry

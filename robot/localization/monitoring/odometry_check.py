@@ -30,12 +30,14 @@ CORRELATION = 5.0
 """Slip lasts for about a second: so many steps at the same speed are worth one."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 WHEELS = slice(1, 4)
-PRIOR_SD = np.array([0.015, 0.03, 0.4, 0.04, 0.002, 0.002, 0.008])
+PRIOR_SD = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
 """How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
 PRIOR = np.diag(PRIOR_SD**-2)
-TELLING, CHANGE_V, CHANGE_OMEGA = 3.0, 0.05, 0.4
+TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
 """A step over which the speed changes by more than this [m/s, rad/s] is worth so many: there slip
 is the same before and after, and what is late shows."""
+SETTLING = 1.5
+"""For so long after a place was told or found, steps ahead and aside tell no tears [s]."""
 MOST = 100.0
 """Squares of its spread that a step counts for, at most."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
@@ -83,6 +85,8 @@ class OdometryCheck:
         self._steps: deque[_Step] = deque()
         self._information = np.zeros((7, 7))
         self._pull = np.zeros(7)
+        self._begun = math.inf
+        """When the place was first known [s]."""
         self._left = np.zeros(3)
         self._squares = np.zeros(3)
         self._recent = 0.0
@@ -97,6 +101,11 @@ class OdometryCheck:
         """Another place is followed from now on: no step leads there."""
         self._steps.clear()
 
+    def begin_anew(self) -> None:
+        """A place was told or found: at first its pose is set right, and steps are torn."""
+        self.jump()
+        self._begun = math.inf
+
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Take a pose in the map with its covariance (3, 3), and odometry's, at a stamp."""
         c, s = math.cos(pose.theta), math.sin(pose.theta)
@@ -110,6 +119,7 @@ class OdometryCheck:
             moved = last.odometry.inverse() @ odometry
             twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
         self.twist = twist
+        self._begun = min(self._begun, stamp)
         now = _Step(stamp, pose, odometry, local, twist)
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
@@ -140,26 +150,26 @@ class OdometryCheck:
         )
         # Steps overlap; but what a change of speed tells, few of them tell.
         share = elapsed / max(now.stamp - before.stamp, 1e-3)
-        errors = self.errors
-        left = off - columns @ errors.values
-        squares = np.square(left) / variance
-        # What slips now says less of what stays.
-        wide = variance * np.maximum(errors.rest**2, 1.0)
-        weights = share / (wide * (1 + squares / TAIL))
         keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
+        left = off - columns @ self.errors.values
+        self._recent = recent * self._recent + share
+        self._left = recent * self._left + share * left
+        # What stays off is no slip, though it may not be learnt yet.
+        unsteady = np.square(left - self._left / (self._recent + 1)) / variance
+        if now.stamp - self._begun < SETTLING:
+            unsteady[:2] = np.minimum(unsteady[:2], 1.0)
+        # What slips now says less of what stays.
+        wide = variance * np.maximum(self.errors.rest**2, 1.0)
+        weights = share / (wide * (1 + unsteady / TAIL))
         self._information *= keep
         self._pull *= keep
         self._learn(columns, off, weights / CORRELATION)
         if _has_changed(before.twist, now.twist):
             # What its wheels are off by is not told by the one second in which it changes.
-            beside_wheels = off - columns[:, WHEELS] @ errors.values[WHEELS]
+            beside_wheels = off - columns[:, WHEELS] @ self.errors.values[WHEELS]
             columns[:, WHEELS] = 0.0
             self._learn(columns, beside_wheels, min(TELLING, 1 / share) * weights)
-        self._recent = recent * self._recent + share
-        self._left = recent * self._left + share * left
-        # What stays off is no slip, though it may not be learnt yet.
-        unsteady = np.square(left - self._left / (self._recent + 1))
-        self._squares = recent * self._squares + share * np.minimum(unsteady / variance, MOST)
+        self._squares = recent * self._squares + share * np.minimum(unsteady, MOST)
         self._wiggle = recent * self._wiggle + share * np.minimum(np.square(left), MOST_WIGGLE)
         self._count = keep * self._count + share
         self.errors = self._estimate()
