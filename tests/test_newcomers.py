@@ -88,6 +88,14 @@ def test_no_place_is_likelier_than_all_elsewhere_together() -> None:
 def test_where_an_old_track_has_come_to_is_a_place_that_was_found_like_others() -> None:
     f = followed(OLD)
     f._lost_at = 5
+    f._tracks[0].born = 6
     f._bear(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
     assert weights(f)[NEW] == pytest.approx(0.0)
     assert f._elsewhere.log_weight > math.log(0.05), "and it may be at neither of them"
+
+
+def test_a_place_that_was_held_before_and_fits_again_was_not_lost() -> None:
+    f = followed(OLD)
+    f._lost_at = 5
+    f._bear(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
+    assert weights(f)[NEW] == pytest.approx(f.setup.hypotheses.log_kidnapped)

@@ -119,8 +119,12 @@ def missed(field: Field, count: int) -> tuple[int, int]:
         rays = rays_of(SCANNER.scan(Frame(0.0, camera.picture(pose, STILL))).scan, 91)
         nothing = rays.copy()
         nothing[:, 3], nothing[:, 6] = math.inf, 1.0
-        for ray, none in zip(rays, nothing, strict=True):
-            if evidence.log_likelihood(pose, none[None]) < 0:
+        whole = evidence.log_likelihood(pose, nothing)
+        for place, ray in enumerate(rays):
+            # What is due costs less where the picture is not clear.
+            unclear = nothing.copy()
+            unclear[place, 6] = 0.0
+            if evidence.log_likelihood(pose, unclear) != whole:
                 due += 1
                 lost += math.isinf(ray[3])
     return due, lost

@@ -13,7 +13,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
 from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
-from robot.localization.matrices import inverse
+from robot.localization.matrices import inverse, solved
 from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
@@ -99,7 +99,9 @@ class Track:
         far = float(away @ known @ away)
         here = setup.evidence.log_likelihood(best.pose, rays)
         there = setup.evidence.log_likelihood(fitting, rays)
-        left = inverse(match.information - known + inverse(best.covariance))
+        # (C^-1 + S)^-1 of the covariance and what the scan says, also where either is singular.
+        seen = match.information - known
+        left = solved(np.eye(3) + best.covariance @ seen, best.covariance)
         there = max(there, _best_around(fitting, left, rays, setup))
         self._fitting = fitting
         self._gains = (*self._gains, there - here)[-STUCK:] if far > FAR else ()
@@ -155,9 +157,10 @@ def _best_around(pose: Pose2, covariance: Array, rays: Array, setup: Setup) -> f
     Of a robot that turns and sees nothing the heading is known less and less: that an edge is
     missed which is due at the mean, and not beside it, tells nothing.
     """
-    root = np.linalg.cholesky(covariance)
-    if float(np.abs(root).max()) < SHARP:
+    squares, axes = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    if not squares[-1] > SHARP**2:
         return -math.inf
+    root = axes * np.sqrt(np.maximum(squares, 0.0))
     x, evidence = pose.to_array(), setup.evidence
     beside = [x + sign * axis for axis in root.T for sign in (1, -1)]
     return max(evidence.log_likelihood(Pose2(*one.tolist()), rays) for one in beside)
