@@ -27,7 +27,6 @@ def findings(stamp: float, **found: Any) -> Findings:
         PERIOD,
         OdometryErrors(values, np.diag(np.square(sds)), np.array(rest), 50.0),
         MountingError(tilt, 0.0, 0.0, 1e-8 * np.eye(3), explains, 0.1),
-        1.0,
         found.get("returned", 60),
         found.get("spread", 0.5),
         found.get("width", 0.002),

@@ -22,7 +22,8 @@ from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.monitoring.claims import carried_on
-from robot.localization.monitoring.monitor import Monitor, Mounting
+from robot.localization.monitoring.monitor import Monitor
+from robot.localization.monitoring.mounting import Mounting
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup

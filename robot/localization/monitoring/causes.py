@@ -42,8 +42,6 @@ class Findings:
     elapsed: float
     odometry: OdometryErrors
     mounting: MountingError
-    explained: float
-    """Share of the returns that lie on an edge."""
     returned: int
     spread: float
     """Share of the cloud that is effective."""

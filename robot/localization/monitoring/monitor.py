@@ -16,6 +16,7 @@ from robot.geometry import Array, Pose2, heading_angles
 from robot.localization.estimate import Hypothesis
 from robot.localization.integrity import Alert, Cause
 from robot.localization.monitoring.causes import Causes, Findings
+from robot.localization.monitoring.mounting import LASER, Mounting
 from robot.localization.monitoring.mounting_check import MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
@@ -58,36 +59,6 @@ LEAST_LATE = 0.001
 """Less is not made up for [s]."""
 LATE_SURE, LATE_BLEND = 2.2, 0.1
 """Lateness of so many standard deviations is made up for, by so much more with each scan."""
-
-
-@dataclass(frozen=True, slots=True)
-class Mounting:
-    """Where the camera is: what its tilt does to ranges depends on it."""
-
-    x: float
-    """Ahead of the robot's origin [m]."""
-    height: float
-    """Above the floor [m]."""
-
-    def shifts(self, points: Array) -> Array:
-        """How floor points (n, 2) in the robot frame move with pitch and roll (n, 2, 2) [m/rad].
-
-        The first index is the point, the second x or y, the third pitch or roll.
-        """
-        x, y = points[:, 0] - self.x, points[:, 1]
-        h = self.height
-        across = x * y / h
-        return np.stack(
-            [
-                np.column_stack([(x * x + h * h) / h, across]),
-                np.column_stack([across, (y * y + h * h) / h]),
-            ],
-            axis=1,
-        )
-
-
-LASER = Mounting(0.0, math.inf)
-"""A laser measures ranges; it does not see them on the floor."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,7 +190,6 @@ class Monitor:
             elapsed,
             self._odometry.errors,
             mounting,
-            used / max(returned, 1),
             returned,
             spread,
             math.sqrt(float(np.trace(one.covariance[:2, :2]))),
@@ -230,11 +200,10 @@ class Monitor:
         self._wheels = _standing_out(findings.odometry)
         if used >= SEEING:
             self._seen = scan.stamp
-        least = BLIND if scan.stamp - self._seen > BLIND_AFTER else 1.0
-        rest = findings.odometry.rest
-        self.looseness = min(max(float(max(rest[0], rest[2])) / USUAL, least), LOOSEST)
         if self._causes.alerts:
             self._doubted = scan.stamp
+        self.looseness = self._looseness(findings)
+        self.lateness = self._lateness(findings.odometry)
         self.doubt = self._doubt(one.pose, findings)
 
     def _expected(self, odometry: Pose2) -> Pose2 | None:
@@ -259,6 +228,17 @@ class Monitor:
             # From a place that did not fit anyway it may be moved anywhere.
             self._pulled += max(min(better - before, 0.0), -MOST_PULLED) if before > 0 else 0.0
 
+    def _looseness(self, findings: Findings) -> float:
+        rest = findings.odometry.rest
+        least = BLIND if findings.stamp - self._seen > BLIND_AFTER else 1.0
+        return min(max(float(max(rest[0], rest[2])) / USUAL, least), LOOSEST)
+
+    def _lateness(self, errors: OdometryErrors) -> float:
+        late = errors.value("late")
+        wanted = late if abs(late) > LATE_SURE * errors.sd("late") else 0.0
+        blended = self.lateness + LATE_BLEND * (wanted - self.lateness)
+        return blended if abs(blended) >= LEAST_LATE else 0.0
+
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
         twist = self._odometry.twist
@@ -266,11 +246,6 @@ class Monitor:
         offset = np.zeros((3, 7))
         offset[:, 0] = -twist.v, 0.0, -twist.omega
         offset[:, 4:] = np.eye(3)
-        late, late_sd = errors.value("late"), errors.sd("late")
-        wanted = late if abs(late) > LATE_SURE * late_sd else 0.0
-        self.lateness += LATE_BLEND * (wanted - self.lateness)
-        if abs(self.lateness) < LEAST_LATE:
-            self.lateness = 0.0
         left = errors.values.copy()
         left[0] -= self.lateness
         mean = offset @ left
@@ -286,7 +261,7 @@ class Monitor:
         beyond = np.diag(np.square(_beyond(mean, spread)))
         if self.lateness:
             # What is made up for is not known better than this.
-            beyond += late_sd**2 * np.outer(offset[:, 0], offset[:, 0])
+            beyond += errors.sd("late") ** 2 * np.outer(offset[:, 0], offset[:, 0])
         known = rotation @ beyond @ rotation.T + np.diag(np.square(_beyond(caused, caused_spread)))
         if findings.stamp - self._doubted < DOUBT_KEPT:
             known += rotation @ self._odometry.wiggle @ rotation.T
