@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from robot.fields.edges import bends
 from robot.geometry import Array
 
 FEW = 24
@@ -21,6 +22,8 @@ class EdgeIndex(NamedTuple):
 
     edges: Array
     """(n, 4) x0, y0, x1, y1 [m] with the dark side on the left."""
+    bends: Array
+    """(n, 2) how far the outline's tangent is turned from each edge at its start and end [rad]."""
     starts: NDArray[np.int64]
     """(rows * columns + 1,): cell c is touched by ``items[starts[c]:starts[c + 1]]``."""
     items: NDArray[np.int64]
@@ -59,10 +62,19 @@ def index_edges(edges: Array, cell: float | None = None) -> EdgeIndex:
     order = np.lexsort((item, cell_number))
     starts = np.searchsorted(cell_number[order], np.arange(columns * rows + 1)).astype(np.int64)
     items = item[order].astype(np.int64)
-    for array in (edges, starts, items):
+    turned = bends(edges)
+    for array in (edges, turned, starts, items):
         array.setflags(write=False)
     return EdgeIndex(
-        edges, starts, items, float(low[0]), float(low[1]), float(side), int(columns), int(rows)
+        edges,
+        turned,
+        starts,
+        items,
+        float(low[0]),
+        float(low[1]),
+        float(side),
+        int(columns),
+        int(rows),
     )
 
 

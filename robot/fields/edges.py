@@ -105,3 +105,21 @@ def sharp_ends(edges: Array) -> NDArray[np.bool_]:
             turn = abs(math.remainder(headings[after] - headings[place], 2 * math.pi))
             sharp[place, 1] = sharp[after, 0] = turn > SHARP
     return sharp
+
+
+def bends(edges: Array) -> Array:
+    """How far an outline's tangent is turned from its edges (n, 4) at start and end (n, 2) [rad].
+
+    Edges of a curve are its chords: half of each joint's turn is theirs. Sharp ends have none.
+    """
+    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
+    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    turned = np.zeros((len(edges), 2))
+    for place, edge in enumerate(edges):
+        after = starts.get(tuple(np.round(edge[2:], 6)))
+        if after is None:
+            continue
+        turn = math.remainder(headings[after] - headings[place], 2 * math.pi)
+        if abs(turn) <= SHARP:
+            turned[place, 1], turned[after, 0] = 0.5 * turn, -0.5 * turn
+    return turned

@@ -61,6 +61,23 @@ def cast_toward(
 
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+def tangent_at(x: float, y: float, edge: int, index: EdgeIndex) -> tuple[float, float]:
+    """The outline's tangent at a point of an edge, as long as the edge [m].
+
+    Between the chords of a curve it turns evenly: by the chords alone, to move along a curve would
+    seem to change ranges.
+    """
+    edges, bends = index.edges, index.bends
+    ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
+    first, last = bends[edge, 0], bends[edge, 1]
+    if first == 0.0 and last == 0.0:
+        return ex, ey
+    along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / (ex * ex + ey * ey)
+    turn = first + (last - first) * min(max(along, 0.0), 1.0)
+    return ex - turn * ey, ey + turn * ex
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def _walk(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from robot.fields.edge_index import EdgeIndex
-from robot.fields.ray_casting import cast_toward
+from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array, Pose2
 
 STEPS = 6
@@ -181,8 +181,8 @@ def _normal_equations(
         if edge < 0 or abs(rays[i, 3] - expected) > gate:
             cost += most
             continue
-        ex = index.edges[edge, 2] - index.edges[edge, 0]
-        ey = index.edges[edge, 3] - index.edges[edge, 1]
+        met = expected - near
+        ex, ey = tangent_at(x + met * dx, y + met * dy, edge, index)
         across = dx * ey - dy * ex
         # How the range to the edge's line changes with x, y and theta.
         by_x, by_y = -ey / across, ex / across

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 
 from robot.fields.edge_index import EdgeIndex
-from robot.fields.ray_casting import cast_toward
+from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array
 
 COLUMNS = 7
@@ -72,8 +72,7 @@ def residual_sums(
         expected, edge = cast_toward(x, y, dx, dy, index, range_max - near)
         if edge < 0:
             continue
-        ex = index.edges[edge, 2] - index.edges[edge, 0]
-        ey = index.edges[edge, 3] - index.edges[edge, 1]
+        ex, ey = tangent_at(x + expected * dx, y + expected * dy, edge, index)
         size = math.hypot(ex, ey)
         nx, ny = ey / size, -ex / size
         off = (length - near - expected) * (nx * dx + ny * dy)
