@@ -32,6 +32,14 @@ def test_a_known_start_is_kept_and_bounded(name: str, seed: int, laps: float, re
     assert not misleading(claims).any(), reason
 
 
+@pytest.mark.parametrize(("name", "seed"), [("generated-6028", 9001), ("generated-6008", 9001)])
+def test_a_ring_does_not_tell_how_far_round_it_the_robot_is(name: str, seed: int) -> None:
+    """The corners of its polygon seemed to: 40 % of these pictures were misleading."""
+    claims = claims_of(name, "default", "known", seed, 0.7)
+    assert misleading(claims).mean() < 0.02
+    assert longest(claims.stamps, misleading(claims)) < 0.2
+
+
 def test_a_robot_that_saw_nothing_for_seconds_comes_back_to_its_own_place() -> None:
     """It turned farther than odometry said, and its cloud was too narrow to find it again."""
     claims = claims_of("generated-3016", "default", "known", 7001)
