@@ -3,54 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 import pytest
+from filter_makers import NARROW, SDS, START, Make, each_filter, sds
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from square_drive import ON_STUB
 from stub_drive import (
     BEARINGS,
-    DEFAULTS,
-    STUB,
     Drive,
     check_sound,
     draw_poses,
     follow,
-    matcher_of,
     near,
 )
 
 from robot.geometry import Array, Pose2, mean_pose, pose_covariance
-from robot.localization.estimate import Standing
-from robot.localization.filter import Cloud, Filter
-from robot.localization.filters import MAKERS
-from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.filter import Cloud
 from robot.scan import Scan
-
-START = DEFAULTS.filter.initial_covariance
-SDS = [0.02, 0.02, 0.05]
-NARROW = np.diag(np.square(SDS))
-
-Make = Callable[[int], Filter]
-
-
-def offered(name: str) -> Make:
-    return lambda seed: MAKERS[name](ON_STUB, np.random.default_rng(seed))
-
-
-def kalman_of_the_textbook(seed: int) -> Filter:
-    beams, rng = DEFAULTS.sensor.max_beams, np.random.default_rng(seed)
-    return KalmanFilter(ON_STUB.motion, matcher_of(), STUB, START, beams, rng)
-
-
-FILTERS = {name: offered(name) for name in MAKERS} | {"textbook": kalman_of_the_textbook}
-each_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
-
-
-def sds(covariance: Array) -> Array:
-    return np.sqrt(np.diag(covariance))
 
 
 def spread(cloud: Cloud) -> Array:
@@ -181,56 +151,6 @@ def test_it_does_not_claim_to_be_surer_than_it_is(make: Make) -> None:
         error = one.pose.to_array() - drive.true.to_array()
         squared.append(error @ np.linalg.solve(one.covariance, error))
     assert np.mean(squared) < 4.3  # 3 for an honest one; more in 1 of 10 of such tests
-
-
-# --- what it knows of itself, and is told of steps
-
-
-@each_filter
-def test_told_where_it_is_it_is_confirmed_and_a_scan_that_fits_changes_nothing(make: Make) -> None:
-    f, drive = make(0), Drive()
-    f.set_pose(drive.true, NARROW)
-    assert f.standing is Standing.CONFIRMED
-    follow(f, drive, 0.5)
-    assert f.standing is Standing.CONFIRMED
-
-
-@each_filter
-def test_loosened_its_steps_err_so_many_times_more(make: Make) -> None:
-    """And as usual again when it is told so."""
-    known = np.diag(np.square([1e-4, 1e-4, 1e-4]))
-    grown = []
-    for factor in (1.0, 3.0):
-        f = make(0)
-        f.set_pose(Pose2(0.1, 0.0, 0.5), known)
-        f.loosen(factor)
-        for _ in range(30):
-            f.predict(Pose2(0.01, 0.0, 0.02))
-        check_sound(f)
-        there = Pose2(0.1, 0.0, 0.5)
-        for _ in range(30):
-            there = there @ Pose2(0.01, 0.0, 0.02)
-        assert near(f.hypotheses[0].pose, there, 0.01, 0.03)
-        grown.append(sds(f.hypotheses[0].covariance))
-    np.testing.assert_allclose(grown[1] / grown[0], 3.0, rtol=0.25)
-    f = make(0)
-    f.loosen(3.0)
-    f.loosen(1.0)
-    f.set_pose(Pose2(0.1, 0.0, 0.5), known)
-    for _ in range(30):
-        f.predict(Pose2(0.01, 0.0, 0.02))
-    np.testing.assert_allclose(sds(f.hypotheses[0].covariance), grown[0], rtol=0.1)
-
-
-@each_filter
-def test_loosened_it_still_stays_on_the_robot(make: Make) -> None:
-    f, drive = make(0), Drive()
-    f.set_pose(drive.true @ Pose2(0.01, -0.01, 0.03), NARROW)
-    f.loosen(4.0)
-    errors = follow(f, drive, 2.0)
-    assert max(errors[30:]) < 0.01
-    assert f.standing is Standing.CONFIRMED
-    check_sound(f)
 
 
 # --- what a scan may be

@@ -17,7 +17,6 @@ from app.ros2.links import Link
 from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
 from app.ros2.published import Published
 from app.ros2.source import TopicSource
-from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic
 from robot.localization.integrity import Alert, Cause, Integrity, State
 
@@ -298,20 +297,3 @@ def test_a_voltage_is_told_where_it_is_measured(ticks, source):
     assert published.message.voltage == pytest.approx(7.4)
     assert math.isnan(published.message.current)
     assert to_cdr(from_cdr(published.cdr, one.type), one.type) == published.cdr
-
-
-def test_only_what_others_publish_is_not_live():
-    assert {one.name for one in TOPICS if not one.live} == {"cmd_vel", "initialpose", "command"}
-
-
-def test_who_comes_late_gets_what_stays():
-    latched = {one.name for one in TOPICS if one.quality.latched}
-    assert latched == {"map", "tf_static", "amcl_pose", "robot_description"}
-    unchanging = {"map", "tf_static", "robot_description"}
-    assert {one.name for one in TOPICS if one.name in unchanging} == unchanging
-    assert all(topic(name).stamp(None) == UNCHANGING for name in unchanging)  # type: ignore[arg-type]
-
-
-def test_an_unknown_topic_is_answered_with_those_there_are():
-    with pytest.raises(KeyError, match="valid are scan, odom"):
-        topic("laser")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from app.engine.belief import Belief
 from app.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
@@ -30,19 +31,6 @@ from robot.localization.setup import Setup
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.settings import SettingError, describe
-
-
-@dataclass(frozen=True, slots=True)
-class Belief:
-    """The filter's answer, tied to the odometry that it was made at."""
-
-    estimate: Estimate
-    odom_from_robot: Pose2
-    """Odometry at the estimate's stamp."""
-
-    def pose(self, odom_from_robot: Pose2) -> Pose2:
-        """The estimate carried forward to a later odometry."""
-        return self.estimate.pose @ (self.odom_from_robot.inverse() @ odom_from_robot)
 
 
 class Localization:
@@ -102,10 +90,9 @@ class Localization:
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """What is claimed of the pose that ``belief`` has now: odometry adds its errors."""
-        if self.belief is None:
-            return self.integrity
-        moved = self.belief.odom_from_robot.inverse() @ odom_from_robot
-        return carried_on(self.integrity, moved)
+        return carried_on(
+            self.integrity, self.belief.moved(odom_from_robot) if self.belief else Pose2()
+        )
 
     @property
     def updates(self) -> int:

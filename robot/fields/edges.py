@@ -6,14 +6,13 @@ first to the second point, so the normal that points to the light side is (dy, -
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from robot.geometry import Array
+from robot.geometry import Array, wrap_angle
 
 SHARP = 0.3
 """An outline that turns by more than this [rad] ends one edge and begins another."""
@@ -94,16 +93,28 @@ def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
     return row, start, end + 1, steps[row, start]
 
 
+def followers(edges: Array) -> NDArray[np.intp]:
+    """Which of edges (n, 4) goes on where each ends (n,); -1 if none does."""
+    first = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges], dtype=np.intp)
+
+
+def _joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
+    """Where outlines bend smoothly: edges (m,), their followers (m,), and the turns (m,) [rad]."""
+    after = followers(edges)
+    before = np.flatnonzero(after >= 0)
+    after = after[before]
+    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
+    turns = wrap_angle(headings[after] - headings[before])
+    smooth = np.abs(turns) <= SHARP
+    return before[smooth], after[smooth], turns[smooth]
+
+
 def sharp_ends(edges: Array) -> NDArray[np.bool_]:
     """Whether edges (n, 4) end, or the outline turns sharply, at their start and end (n, 2)."""
-    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
-    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    before, after, _ = _joints(edges)
     sharp = np.ones((len(edges), 2), dtype=bool)
-    for place, edge in enumerate(edges):
-        after = starts.get(tuple(np.round(edge[2:], 6)))
-        if after is not None:
-            turn = abs(math.remainder(headings[after] - headings[place], 2 * math.pi))
-            sharp[place, 1] = sharp[after, 0] = turn > SHARP
+    sharp[before, 1] = sharp[after, 0] = False
     return sharp
 
 
@@ -112,14 +123,7 @@ def bends(edges: Array) -> Array:
 
     Edges of a curve are its chords: half of each joint's turn is theirs. Sharp ends have none.
     """
-    headings = np.arctan2(edges[:, 3] - edges[:, 1], edges[:, 2] - edges[:, 0])
-    starts = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
+    before, after, turns = _joints(edges)
     turned = np.zeros((len(edges), 2))
-    for place, edge in enumerate(edges):
-        after = starts.get(tuple(np.round(edge[2:], 6)))
-        if after is None:
-            continue
-        turn = math.remainder(headings[after] - headings[place], 2 * math.pi)
-        if abs(turn) <= SHARP:
-            turned[place, 1], turned[after, 0] = 0.5 * turn, -0.5 * turn
+    turned[before, 1], turned[after, 0] = 0.5 * turns, -0.5 * turns
     return turned

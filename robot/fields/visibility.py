@@ -16,7 +16,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.fields.edge_index import EdgeIndex, index_edges
-from robot.fields.edges import lengths, sharp_ends
+from robot.fields.edges import followers, lengths, sharp_ends
 from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array
 from robot.scanning.line_scanner import LineScannerSettings
@@ -57,7 +57,7 @@ def visibility(
     rules = settings or LineScannerSettings()
     parts = np.maximum(np.ceil(lengths(edges) / STEP - 1e-9), 1).astype(np.int64)
     starts = np.concatenate([[0], np.cumsum(parts)])
-    after = _followers(edges)
+    after = followers(edges)
     before = np.full(len(edges), -1)
     before[after[after >= 0]] = np.flatnonzero(after >= 0)
     limits = (
@@ -72,12 +72,6 @@ def visibility(
     seen = _judge_parts(edges, starts, before, after, inward, limits)
     seen = _without_border(seen, starts, edges, before, after)
     return Visibility(ends, starts, seen, rules.support)
-
-
-def _followers(edges: Array) -> NDArray[np.int64]:
-    """Which edge goes on where each ends (n,); -1 if none does."""
-    first = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
-    return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges])
 
 
 @njit(cache=True, nogil=True)
