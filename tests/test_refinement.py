@@ -16,6 +16,7 @@ from robot.localization.refinement import (
     DRAWN,
     FEWEST_BEAMS,
     GATE,
+    INEXACT,
     LUCK,
     NEAR_SHARE,
     SLOPE,
@@ -91,7 +92,7 @@ def test_its_weight_stays_that_of_the_filter_and_its_covariance_is_its_own() -> 
 
 
 def test_its_covariance_is_honest() -> None:
-    """For scans whose ends err as they are believed to, and a mean of a cloud that was as exact."""
+    """For scans whose ends err as believed, a cloud's mean as exact, and an inexact drawing."""
     rng, one, squared = np.random.default_rng(0), made(), []
     sd = one.matcher.sd / math.sqrt(one.believed)
     for _ in range(150):
@@ -106,6 +107,7 @@ def test_its_covariance_is_honest() -> None:
         fine = one.refine(rough, replace(scan, ranges=ranges))
         error = fine.pose.to_array() - true.to_array()
         error[2] = true.turn_to(fine.pose)
+        error += rng.normal(0, np.sqrt(np.diag(INEXACT)))
         squared.append(error @ np.linalg.solve(fine.covariance, error))
     # 2.4 of an honest one; a little less where it allows for clouds that are too narrow.
     assert 1.2 < np.median(squared) < 3.2

@@ -36,6 +36,9 @@ DRAWN = 4.0
 drawing, and as scans err together. So many times wider is what their covariance is worth."""
 LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
 """How far the filter's mean may be off besides its covariance [m², m², rad²]."""
+INEXACT = np.diag(np.square([1e-4, 1e-4, 3e-4]))
+"""Covariance that no number of rays takes away: a lens and a drawing are only so exact, and the
+rays of one picture err together [m², m², rad²]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,5 +75,5 @@ class Refinement:
         return replace(
             one,
             pose=match.pose,
-            covariance=inverse(seen + inverse(DRAWN * one.covariance + LUCK)),
+            covariance=inverse(seen + inverse(DRAWN * one.covariance + LUCK)) + INEXACT,
         )

@@ -57,7 +57,7 @@ SCALE_SD, SCALE_DOUBTED = 0.004, 0.015
 """How much too large or too small a map may be that is not doubted, and one that is."""
 LEAST_LATE = 0.001
 """Less is not made up for [s]."""
-LATE_SURE, LATE_BLEND = 2.2, 0.1
+LATE_SURE, LATE_BLEND = 3.0, 0.1
 """Lateness of so many standard deviations is made up for, by so much more with each scan."""
 
 
