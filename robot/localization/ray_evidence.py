@@ -91,6 +91,19 @@ class RayEvidence:
             self.missed,
         )
 
+    def log_likelihoods(self, poses: Array, rays: Array) -> Array:
+        """The same (m,) of the same rays at many poses (m, 3)."""
+        return _at_each(
+            poses,
+            rays,
+            self.index,
+            self.sight,
+            self.range_max,
+            self.sd,
+            self.slope,
+            self.missed,
+        )
+
 
 @njit(cache=True, nogil=True)
 def ray_log_likelihood(
@@ -134,6 +147,23 @@ def ray_log_likelihood(
         elif dues[i, 4] > 1 and _is_supported(dues, i, sight.support):
             total += math.log(missed + SEEN * (1 - rays[i, 6]) * (1 - missed))
     return total / max(counted, 1)
+
+
+@njit(cache=True, nogil=True)
+def _at_each(
+    poses: Array,
+    rays: Array,
+    index: EdgeIndex,
+    sight: Visibility,
+    range_max: float,
+    sd: float,
+    slope: float,
+    missed: float,
+) -> Array:
+    logs = np.empty(len(poses))
+    for i in range(len(poses)):
+        logs[i] = ray_log_likelihood(poses[i], rays, index, sight, range_max, sd, slope, missed)
+    return logs
 
 
 @njit(cache=True, nogil=True, inline="always")

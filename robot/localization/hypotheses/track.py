@@ -157,10 +157,11 @@ def _best_around(pose: Pose2, covariance: Array, rays: Array, setup: Setup) -> f
     Of a robot that turns and sees nothing the heading is known less and less: that an edge is
     missed which is due at the mean, and not beside it, tells nothing.
     """
+    if not np.trace(covariance) > SHARP**2:
+        return -math.inf
     squares, axes = np.linalg.eigh(0.5 * (covariance + covariance.T))
     if not squares[-1] > SHARP**2:
         return -math.inf
-    root = axes * np.sqrt(np.maximum(squares, 0.0))
-    x, evidence = pose.to_array(), setup.evidence
-    beside = [x + sign * axis for axis in root.T for sign in (1, -1)]
-    return max(evidence.log_likelihood(Pose2(*one.tolist()), rays) for one in beside)
+    root = (axes * np.sqrt(np.maximum(squares, 0.0))).T
+    beside = pose.to_array() + np.concatenate([root, -root])
+    return float(setup.evidence.log_likelihoods(beside, rays).max())
