@@ -104,15 +104,16 @@ def test_help_shows_units_and_defaults(ended):
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_stops_the_robot_and_ends_with_0(servers, sent):
+def test_a_signal_or_three_stop_the_robot_and_end_with_0(servers, sent):
     server = next(servers).result()
     with server.live() as live:
         ask(live, type="drive", v=0.1, omega=0)
         telemetry(live)
-        server.process.send_signal(sent)
+        # Whoever is impatient presses Ctrl-C again.
+        for _ in range(3):
+            server.process.send_signal(sent)
         _, err = server.process.communicate(timeout=15)
-    assert server.process.returncode == 0
-    assert "Traceback" not in err
+    assert (server.process.returncode, err) == (0, "")
 
 
 def test_an_open_stream_does_not_hold_up_the_end(servers):

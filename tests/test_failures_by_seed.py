@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import pytest
 
+from app.assembly import assemble
 from app.conditions import in_condition
 from app.config import Config
 from app.evaluation.integrity.claims import Claims, follow_claims
 from app.evaluation.integrity.drives import carried_drive, lap_drive
 from app.evaluation.integrity.measures import certain, longest, misleading, right
+from app.messages.commands import FigureEightCommand
 from robot.localization.integrity import State
+
+STOOD = 3.0
 
 
 def claims_of(name: str, condition: str, start: str, seed: int, laps: float = 1.0) -> Claims:
@@ -30,6 +34,26 @@ def test_a_known_start_is_kept_and_bounded(name: str, seed: int, laps: float, re
     claims = claims_of(name, "default", "known", seed, laps)
     assert right(claims).all(), reason
     assert not misleading(claims).any(), reason
+
+
+@pytest.mark.parametrize("seed", [1, 4])
+def test_a_robot_that_first_stood_and_then_drives_raises_no_doubt(seed: int) -> None:
+    """While it stood no scan was taken: the steps that then set its pose right told of a tear."""
+    program = assemble(Config(robot="sim", seed=seed))
+    try:
+        states, alerts = set(), set()
+        snapshot = program.engine.step()
+        while snapshot.stamp < STOOD + 5.0:
+            if snapshot.stamp >= STOOD:
+                program.engine.commands.put(FigureEightCommand(type="figure_eight"))
+            snapshot = program.engine.step()
+            alerts |= set(snapshot.integrity.alerts)
+            if snapshot.stamp > STOOD + 2.0:
+                states.add(snapshot.integrity.state)
+    finally:
+        program.robot.close()
+    assert not alerts
+    assert State.APPROXIMATE not in states
 
 
 @pytest.mark.parametrize(("name", "seed"), [("generated-6028", 9001), ("generated-6008", 9001)])

@@ -79,11 +79,14 @@ class Server:
         try:
             self._uvicorn.run(sockets=sockets)
         finally:
+            self._thread.stopping.set()
             self._outlets.close()
 
     def stop(self) -> None:
-        """Ask the server to end; from any thread."""
-        self._thread.stopping.set()
+        """Ask the server to end; from any thread, and from a signal's handler.
+
+        So it takes no lock: a second signal would wait for ever for what the first one holds.
+        """
         self._uvicorn.should_exit = True
 
 
@@ -106,5 +109,9 @@ class _StopsTheRobotFirst(uvicorn.Server):
         self._thread = thread
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        # Within a tenth of a second ``shutdown`` follows. A second signal asks for the same.
+        self.should_exit = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._thread.stopping.set()
-        super().handle_exit(sig, frame)
+        await super().shutdown(sockets)

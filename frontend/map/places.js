@@ -50,7 +50,7 @@ export function certainty(telemetry) {
   const { state, radius } = telemetry.integrity;
   const within = radius === null ? "" : `, ± ${bound(radius)}`;
   if (state === "certain") return `certain${within}`;
-  if (state === "approximate") return `about here${within}`;
+  if (state === "approximate") return radius === null ? "about here, no bound" : `about here${within}`;
   if (state === "ambiguous") return undecided(telemetry);
   // It looks around while it moves; what it sees from where it stands it has seen.
   const { v, omega } = telemetry.twist;

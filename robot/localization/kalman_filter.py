@@ -103,13 +103,14 @@ class KalmanFilter:
 
     @property
     def effective(self) -> float:
-        """As many as are shown: they weigh the same."""
-        return float(SHOWN)
+        """Of the draws shown, those that the last scan left: by how much it shrank the ellipsoid."""
+        return SHOWN * self._left
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         self._pose = pose
         self._covariance = _symmetric(covariance)
+        self._left = 1.0
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
         """Start anew from the mean and covariance of all places, which is none of them."""
@@ -142,9 +143,14 @@ class KalmanFilter:
         # A pose told without any doubt has a covariance without an inverse.
         known = _inverse(self._covariance + LEAST_VARIANCE * np.eye(3))
         found = self._cautious(scan).match(self._pose, rays_of(scan, self.max_beams), known)
+        self._left = 1.0
         if found.used:
-            self._pose = found.pose
+            before, self._pose = self._covariance, found.pose
             self._covariance = _inverse(found.information)
+            volumes = np.linalg.det([self._covariance, before])
+            self._left = float(
+                np.sqrt(np.clip(volumes[0] / max(volumes[1], 1e-30), SHOWN**-2, 1.0))
+            )
 
     def _cautious(self, scan: Scan) -> ScanMatcher:
         """A matcher with a wider gate and a greater variance while the pose is in doubt.

@@ -20,6 +20,8 @@ NARROW, NARROW_HEADING = 0.080, math.radians(10)
 TURNED, WAY, TURN = 0.3, 0.03, 0.05
 """How odometry errs by itself, as standard deviations: a turn by way [rad/m], a way as a share of
 it, and a turn as a share of it."""
+ANYWHERE = 1.0
+"""With a wider bound it is not known where the robot is [m]: a Gaussian alone may become so."""
 CERTAIN = 0.95
 """Weight from which on one place is the only one."""
 ANY = 0.5
@@ -40,10 +42,12 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if hypotheses[0].weight <= CERTAIN:
         return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)
+    radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
+    if radius > ANYWHERE:
+        return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if not doubt.fits or standing is not Standing.CONFIRMED:
         # It may be another place: no radius holds.
         return Integrity(State.APPROXIMATE, alerts=doubt.alerts)
-    radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
     return Integrity(_one_place(radius, heading), radius, heading, doubt.alerts)
 
 

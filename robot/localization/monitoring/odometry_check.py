@@ -37,7 +37,8 @@ TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
 """A step over which the speed changes by more than this [m/s, rad/s] is worth so many: there slip
 is the same before and after, and what is late shows."""
 SETTLING = 1.5
-"""For so long after a place was told or found, steps ahead and aside tell no tears [s]."""
+"""For so long after a place was told or found, steps ahead and aside tell no tears [s]; to stand
+there does not count, as the filter then takes no scans."""
 MOST = 100.0
 """Squares of its spread that a step counts for, at most."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
@@ -85,8 +86,8 @@ class OdometryCheck:
         self._steps: deque[_Step] = deque()
         self._information = np.zeros((7, 7))
         self._pull = np.zeros(7)
-        self._begun = math.inf
-        """When the place was first known [s]."""
+        self._followed = 0.0
+        """For how long the place has been followed while the robot drove [s]."""
         self._left = np.zeros(3)
         self._squares = np.zeros(3)
         self._recent = 0.0
@@ -104,7 +105,7 @@ class OdometryCheck:
     def begin_anew(self) -> None:
         """A place was told or found: at first its pose is set right, and steps are torn."""
         self.jump()
-        self._begun = math.inf
+        self._followed = 0.0
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Take a pose in the map with its covariance (3, 3), and odometry's, at a stamp."""
@@ -119,7 +120,7 @@ class OdometryCheck:
             moved = last.odometry.inverse() @ odometry
             twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
         self.twist = twist
-        self._begun = min(self._begun, stamp)
+        self._followed += elapsed if elapsed < LONGEST else 0.0
         now = _Step(stamp, pose, odometry, local, twist)
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
@@ -156,7 +157,7 @@ class OdometryCheck:
         self._left = recent * self._left + share * left
         # What stays off is no slip, though it may not be learnt yet.
         unsteady = np.square(left - self._left / (self._recent + 1)) / variance
-        if now.stamp - self._begun < SETTLING:
+        if self._followed < SETTLING:
             unsteady[:2] = np.minimum(unsteady[:2], 1.0)
         # What slips now says less of what stays.
         wide = variance * np.maximum(self.errors.rest**2, 1.0)
