@@ -103,7 +103,7 @@ class KalmanFilter:
 
     @property
     def effective(self) -> float:
-        """Of the draws shown, those that the last scan left: by how much it shrank the ellipsoid."""
+        """Of the draws shown, those that the last scan left: by how much its ellipsoid shrank."""
         return SHOWN * self._left
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
