@@ -26,10 +26,11 @@ test: .venv/installed-dev browser node-peers dds-peer ## run every test
 	  -n 2 --dist loadfile --no-loadscope-reorder
 	$(BIN)/python -m pytest -m real_time $$(grep -l mark.real_time tests/test_*.py)
 
-check: .venv/installed-dev ## lint and types
+check: .venv/installed-dev ## lint, types, and who may import whom
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
 
 format: .venv/installed-dev ## tidy the source
 	$(BIN)/ruff check --fix .
@@ -80,7 +81,7 @@ browser:
 	@# The system's simplejpeg, which picamera2 imports, is made for the system's older numpy.
 	@! $(BIN)/python $(HAS_CAMERA) || $(PIP) --ignore-installed --no-deps simplejpeg==1.9.0
 	@echo "Compiling (once) ..."
-	@$(BIN)/python -m app.warm_up
+	@$(BIN)/python -m app.tools.warm_up
 	@touch $@
 
 .venv/installed-dev: .venv/installed

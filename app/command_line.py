@@ -5,38 +5,26 @@ from __future__ import annotations
 import argparse
 import logging
 import signal
+import subprocess
 import sys
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
-from app.conditions import in_condition, require_effect
-from app.config import ROBOTS, Config, load_config
 from app.console import say
-from app.doctor.options import add_doctor
-from app.evaluation.options import add_evaluate
-from app.hat_emulator.options import add_emulate_hat
-from app.localize.options import add_localize
-from app.options import add_camera, add_condition, add_config, add_map, add_serial_port
-from app.recording.options import add_record
-from app.replay.options import add_replay
+from app.lab.evaluate_options import add_evaluate
+from app.lab.localize.options import add_localize
+from app.lab.sweep.options import add_sweep
+from app.lab.trajectories.trajectory import TrajectoryError
+from app.options import add_camera, add_condition, add_config, add_map, add_serial_port, config_from
+from app.recordings.options import add_record
 from app.ros2.export.options import add_export
-from app.sweep.options import add_sweep
-from app.trajectories.trajectory import TrajectoryError
+from app.settings.conditions import require_effect
+from app.settings.config import ROBOTS, ROOT, Config
+from app.tools.doctor.options import add_doctor
+from app.tools.hat_emulator.options import add_emulate_hat
+from app.tools.replay.options import add_replay
 from robot.fields.field import FieldError
 from robot.settings import SettingError
-
-OPTIONS = (
-    "robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models",
-    "camera_source",
-)  # fmt: skip
-"""Options that are settings of the same name."""
-
-START_OPTIONS = ("restore_pose", "pose_file")
-"""Options that are settings of the start pose."""
-
-ROUTE_OPTIONS = {"ros2": "dds", "foxglove": "foxglove"}
-"""Options that are settings of the topics, under this name."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -185,9 +173,9 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is answered at once.
-    from app.assembly import assemble, settle_robot  # noqa: PLC0415
-    from app.web.address import address_of  # noqa: PLC0415
-    from app.web.serving import listen, serve  # noqa: PLC0415
+    from app.engine.build import assemble, settle_robot  # noqa: PLC0415
+    from app.page.address import address_of  # noqa: PLC0415
+    from app.page.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = settle_robot(wanted)
@@ -216,27 +204,12 @@ def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
 
 
 def _bench(parsed: argparse.Namespace) -> int:
-    from benchmarks.run import run  # noqa: PLC0415
-
-    return run(parsed.names, parsed.json)
-
-
-def config_from(parsed: argparse.Namespace) -> Config:
-    """The configuration file, if there is one, with the command line's options over it."""
-    given = vars(parsed)
-    config = load_config(given["config"]) if "config" in given else Config()
-    over = {name: given[name] for name in OPTIONS if name in given}
-    over_start = {name: given[name] for name in START_OPTIONS if name in given}
-    config = replace(config, start_pose=replace(config.start_pose, **over_start))
-    if "serial_port" in given:
-        over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
-    config = replace(config, **over)
-    if "record" in given:
-        recording = replace(config.recording, record=True, folder=given["record"])
-        config = replace(config, recording=recording)
-    routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
-    config = replace(config, ros2=replace(config.ros2, **routes))
-    return in_condition(config, given["condition"]) if "condition" in given else config
+    # Benchmarks are of a checkout: the program does not import them.
+    if not (ROOT / "benchmarks").is_dir():
+        raise SettingError("benchmarks are only in a checkout of the sources, not in the wheel")
+    written = [] if parsed.json is None else ["--json", str(parsed.json.absolute())]
+    command = [sys.executable, "-m", "benchmarks", *parsed.names, *written]
+    return subprocess.run(command, cwd=ROOT, check=False).returncode
 
 
 def _complain(error: Exception, code: int) -> int:

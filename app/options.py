@@ -3,11 +3,24 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.conditions import condition_names
-from app.config import Config
+from app.settings.conditions import condition_names, in_condition
+from app.settings.config import Config, load_config
+
+OPTIONS = (
+    "robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models",
+    "camera_source",
+)  # fmt: skip
+"""Options that are settings of the same name."""
+
+START_OPTIONS = ("restore_pose", "pose_file")
+"""Options that are settings of the start pose."""
+
+ROUTE_OPTIONS = {"ros2": "dds", "foxglove": "foxglove"}
+"""Options that are settings of the topics, under this name."""
 
 Commands = Any
 """What ``add_subparsers`` returns."""
@@ -68,3 +81,27 @@ def add_camera(command: argparse.ArgumentParser) -> None:
         help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
         "(default: the first that delivers pictures)",
     )
+
+
+def config_from(parsed: argparse.Namespace) -> Config:
+    """The configuration file, if there is one, with the command line's options over it."""
+    given = vars(parsed)
+    config = load_config(given["config"]) if "config" in given else Config()
+    over = {name: given[name] for name in OPTIONS if name in given}
+    over_start = {name: given[name] for name in START_OPTIONS if name in given}
+    config = replace(config, start_pose=replace(config.start_pose, **over_start))
+    if "serial_port" in given:
+        over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
+    config = replace(config, **over)
+    if "record" in given:
+        recording = replace(config.recording, record=True, folder=given["record"])
+        config = replace(config, recording=recording)
+    routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
+    config = replace(config, ros2=replace(config.ros2, **routes))
+    return in_condition(config, given["condition"]) if "condition" in given else config
+
+
+def config_of(given: dict[str, Any]) -> Config:
+    """The configuration file, if there is one, with the map of the command line."""
+    config = load_config(given["config"]) if "config" in given else Config()
+    return replace(config, map=given["map"]) if "map" in given else config

@@ -17,10 +17,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.config import Config
-from app.evaluation.drives import Drive, on_eight, record
-from app.evaluation.integrity.oracle import field_decides
-from app.trajectories.metrics import rms
+from app.lab.evaluation.drives import Drive, on_eight, record
+from app.lab.evaluation.integrity.oracle import field_decides
+from app.lab.trajectories.metrics import rms
+from app.settings.config import Config
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,

@@ -18,7 +18,7 @@ from functools import partial
 
 import numpy as np
 
-from app.config import MAPS
+from app.settings.config import MAPS
 from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result
 from robot.fields.field import Field

@@ -10,7 +10,7 @@ import ctypes
 import gc
 from pathlib import Path
 
-from app.config import MAPS
+from app.settings.config import MAPS
 from benchmarks.filter import MAIN, drive, ours_on, update
 from robot.fields.field_loading import load_field
 from robot.localization.models.likelihood_field import LikelihoodField

@@ -10,9 +10,9 @@ import time
 
 import numpy as np
 
-from app.assembly import assemble
-from app.config import ROOT, Config
-from app.web.serving import Server, listen
+from app.engine.build import assemble
+from app.page.serving import Server, listen
+from app.settings.config import ROOT, Config
 from benchmarks.result import Result
 from sim.real_time import RealTime
 

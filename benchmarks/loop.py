@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from app.assembly import Program, assemble
-from app.config import Config
+from app.engine.build import Program, assemble
 from app.messages.commands import FigureEightCommand
+from app.settings.config import Config
 from benchmarks.result import Result
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings

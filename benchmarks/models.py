@@ -11,9 +11,9 @@ from functools import partial
 import numpy as np
 import shapely
 
-from app.config import MAPS
-from app.engine.figure_eight import FigureEight
+from app.settings.config import MAPS
 from benchmarks.result import Result
+from robot.driving.figure_eight import FigureEight
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import outline
 from robot.fields.field import Field
@@ -22,14 +22,10 @@ from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
+from robot.localization.models.motion_parameters import MOTION_MODELS, MotionParameters
 from robot.localization.models.sensor_models import sensor_model
-from robot.localization.parameters import (
-    MOTION_MODELS,
-    SENSOR_MODELS,
-    LocalizationParameters,
-    MotionParameters,
-    SensorParameters,
-)
+from robot.localization.models.sensor_parameters import SENSOR_MODELS, SensorParameters
+from robot.localization.parameters import LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan
 

@@ -16,7 +16,7 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 from websockets.sync.connection import Connection
 
-from app.config import ROOT
+from app.settings.config import ROOT
 
 START_S = 90.0
 END_S = 15.0

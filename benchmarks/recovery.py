@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.assembly import Program, assemble
-from app.config import Config
+from app.engine.build import Program, assemble
 from app.engine.snapshot import Snapshot
-from app.evaluation.convergence import time_to_converge
+from app.lab.evaluation.convergence import time_to_converge
 from app.messages.commands import FigureEightCommand, SetPoseCommand
+from app.settings.config import Config
 from benchmarks.result import Result
 from robot.geometry import Pose2
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.config import MAPS
+from app.settings.config import MAPS
 from benchmarks.result import Result
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field

@@ -19,7 +19,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from app.config import MAPS
+from app.settings.config import MAPS
 from benchmarks.opencv_lines import Contours, ContourSettings, HoughLines, HoughSettings
 from benchmarks.result import Result
 from robot.camera import FloorView

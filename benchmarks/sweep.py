@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import time
 
-from app.batch.workers import LocalWorkers
-from app.config import Config, with_settings
-from app.sweep.points import SweepJob, jobs_of
-from app.sweep.work import follow_all
+from app.lab.sweep.points import SweepJob, jobs_of
+from app.lab.sweep.work import follow_all
+from app.lab.workers import LocalWorkers
+from app.settings.config import Config, with_settings
 from benchmarks.result import Result
 
 SEEDS = range(100, 108)

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from app.evaluation.drives import Drive
+from app.lab.evaluation.drives import Drive
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis

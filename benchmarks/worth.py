@@ -8,15 +8,16 @@ from functools import partial
 
 import numpy as np
 
-from app.config import Config
-from app.evaluation.drives import Drive, Tick, record
-from app.trajectories.metrics import rms
+from app.lab.evaluation.drives import Drive, Tick, record
+from app.lab.trajectories.metrics import rms
+from app.settings.config import Config
 from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, with_filter
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
-from robot.localization.parameters import LocalizationParameters, SensorParameters
+from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.parameters import LocalizationParameters
 from robot.localization.setup import Setup
 
 SEEDS = range(6)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from app.evaluation.integrity.claims import Claims
+from app.lab.evaluation.integrity.claims import Claims
 from robot.localization.integrity import State
 
 PERIOD = 0.1

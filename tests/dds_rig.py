@@ -7,16 +7,16 @@ from dataclasses import replace
 
 from mcap_ros2._dynamic import generate_dynamic
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
 from app.engine.engine_thread import EngineThread
 from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.route import DdsRoute
 from app.ros2.making.frames import header, turned, vector
 from app.ros2.message_types import definition, new, to_cdr
 from app.ros2.publisher import TopicPublisher
-from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
+from app.settings.config import Config
+from app.settings.ros2 import Ros2Settings
 from sim.real_time import RealTime
 from sim.simulated import PERIOD
 

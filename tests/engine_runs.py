@@ -1,9 +1,9 @@
 """Engines stepped without threads, faster than real time."""
 
-from app.assembly import Program, assemble
-from app.config import Config
+from app.engine.build import Program, assemble
 from app.engine.snapshot import Snapshot
 from app.messages.commands import DriveCommand, FigureEightCommand
+from app.settings.config import Config
 from sim.simulated import PERIOD
 
 EIGHT = FigureEightCommand(type="figure_eight")

@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from app.localize.laser_map import LaserMap
+from app.lab.localize.laser_map import LaserMap
 from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.lasers.laser_robot import Laser, wander
 from robot.fields.grid_map import OccupancyGrid, save_map_yaml

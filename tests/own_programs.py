@@ -5,12 +5,12 @@ from dataclasses import replace
 import engine_runs
 import numpy as np
 
-from app.assembly import Program
+from app.engine.build import Program
 from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
+from app.engine.own_models.own_models import OwnModels
 from app.engine.snapshot import Snapshot
-from app.own_models.own_models import OwnModels
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry

@@ -4,15 +4,15 @@ from datetime import datetime
 
 from engine_runs import run
 
-from app.recording.contents import contents_of
-from app.recording.files.recording_file import RecordingFile
-from app.recording.recorder import Recorder
-from app.recording.settings import RecordingSettings
+from app.recordings.contents import contents_of
+from app.recordings.files.recording_file import RecordingFile
+from app.recordings.recorder import Recorder
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.topic import LATCHED, Quality
 from app.ros2.topics import TOPICS
+from app.settings.recording import RecordingSettings
 from sim.simulated import PERIOD
 
 BEGIN_NS = 1_800_000_000_000_000_000

@@ -3,7 +3,7 @@
 from engine_runs import EIGHT, kinematic
 from recordings import record
 
-from app.replay.opening import ReplayOptions, open_replay
+from app.recordings.replay.opening import ReplayOptions, open_replay
 
 SECONDS = 10
 
@@ -16,7 +16,7 @@ def recorded_eight(folder, seconds=SECONDS, **settings):
 
 def course_of(path, **options):
     """A replay that nobody paces."""
-    return open_replay(path, ReplayOptions(**options))[1].course
+    return open_replay(path, ReplayOptions(**options)).replay.course
 
 
 def to_the_end(course):

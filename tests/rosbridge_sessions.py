@@ -5,6 +5,7 @@ import json
 import cbor2
 from engine_runs import run
 
+from app.engine.drivers import Drivers
 from app.engine.snapshot import Snapshot
 from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
@@ -12,7 +13,6 @@ from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.session import Session
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
-from app.web.drivers import Drivers
 
 
 class ByHand(TopicPublisher):

@@ -17,7 +17,7 @@ from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.models.beam import Beam
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import SensorModel, sensor_model
-from robot.localization.parameters import SensorParameters
+from robot.localization.models.sensor_parameters import SensorParameters
 from robot.scan import Scan
 
 FIELD = load_field("stub", Path(__file__).parent.parent / "maps")

@@ -10,7 +10,7 @@ from urllib.request import urlopen
 
 from websockets.sync.client import ClientConnection
 
-from app.config import ROOT
+from app.settings.config import ROOT
 from benchmarks.programs import ANSWER_S, START_S, Server, estimated, server, telemetry, until
 
 __all__ = ["ROOT", "Server", "ask", "drive_until", "serving", "stamp_now", "telemetry", "until"]

@@ -8,12 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from app.config import Config
-from app.evaluation.convergence import errors
-from app.evaluation.drives import record
-from app.evaluation.integrity.oracle import field_decides
-from app.evaluation.runs import follow
-from app.evaluation.worlds import in_world
+from app.lab.evaluation.convergence import errors
+from app.lab.evaluation.drives import record
+from app.lab.evaluation.integrity.oracle import field_decides
+from app.lab.evaluation.runs import follow
+from app.lab.evaluation.worlds import in_world
+from app.settings.config import Config
 from benchmarks.accuracy import (
     CARRIED_FOR,
     FINDERS_AGAIN,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from app.model_fits.sensor.beam_correlation import (
+from app.lab.model_fits.sensor.beam_correlation import (
     BeamCorrelation,
     CorrelationError,
     correlate_beams,
@@ -15,7 +15,7 @@ from app.model_fits.sensor.beam_correlation import (
     independent_rays,
     initial_positive,
 )
-from app.model_fits.sensor.range_pairs import RangePairs
+from app.lab.model_fits.sensor.range_pairs import RangePairs
 from robot.geometry import Array
 from robot.scan import evenly
 

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
 from app.engine.checkpoint import LARGE, CheckpointError, Keeper
 from app.engine.localization import Localization, changed
 from app.messages.commands import FigureEightCommand
+from app.settings.config import Config
 from robot.localization.parameters import LocalizationParameters
 
 FILTERS = ("particles", "hypotheses", "kalman", "grid")

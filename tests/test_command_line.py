@@ -50,7 +50,7 @@ WRONG = [
 HELP = ("run", "--help")
 WITHOUT_PYBULLET = """
 import sys; sys.modules['pybullet'] = None
-from app.assembly import settle_robot; from app.config import Config
+from app.engine.build import settle_robot; from app.settings.config import Config
 config, why = settle_robot(Config()); print(config.robot, why)
 """
 PHYSICS_WITHOUT_PYBULLET = """

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.command_line import _parser, config_from, main
-from app.conditions import CONDITIONS, in_condition
-from app.config import MAPS, Config
-from app.evaluation.worlds import WORLDS, in_world
-from app.sweep.points import points_of
-from app.sweep.sweep_file import load_sweep
+from app.command_line import _parser, main
+from app.lab.evaluation.worlds import WORLDS, in_world
+from app.lab.sweep.points import points_of
+from app.lab.sweep.sweep_file import load_sweep
+from app.options import config_from
+from app.settings.conditions import CONDITIONS, in_condition
+from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2

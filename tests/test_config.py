@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.config import Config, load_config, with_settings
+from app.settings.config import Config, load_config, with_settings
 from robot.settings import SettingError
 
 

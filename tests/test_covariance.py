@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.covariance import CovarianceError, by_rows, covariance_from
+from robot.covariance import CovarianceError, by_rows, covariance_from
 
 NUMBERS = st.floats(-10, 10)
 

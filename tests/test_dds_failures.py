@@ -13,14 +13,14 @@ from itertools import pairwise
 import pytest
 from dds_rig import own_domain, rig_and_peer, stamped
 
-from app.config import ROOT
 from app.ros2.dds import child as child_module
 from app.ros2.dds import route as route_module
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsError, DdsRoute
-from app.ros2.settings import Ros2Settings
 from app.ros2.topics import topic
+from app.settings.config import ROOT
+from app.settings.ros2 import Ros2Settings
 from benchmarks.topics.fastdds import Peer, missing
 
 pytestmark = pytest.mark.real_time
@@ -127,7 +127,7 @@ PROGRAM = """
 from app.ros2.dds.child import Child
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsError, DdsRoute
-from app.ros2.settings import Ros2Settings
+from app.settings.ros2 import Ros2Settings
 child = Child(plan(Ros2Settings(domain_id={}), "127.0.0.1", ()))
 child.wait_until_ready()
 print(child.process.pid, flush=True)

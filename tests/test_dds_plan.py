@@ -11,7 +11,6 @@ from engine_runs import kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.config import ROOT
 from app.ros2.commands.incoming import INCOMING
 from app.ros2.dds import configuration
 from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach
@@ -19,9 +18,10 @@ from app.ros2.dds.framing import Frames, FramingError, header
 from app.ros2.dds.plan import Plan, dds_topic, dds_type
 from app.ros2.dds.shapes import shapes
 from app.ros2.message_types import to_cdr
-from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
+from app.settings.config import ROOT
+from app.settings.ros2 import Ros2Settings
 
 needs_cyclone = pytest.mark.skipif(find_spec("cyclonedds") is None, reason="no cyclonedds")
 LIVE = [one for one in TOPICS if one.live]
@@ -168,7 +168,7 @@ def test_the_process_imports_little():
     listed = "import sys, app.ros2.dds.process; print(*sys.modules)"
     command = [sys.executable, "-c", listed]
     ran = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True, text=True)
-    assert not {"numpy", "rosbags", "pydantic", "app.config"} & set(ran.stdout.split())
+    assert not {"numpy", "rosbags", "pydantic", "app.settings.config"} & set(ran.stdout.split())
 
 
 def test_the_page_of_ros_2_lists_each_topic_with_its_type_and_quality():

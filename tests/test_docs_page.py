@@ -7,7 +7,7 @@ from fastapi import FastAPI
 
 from app.messages.commands import CommandMessage
 from app.messages.telemetry import TelemetryMessage
-from app.web.docs_page import docs_page
+from app.page.docs_page import docs_page
 
 
 @pytest.fixture(scope="module")

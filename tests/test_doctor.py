@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from app.doctor import pi, wire
-from app.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
-from app.doctor.machine import Machine, output_of
+from app.tools.doctor import pi, wire
+from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
+from app.tools.doctor.machine import Machine, output_of
 
 PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
 PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"

@@ -18,8 +18,8 @@ from hat_boards import Bench
 from serving import ROOT
 
 from app.command_line import main
-from app.doctor import board
-from app.doctor.finding import PROBLEM, WARNING, Finding
+from app.tools.doctor import board
+from app.tools.doctor.finding import PROBLEM, WARNING, Finding
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 from robot.description.spec import RobotSpec
 from robot.hat.settings import BuildHatSettings

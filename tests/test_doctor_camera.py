@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from app.doctor import eye
-from app.doctor.finding import OK, PROBLEM, WARNING
+from app.tools.doctor import eye
+from app.tools.doctor.finding import OK, PROBLEM, WARNING
 from robot.cameras.settings import CameraSourceSettings
 from robot.description.spec import RobotSpec
 

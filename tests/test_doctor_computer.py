@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from app.config import Config
-from app.doctor import computer
-from app.doctor.finding import OK, PROBLEM, WARNING
+from app.settings.config import Config
+from app.tools.doctor import computer
+from app.tools.doctor.finding import OK, PROBLEM, WARNING
 from sim.bullet import load_pybullet
 
 

@@ -11,12 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motion_drives import drawn_runs, varied_steps
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.motion.drive_correction import DriveCorrection
-from app.model_fits.motion.drive_fit import fit_drive
-from app.model_fits.motion.robust_correction import robust_correction
-from app.model_fits.motion.run import STEP, MotionRun
-from app.model_fits.motion.twists import chained
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.motion.drive_correction import DriveCorrection
+from app.lab.model_fits.motion.drive_fit import fit_drive
+from app.lab.model_fits.motion.robust_correction import robust_correction
+from app.lab.model_fits.motion.run import STEP, MotionRun
+from app.lab.model_fits.motion.twists import chained
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2

@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 import serial
 
-from app.config import ROOT
-from app.hat_emulator.command import emulate_hat
+from app.settings.config import ROOT
+from app.tools.hat_emulator.command import emulate_hat
 from robot.camera import Lens
 from robot.cameras.picture_socket import PictureSocket
 from robot.description.spec import RobotSpec

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from engine_runs import EIGHT, drive, kinematic, run
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
+from app.engine.command_checks import MOST_WAITING, CommandError, check
 from app.engine.mailboxes.command_queue import MOST_COMMANDS
 from app.messages.commands import PingCommand, ShowCommand, StopCommand
-from app.web.commands import MOST_WAITING, CommandError, check
+from app.settings.config import Config
 from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2
 from robot.interface import RobotError

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from engine_runs import drive, kinematic, run
 
-from app.batch.workers import LocalWorkers
-from app.config import Config
+from app.lab.workers import LocalWorkers
 from app.messages.commands import (
     PauseCommand,
     PlaceCommand,
@@ -19,6 +18,7 @@ from app.messages.commands import (
     StopCommand,
     UpdateCommand,
 )
+from app.settings.config import Config
 from benchmarks.recovery import SEEDS, recover
 from robot.geometry import Pose2
 

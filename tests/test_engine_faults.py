@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
 from app.messages.commands import DriveCommand
+from app.settings.config import Config
 from robot.cameras.choice import open_camera
 from robot.cameras.settings import CameraSourceSettings
 from sim.hat.bricks import Bricks

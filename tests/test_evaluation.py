@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from in_process import Here
 
-from app.assembly import assemble
-from app.batch.output import written_whole
-from app.batch.workers import LocalWorkers
-from app.config import Config
-from app.evaluation.convergence import settled, time_to_converge
-from app.evaluation.drives import record
-from app.evaluation.evaluate import evaluate
-from app.evaluation.experiment import Experiment
-from app.evaluation.results import METHODS, condition_table, spread
-from app.evaluation.runs import EvaluationError, Run, follow
-from app.evaluation.worlds import in_world
+from app.engine.build import assemble
+from app.files import written_whole
+from app.lab.evaluation.convergence import settled, time_to_converge
+from app.lab.evaluation.drives import record
+from app.lab.evaluation.evaluate import evaluate
+from app.lab.evaluation.experiment import Experiment
+from app.lab.evaluation.results import METHODS, condition_table, spread
+from app.lab.evaluation.runs import EvaluationError, Run, follow
+from app.lab.evaluation.worlds import in_world
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.workers import LocalWorkers
 from app.messages.commands import FigureEightCommand, SetPoseCommand
-from app.trajectories.files.reading import read_trajectory
+from app.settings.config import Config
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 

@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from app.command_line import main
-from app.config import MAPS, Config
 from app.ros2.export.export import MOCK, export_ros2
 from app.ros2.export.nav2 import AMCL_NAMES
+from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.driving.drive_controller import DriveSettings
 from robot.fields.field_loading import load_field

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from app.assembly import assemble
-from app.conditions import in_condition
-from app.config import Config
-from app.evaluation.integrity.claims import Claims, follow_claims
-from app.evaluation.integrity.drives import carried_drive, lap_drive
-from app.evaluation.integrity.measures import certain, longest, misleading, right
+from app.engine.build import assemble
+from app.lab.evaluation.integrity.claims import Claims, follow_claims
+from app.lab.evaluation.integrity.drives import carried_drive, lap_drive
+from app.lab.evaluation.integrity.measures import certain, longest, misleading, right
 from app.messages.commands import FigureEightCommand
+from app.settings.conditions import in_condition
+from app.settings.config import Config
 from robot.localization.integrity import State
 
 STOOD = 3.0

@@ -8,16 +8,16 @@ import pytest
 from engine_runs import kinematic
 from node_peers import needs_node, start_node
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
 from app.messages.commands import DriveCommand, ScatterCommand
 from app.ros2.commands.inbox import Inbox
 from app.ros2.foxglove.route import FoxgloveMissingError, FoxglovePortError, FoxgloveRoute
 from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
-from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS, topic
+from app.settings.config import Config
+from app.settings.ros2 import Ros2Settings
 from sim.real_time import RealTime
 
 pytest.importorskip("foxglove", reason="the extra `foxglove` is not installed")

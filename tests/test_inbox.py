@@ -14,8 +14,8 @@ from app.ros2.commands.inbox import Inbox
 from app.ros2.making.frames import pose_with_covariance, turned, vector
 from app.ros2.making.frames import time as ros_time
 from app.ros2.message_types import MessageError, new, to_cdr
-from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
+from app.settings.ros2 import Ros2Settings
 from robot.geometry import Pose2
 
 STAMPED, PLAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from claims_made import PERIOD, claims_made
 
-from app.evaluation.integrity.claims_file import COLUMNS, claims_csv, read_numbers
-from app.evaluation.integrity.measures import longest, measures
-from app.evaluation.integrity.oracle import decision_measures
-from app.evaluation.integrity.stanford import PLACE_BINS, counted, trade
-from app.evaluation.integrity.summary import EXPECTED, causes_of, group_summary, summary_of
+from app.lab.evaluation.integrity.claims_file import COLUMNS, claims_csv, read_numbers
+from app.lab.evaluation.integrity.measures import longest, measures
+from app.lab.evaluation.integrity.oracle import decision_measures
+from app.lab.evaluation.integrity.stanford import PLACE_BINS, counted, trade
+from app.lab.evaluation.integrity.summary import EXPECTED, causes_of, group_summary, summary_of
 from robot.localization.integrity import Cause, State
 
 CERTAIN, LOST, APPROXIMATE = State.CERTAIN, State.LOST, State.APPROXIMATE

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from app.localize.found import Localized, Told
-from app.localize.laser_map import LaserMap
-from app.localize.localize import localize
-from app.localize.settings import LocalizeSettings
+from app.lab.localize.found import Localized, Told
+from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.localize import localize
+from app.lab.localize.settings import LocalizeSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.localize.localize import Start, localize
-from app.localize.reading.pairing import Measurement
-from app.localize.settings import LocalizeSettings
+from app.lab.localize.localize import Start, localize
+from app.lab.localize.reading.pairing import Measurement
+from app.lab.localize.settings import LocalizeSettings
 from benchmarks.lasers.laser_robot import measurements, wander
 from robot.geometry import Pose2
 from tests.laser_office import LASER, START, office_map, true_pose

@@ -14,8 +14,8 @@ from recordings import BEGIN_NS, TEXT, TICK_NS, make, text_cdr
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
 
-from app.recording.files.mcap_reader import open_recording
-from app.recording.files.recorded import RecordingError
+from app.recordings.files.mcap_reader import open_recording
+from app.recordings.files.recorded import RecordingError
 from app.ros2.message_types import definition, typestore
 
 

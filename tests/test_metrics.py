@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 from wandering_paths import KINDS, moved, noisy, pair, rigid, walk
 
-from app.trajectories.association import associate
-from app.trajectories.metrics import (
+from app.lab.trajectories.association import associate
+from app.lab.trajectories.metrics import (
     absolute_errors,
     align,
     ate_rmse,
@@ -17,7 +17,7 @@ from app.trajectories.metrics import (
     relative_errors,
     relative_pairs,
 )
-from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 seeds = st.integers(0, 2**32 - 1)
 

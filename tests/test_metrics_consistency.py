@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.consistency import ConsistencyError, anees_bounds, nees
+from app.lab.trajectories.consistency import ConsistencyError, anees_bounds, nees
 
 SPREAD = np.diag([1e-6, 4e-6, 1e-4])
 

@@ -8,9 +8,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from wandering_paths import KINDS, moved, pair, rigid
 
-from app.trajectories.association import associate
-from app.trajectories.files.reading import read_trajectory
-from app.trajectories.metrics import (
+from app.lab.trajectories.association import associate
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.metrics import (
     absolute_errors,
     align,
     ate_rmse,
@@ -18,8 +18,8 @@ from app.trajectories.metrics import (
     relative_errors,
     rms,
 )
-from app.trajectories.scale import fit_scale
-from app.trajectories.trajectory import Trajectory
+from app.lab.trajectories.scale import fit_scale
+from app.lab.trajectories.trajectory import Trajectory
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"
 recorded = [

@@ -8,12 +8,12 @@ import types
 import numpy as np
 import pytest
 
-from app.own_models.blame import OwnModelError, running
-from app.own_models.guards import OwnMotion, OwnSensor
-from app.own_models.model_file import ModelFile, build, load
-from app.own_models.own_models import OwnChoice, chosen
-from app.own_models.slot import Slot
-from app.own_models.watch import FileWatch, ModelFolder, models_in
+from app.engine.own_models.blame import OwnModelError, running
+from app.engine.own_models.guards import OwnMotion, OwnSensor
+from app.engine.own_models.model_file import ModelFile, build, load
+from app.engine.own_models.own_models import OwnChoice, chosen
+from app.engine.own_models.slot import Slot
+from app.engine.own_models.watch import FileWatch, ModelFolder, models_in
 from robot.geometry import Pose2
 from robot.scan import Scan
 from robot.settings import SettingError

@@ -4,11 +4,11 @@ import pytest
 from engine_runs import EIGHT
 from own_programs import FLAT, STILL, run
 
-from app.config import Config
+from app.engine.command_checks import CommandError, check
+from app.engine.own_models.own_models import OwnChoice
 from app.messages.commands import SetParametersCommand
-from app.own_models.own_models import OwnChoice
-from app.web.commands import CommandError, check
-from app.web.telemetry import parameter_messages
+from app.page.telemetry import parameter_messages
+from app.settings.config import Config
 
 
 def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, with_own):

@@ -9,11 +9,11 @@ from in_process import Here
 from shared_data import SHARED
 
 from app.command_line import main
-from app.config import Config, load_config, with_settings
-from app.model_fits.fitted_file import toml_of
-from app.model_fits.models import ModelsJob, evaluate_models
-from app.model_fits.motion_statistics import recorded_motion
-from app.trajectories.trajectory import Trajectory
+from app.lab.model_fits.fitted_file import toml_of
+from app.lab.model_fits.models import ModelsJob, evaluate_models
+from app.lab.model_fits.motion_statistics import recorded_motion
+from app.lab.trajectories.trajectory import Trajectory
+from app.settings.config import Config, load_config, with_settings
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
 

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.conditions import in_condition
-from app.config import Config
-from app.engine.figure_eight import FigureEight
-from app.evaluation.integrity.claims import Claims, follow_claims
-from app.evaluation.integrity.drives import lap_drive
+from app.lab.evaluation.integrity.claims import Claims, follow_claims
+from app.lab.evaluation.integrity.drives import lap_drive
+from app.settings.conditions import in_condition
+from app.settings.config import Config
+from robot.driving.figure_eight import FigureEight
 from robot.localization.integrity import Cause, State
 
 PLAIN = Config(robot="sim", map="stub", figure_eight=FigureEight(speed=0.25))

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from motion_drives import drawn_runs
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.motion.fit import fit_motion
-from app.model_fits.motion.likelihood import VarianceParts
-from app.model_fits.motion.windows import Windows, together, windows
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.motion.fit import fit_motion
+from app.lab.model_fits.motion.likelihood import VarianceParts
+from app.lab.model_fits.motion.windows import Windows, together, windows
 from robot.localization.models.differential_motion import DifferentialMotion
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from motion_drives import drawn_runs
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.motion.coverage import (
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.motion.coverage import (
     Region,
     fit_regions,
     squared_distances,
     usable_horizons,
 )
-from app.model_fits.motion.drive_correction import DriveCorrection
-from app.model_fits.motion.drive_fit import fit_drive
-from app.model_fits.motion.fit import MotionFit
-from app.model_fits.motion.held import held_by, repetition, share_interval
-from app.model_fits.motion.run import cut_at, paired_runs
-from app.model_fits.motion.windows import windows
-from app.trajectories.files.reading import read_trajectory
+from app.lab.model_fits.motion.drive_correction import DriveCorrection
+from app.lab.model_fits.motion.drive_fit import fit_drive
+from app.lab.model_fits.motion.fit import MotionFit
+from app.lab.model_fits.motion.held import held_by, repetition, share_interval
+from app.lab.model_fits.motion.run import cut_at, paired_runs
+from app.lab.model_fits.motion.windows import windows
+from app.lab.trajectories.files.reading import read_trajectory
 from robot.localization.models.differential_motion import DifferentialMotion
 
 MRCLAM = Path(__file__).parent.parent.parent / "shared" / "data" / "mrclam"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from motion_drives import varied_steps
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.motion.drive_correction import DriveCorrection
-from app.model_fits.motion.run import MotionRun, cut_at, paired_runs, poses_at
-from app.model_fits.motion.twists import chained, relative
-from app.model_fits.motion.windows import windows
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.motion.drive_correction import DriveCorrection
+from app.lab.model_fits.motion.run import MotionRun, cut_at, paired_runs, poses_at
+from app.lab.model_fits.motion.twists import chained, relative
+from app.lab.model_fits.motion.windows import windows
 from robot.geometry import compose
 
 STEPS = np.array([moved.to_array() for moved in varied_steps(30.0, 0.01)])

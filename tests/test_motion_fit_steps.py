@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motion_drives import varied_steps
 
-from app.model_fits.motion.steps import ErringPath
-from app.model_fits.motion.twists import chained, motions_of, relative, seen_from, twists_of
+from app.lab.model_fits.motion.steps import ErringPath
+from app.lab.model_fits.motion.twists import chained, motions_of, relative, seen_from, twists_of
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.models.differential_motion import STANDING_M, DifferentialMotion
 

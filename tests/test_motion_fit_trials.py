@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.motion.drive_correction import DriveCorrection
-from app.model_fits.motion.drive_fit import fit_drive
-from app.model_fits.trials.motions import MOTIONS
-from app.model_fits.trials.spread import end_spreads
-from app.model_fits.trials.trials import MotionTrial, TrialRobot, run_motion, trials
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.motion.drive_correction import DriveCorrection
+from app.lab.model_fits.motion.drive_fit import fit_drive
+from app.lab.model_fits.trials.motions import MOTIONS
+from app.lab.model_fits.trials.spread import end_spreads
+from app.lab.model_fits.trials.trials import MotionTrial, TrialRobot, run_motion, trials
 from robot.description.spec import RobotSpec
 from robot.localization.models.differential_motion import DifferentialMotion
 from sim.imperfections import Imperfections, draw

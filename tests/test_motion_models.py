@@ -19,7 +19,7 @@ from robot.localization.models.motion_models import (
     VelocityMotion,
     sampled_moments,
 )
-from robot.localization.parameters import MOTION_MODELS, MotionParameters
+from robot.localization.models.motion_parameters import MOTION_MODELS, MotionParameters
 
 EXACT = DifferentialMotion(0, 0, 0, 0)
 MANY = 100_000

@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.files.motive import parse_motive
-from app.trajectories.files.reading import read_trajectory
-from app.trajectories.trajectory import TrajectoryError
+from app.lab.trajectories.files.motive import parse_motive
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.trajectory import TrajectoryError
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
 PER_METRE = {"Meters": 1, "Millimeters": 1e3, "Centimeters": 1e2, "Inches": 1 / 0.0254}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.files.reading import parse_trajectory, read_trajectory
-from app.trajectories.trajectory import TrajectoryError
+from app.lab.trajectories.files.reading import parse_trajectory, read_trajectory
+from app.lab.trajectories.trajectory import TrajectoryError
 
 COUNT = 20
 EUROC = (

@@ -2,7 +2,7 @@
 
 import re
 
-from app.config import ROOT, Config
+from app.settings.config import ROOT, Config
 from robot.settings import describe
 
 NAV2 = {

@@ -11,10 +11,10 @@ from stub_drive import DEFAULTS
 from told_filters import at_places
 
 from robot.geometry import Pose2
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.reliving import Life
+from robot.localization.hypothesis_parameters import HypothesisParameters
 
 OLD, NEW, OTHER = Pose2(0.2, 0.2, 0.0), Pose2(-0.2, 0.1, 2.0), Pose2(0.0, -0.3, -1.0)
 KIDNAPPED = DEFAULTS.hypotheses.log_kidnapped

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from app.config import Config
-from app.evaluation.integrity.claims import Claims, follow_claims
-from app.evaluation.integrity.drives import TrialDrive, lap_drive
-from app.evaluation.integrity.measures import misleading
+from app.lab.evaluation.integrity.claims import Claims, follow_claims
+from app.lab.evaluation.integrity.drives import TrialDrive, lap_drive
+from app.lab.evaluation.integrity.measures import misleading
+from app.settings.config import Config
 from robot.localization.integrity import Cause
 
 CONFIG = Config(robot="sim", map="stub", seed=1003)

@@ -7,6 +7,8 @@ import pytest
 from engine_runs import EIGHT
 from own_programs import FLAT, run
 
+from app.engine.command_checks import CommandError, check
+from app.engine.own_models import own_models
 from app.messages.commands import (
     DriveCommand,
     ResetCommand,
@@ -14,8 +16,6 @@ from app.messages.commands import (
     SetParametersCommand,
     StopCommand,
 )
-from app.own_models import own_models
-from app.web.commands import CommandError, check
 from robot.scanning.line_scanner import LineScanner
 
 

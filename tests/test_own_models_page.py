@@ -5,10 +5,10 @@ import re
 import numpy as np
 import pytest
 
-from app.assembly import assemble
-from app.config import ROOT, Config
+from app.engine.build import assemble
+from app.engine.own_models.model_file import ModelFile, build, load
 from app.messages.commands import FigureEightCommand
-from app.own_models.model_file import ModelFile, build, load
+from app.settings.config import ROOT, Config
 from sim.simulated import PERIOD
 
 PAGE = (ROOT / "docs" / "own_models.md").read_text(encoding="utf-8")

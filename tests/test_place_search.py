@@ -15,7 +15,6 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses import place_search
 from robot.localization.hypotheses.coarse_grid import CoarseGrid
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import (
     FITS_A_PIECE,
@@ -26,6 +25,7 @@ from robot.localization.hypotheses.place_search import (
     PlaceSearch,
 )
 from robot.localization.hypotheses.reliving import Life
+from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.setup import Setup

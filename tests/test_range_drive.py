@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.config import Config
-from app.evaluation.drives import Drive, record
-from app.model_fits.sensor.beam_correlation import correlate_beams
-from app.model_fits.sensor.fit import fit_sensor
-from app.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
-from app.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
+from app.lab.evaluation.drives import Drive, record
+from app.lab.model_fits.sensor.beam_correlation import correlate_beams
+from app.lab.model_fits.sensor.fit import fit_sensor
+from app.lab.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
+from app.lab.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
+from app.settings.config import Config
 from robot.geometry import Pose2
 from robot.scan import Scan
 

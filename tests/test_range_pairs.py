@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from sensor_trials import BEARINGS, FIELD, TRUTH, scan_at
 
-from app.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
-from app.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
+from app.lab.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
+from app.lab.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.models.beam import FAR, NEAR

@@ -9,7 +9,7 @@ from browsing import opened
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
-from app.recording.files.mcap_reader import open_recording
+from app.recordings.files.mcap_reader import open_recording
 
 pytestmark = pytest.mark.real_time
 

@@ -15,9 +15,9 @@ from node_peers import needs_node, run_node
 from recordings import begin, recorder_of
 from rosbags.highlevel import AnyReader
 
-from app.config import ROOT
 from app.messages.commands import SetPoseCommand
 from app.ros2.topics import TOPICS
+from app.settings.config import ROOT
 from robot.geometry import Pose2
 from sim.simulated import PERIOD
 

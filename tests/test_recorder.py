@@ -9,12 +9,12 @@ from engine_runs import EIGHT, kinematic, run
 from recordings import InStep, begin, record, recorder_of
 from rosbags.highlevel import AnyReader
 
-from app.recording import run as recording_run
-from app.recording.files.mcap_reader import open_recording
-from app.recording.files.recorded import RecordingError
-from app.recording.files.recording_file import RecordingFile
-from app.recording.settings import RecordingSettings
+from app.recordings import run as recording_run
+from app.recordings.files.mcap_reader import open_recording
+from app.recordings.files.recorded import RecordingError
+from app.recordings.files.recording_file import RecordingFile
 from app.ros2.publisher import TopicPublisher
+from app.settings.recording import RecordingSettings
 from robot.settings import SettingError
 from sim.simulated import PERIOD
 

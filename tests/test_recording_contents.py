@@ -8,13 +8,14 @@ import pytest
 from engine_runs import kinematic
 from recordings import record
 
-from app.assembly import assemble
-from app.config import MAPS, Config, load_config
+from app.engine.build import assemble
 from app.messages.commands import SetParametersCommand
-from app.recording.contents import SETTINGS, URDF, VERSIONS, contents_of
-from app.recording.files.mcap_reader import open_recording
-from app.recording.settings_file import as_toml
-from app.replay.opening import ReplayOptions, open_replay
+from app.recordings.attachments import SETTINGS, URDF, VERSIONS
+from app.recordings.contents import contents_of
+from app.recordings.files.mcap_reader import open_recording
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from app.recordings.settings_file import as_toml
+from app.settings.config import MAPS, Config, load_config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
@@ -133,11 +134,11 @@ def test_a_map_that_is_gone_is_told(tmp_path):
 def test_a_recorded_replay_has_the_map_and_the_robot_of_the_first_recording(tmp_path):
     made, _, _ = record(kinematic(map="tee"), tmp_path / "made", 0.2)
     first = dict(open_recording(made).attachments)
-    contents = contents_of(open_replay(made, ReplayOptions())[0])
+    contents = contents_of(open_replay(made, ReplayOptions()))
     again = {one.name: one.data for one in contents.attachments}
     assert (contents.facts["map"], contents.facts["map_file"]) == ("tee", "map/tee.svg")
     parts = {name for name in first if name.startswith(("map/", "robot/"))}
     assert parts == {name for name in again if name.startswith(("map/", "robot/"))}
     assert {name: again[name] for name in parts} == {name: first[name] for name in parts}
-    other = contents_of(open_replay(made, ReplayOptions(map="stub"))[0])
+    other = contents_of(open_replay(made, ReplayOptions(map="stub")))
     assert other.facts["map_file"] == "map/stub.svg"

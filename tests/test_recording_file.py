@@ -20,12 +20,12 @@ from rosbags.interfaces import (
 )
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from app.config import ROOT
-from app.recording.files.mcap_reader import open_recording
-from app.recording.files.recorded import RecordingError
-from app.recording.files.recording_file import METADATA_FILE, RecordingFile, free_folder
+from app.recordings.files.mcap_reader import open_recording
+from app.recordings.files.recorded import RecordingError
+from app.recordings.files.recording_file import METADATA_FILE, RecordingFile, free_folder
 from app.ros2.message_types import MessageError, typestore
 from app.ros2.topic import LATCHED, Quality
+from app.settings.config import ROOT
 
 
 def metadata_of(folder):
@@ -165,7 +165,7 @@ import sys
 sys.path.insert(0, "tests")
 from pathlib import Path
 from recordings import write_ticks
-from app.recording.files.recording_file import RecordingFile
+from app.recordings.files.recording_file import RecordingFile
 file = RecordingFile(Path(sys.argv[1]))
 for first in range(0, 10**9, 10):
     write_ticks(file, 10, first)
@@ -210,7 +210,7 @@ import sys
 sys.path.insert(0, "tests")
 from pathlib import Path
 from recordings import write_ticks
-from app.recording.files.recording_file import RecordingFile
+from app.recordings.files.recording_file import RecordingFile
 file = RecordingFile(Path(sys.argv[1]))
 try:
     write_ticks(file, 10**6)

@@ -8,10 +8,10 @@ import pytest
 from fastapi import FastAPI
 from recordings import make
 
-from app.recording.files.mcap_reader import open_recording
-from app.recording.files.recorded import RecordingError
-from app.recording.listing import find, listed
-from app.recording.routes import recordings_router
+from app.recordings.files.mcap_reader import open_recording
+from app.recordings.files.recorded import RecordingError
+from app.recordings.listing import find, listed
+from app.recordings.routes import recordings_router
 
 
 @pytest.fixture

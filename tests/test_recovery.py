@@ -8,7 +8,7 @@ from particle_robot import sensor_named, tracker_of
 
 from robot.geometry import Array, Pose2
 from robot.localization.models.sensor_models import SensorModel
-from robot.localization.parameters import SENSOR_MODELS
+from robot.localization.models.sensor_parameters import SENSOR_MODELS
 from robot.localization.particles.recovery import Recovery
 from robot.scan import Scan
 

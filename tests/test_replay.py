@@ -7,7 +7,7 @@ import pytest
 from replays import course_of, gist, recorded_eight, to_the_end
 
 from app.messages.commands import ScatterCommand, SetParametersCommand
-from app.replay.opening import ReplayOptions, open_replay
+from app.recordings.replay.opening import ReplayOptions, open_replay
 
 SOON_S = 60.0
 """The machine may be busy; nothing is waited for that long."""
@@ -43,7 +43,8 @@ class Watched:
 
 @contextmanager
 def running(path, **options):
-    program, replay = open_replay(path, ReplayOptions(**options))
+    program = open_replay(path, ReplayOptions(**options))
+    replay = program.replay
     stop = threading.Event()
     thread = threading.Thread(target=replay.run, args=(stop,))
     with program.engine.every.subscribe(100_000) as feed:

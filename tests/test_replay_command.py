@@ -8,11 +8,11 @@ from mcap.reader import make_reader
 from replays import recorded_eight
 
 from app.command_line import main
-from app.config import Config
-from app.replay.filter_config import with_filter_config
-from app.replay.opening import ReplayOptions
-from app.replay.trajectories import replay
-from app.trajectories.files.tum import parse_tum
+from app.lab.replay_trajectories import replay
+from app.lab.trajectories.files.tum import parse_tum
+from app.recordings.replay.filter_config import with_filter_config
+from app.recordings.replay.opening import ReplayOptions
+from app.settings.config import Config
 from robot.settings import SettingError
 
 
@@ -128,7 +128,7 @@ def test_a_filter_config_that_cannot_be_used_is_refused(tmp_path, text, words):
 
 def test_the_settings_in_a_recording_are_toml_that_a_filter_config_may_repeat(recording):
     made, _ = recording
-    from app.recording.files.mcap_reader import open_recording
+    from app.recordings.files.mcap_reader import open_recording
 
     content = tomllib.loads(open_recording(made).attachments["settings.toml"].decode())
     assert content["localization"]["filter"]["max_particles"] > 0

@@ -9,9 +9,9 @@ from live_topic_bags import GREY, JOINTS, SPEC, Bag, header
 from replays import recorded_eight
 
 from app.messages.commands import SetPoseCommand
-from app.recording.files.recorded import RecordingError
-from app.replay.opening import ReplayOptions, open_replay
-from app.replay.recorded.place import Place
+from app.recordings.files.recorded import RecordingError
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from app.recordings.replay.recorded.place import Place
 from app.ros2.message_types import new
 from robot.driving.differential_drive import DifferentialDrive
 from robot.interface import Placeable, Robot, RobotError
@@ -32,7 +32,7 @@ def readings(robot):
 @pytest.fixture(scope="module")
 def eight(tmp_path_factory):
     made, shown = recorded_eight(tmp_path_factory.mktemp("recordings"), seconds=2, picture_rate=0)
-    program, _ = open_replay(made, ReplayOptions())
+    program = open_replay(made, ReplayOptions())
     return program.robot, shown
 
 
@@ -241,6 +241,7 @@ def test_a_bag_without_a_map_asks_for_one(bag):
     bag.file.close()
     with pytest.raises(RecordingError, match="--map"):
         open_replay(bag.folder, ReplayOptions())
-    program, replay = open_replay(bag.folder, ReplayOptions(map="square"))
+    program = open_replay(bag.folder, ReplayOptions(map="square"))
+    replay = program.replay
     assert program.field.name == "square"
     assert replay.duration_s == 0.0

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.assembly import assemble
-from app.config import Config
-from app.view.scene import FAR_AWAY, hypothesis_mark
-from app.view.view import View
+from app.engine.build import assemble
+from app.page.view.scene import FAR_AWAY, hypothesis_mark
+from app.page.view.view import View
+from app.settings.config import Config
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud

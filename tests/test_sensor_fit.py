@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from sensor_draws import draw_ranges
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.sensor.climb import coordinates, values_at
-from app.model_fits.sensor.fit import SensorFit, fit_sensor
-from app.model_fits.sensor.intervals import _gradient
-from app.model_fits.sensor.mixture import FitRays, SensorValues, expect
-from app.model_fits.sensor.range_pairs import RangePairs
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.sensor.climb import coordinates, values_at
+from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
+from app.lab.model_fits.sensor.intervals import _gradient
+from app.lab.model_fits.sensor.mixture import FitRays, SensorValues, expect
+from app.lab.model_fits.sensor.range_pairs import RangePairs
 
 NAMES = [one.name for one in fields(SensorValues)]
 KNOWN = SensorValues(0.8, 0.08, 0.05, 0.07, 0.003, 5.0)

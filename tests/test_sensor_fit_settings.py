@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from sensor_draws import draw_ranges
 
-from app.model_fits.sensor.fit import SensorFit, fit_sensor
-from app.model_fits.sensor.mixture import SensorValues
-from app.model_fits.sensor.settings import clipped_settings, fitted_sensor
-from robot.localization.parameters import SensorParameters
+from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
+from app.lab.model_fits.sensor.mixture import SensorValues
+from app.lab.model_fits.sensor.settings import clipped_settings, fitted_sensor
+from robot.localization.models.sensor_parameters import SensorParameters
 
 FIELD = SensorParameters()
 BEAM = SensorParameters(laser_model_type="beam")

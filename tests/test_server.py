@@ -11,7 +11,6 @@ import websockets
 from serving import Server, telemetry
 from websockets.sync.client import connect
 
-from app.config import FRONTEND
 from app.messages.answers import (
     FieldMessage,
     HealthMessage,
@@ -20,6 +19,7 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.telemetry import TelemetryMessage
+from app.settings.config import FRONTEND
 
 
 def get(server: Server, path: str, **headers) -> httpx.Response:

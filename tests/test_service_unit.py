@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from app.command_line import _parser, config_from
-from app.config import ROOT
+from app.command_line import _parser
+from app.options import config_from
+from app.settings.config import ROOT
 
 
 def test_the_service_stops_the_motors_however_it_ends() -> None:

@@ -10,14 +10,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.assembly import assemble
-from app.command_line import config_from, main
-from app.config import Config, load_config
+from app.command_line import main
+from app.engine.build import assemble
+from app.engine.start_pose.keeping import PoseKeeper, saved_pose
+from app.engine.start_pose.pose_file import PoseFileError, pose_path, read, write
+from app.engine.start_pose.start import start
 from app.messages.commands import DriveCommand, PauseCommand, ResetCommand, SetParticlesCommand
-from app.start_pose.keeping import PoseKeeper, saved_pose
-from app.start_pose.pose_file import PoseFileError, pose_path, read, write
-from app.start_pose.settings import InitialPose, StartPoseSettings
-from app.start_pose.start import start
+from app.options import config_from
+from app.settings.config import Config, load_config
+from app.settings.start_pose import InitialPose, StartPoseSettings
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis

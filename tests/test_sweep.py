@@ -7,12 +7,12 @@ import pytest
 from in_process import Here
 from sweep_files import write
 
-from app.batch.workers import LocalWorkers, WorkerError
-from app.config import Config, with_settings
-from app.sweep.plots import plot_setting
-from app.sweep.sweep import sweep
-from app.sweep.sweep_file import load_sweep
-from app.sweep.work import MEASURES
+from app.lab.sweep.plots import plot_setting
+from app.lab.sweep.sweep import sweep
+from app.lab.sweep.sweep_file import load_sweep
+from app.lab.sweep.work import MEASURES
+from app.lab.workers import LocalWorkers, WorkerError
+from app.settings.config import Config, with_settings
 
 QUICK = with_settings(
     Config(), {"camera.frame_rate": 4.0, "localization.filter.filter": "particles"}

@@ -9,10 +9,10 @@ from pyarrow import parquet
 from sweep_files import write
 
 from app.command_line import main
-from app.config import Config, with_settings
-from app.sweep.points import AT_ONCE, _map_digest, at_once, jobs_of, key_of, points_of
-from app.sweep.sweep_file import load_sweep
-from app.sweep.table import TableError, require_format, write_table
+from app.lab.sweep.points import AT_ONCE, _map_digest, at_once, jobs_of, key_of, points_of
+from app.lab.sweep.sweep_file import load_sweep
+from app.lab.sweep.table import TableError, require_format, write_table
+from app.settings.config import Config, with_settings
 from robot.settings import SettingError
 
 KINEMATIC = """
@@ -69,7 +69,7 @@ def test_the_key_of_a_point_is_of_all_that_it_depends_on(tmp_path, monkeypatch):
     keys.add(key_of(config, 16.0, ()))
     (tmp_path / "beside.py").write_text("1")
     keys.add(key_of(config, 16.0, ()))
-    monkeypatch.setattr("app.sweep.points.versions", lambda: {"code": "other"})
+    monkeypatch.setattr("app.lab.sweep.points.versions", lambda: {"code": "other"})
     keys.add(key_of(config, 16.0, ()))
     assert len(keys) == 8
 

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from app.engine.telling import BeliefError, cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
-from app.web.belief import integrity_message, packed
+from app.page.belief import integrity_message, packed
 from robot.localization.filter import Cloud
 from robot.localization.integrity import Alert, Cause, Integrity, State
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 STAMPS = np.array([0.0, 0.5, 2.0])
 POSES = np.array([[1.0, 2.0, 0.3], [1.5, 2.0, -3.0], [2.0, -1.0, 3.1]])

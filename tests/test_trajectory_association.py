@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.association import associate, at
-from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.lab.trajectories.association import associate, at
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 
 def line(stamps, source=""):

@@ -7,9 +7,9 @@ from costs import processor_seconds
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.trajectories.files.mrclam import integrated, parse_mrclam
-from app.trajectories.files.reading import parse_trajectory, read_trajectory
-from app.trajectories.trajectory import TrajectoryError
+from app.lab.trajectories.files.mrclam import integrated, parse_mrclam
+from app.lab.trajectories.files.reading import parse_trajectory, read_trajectory
+from app.lab.trajectories.trajectory import TrajectoryError
 from robot.geometry import Pose2, Twist2
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "mrclam"

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.trajectories.files.reading import read_trajectory
-from app.trajectories.files.tum import parse_tum, write_tum
-from app.trajectories.trajectory import Trajectory, TrajectoryError
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.files.tum import parse_tum, write_tum
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 ROW = "1.5 1 2 3 0 0 0 1\n"
 NEXT = "2.5 1 2 3 0 0 0 1\n"

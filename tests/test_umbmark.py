@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from app.model_fits.fit_error import FitError
-from app.model_fits.trials.trials import MotionTrial, TrialRobot, run_motion
-from app.model_fits.trials.umbmark import Umbmark, distance_factor, return_errors, umbmark
+from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.trials.trials import MotionTrial, TrialRobot, run_motion
+from app.lab.model_fits.trials.umbmark import Umbmark, distance_factor, return_errors, umbmark
 from robot.description.spec import RobotSpec
 from sim.imperfections import Imperfections
 

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import pytest
 import worker_jobs
+from app.batch import provenance
 from distributed import LocalCluster
 
-from app.batch import provenance
-from app.batch.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
+from app.lab.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
 from robot.settings import SettingError
 
 TESTS = Path(__file__).parent
 PARENT = """
 import sys
 import worker_jobs
-from app.batch.workers import LocalWorkers
+from app.lab.workers import LocalWorkers
 
 if __name__ == "__main__":
     for _, pid in LocalWorkers(1).each(worker_jobs.process, [0]):

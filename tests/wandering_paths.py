@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.trajectories.trajectory import Trajectory
+from app.lab.trajectories.trajectory import Trajectory
 
 KINDS = ("planar", "space")
 

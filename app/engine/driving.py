@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from app.engine.figure_eight import FigureEight
 from robot.driving.drive_controller import DriveController
+from robot.driving.figure_eight import FigureEight
 from robot.geometry import Twist2
 
 Mode = Literal["idle", "drive", "figure_eight"]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.engine.belief import Belief
-from app.own_models.own_models import OwnChoice, OwnModels, chosen
+from app.engine.own_models.own_models import OwnChoice, OwnModels, chosen
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2

@@ -7,11 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import get_args
 
 from app.engine.driving import Mode
+from app.engine.own_models.own_models import OwnChoice
 from app.engine.problems import Problem, Problems
+from app.engine.replay_state import ReplayState
 from app.messages.commands import Command
 from app.messages.message import Layer
-from app.own_models.own_models import OwnChoice
-from app.replay.state import ReplayState
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.covariance import covariance_from
 from app.engine.localization import Localization
 from app.messages.commands import SetParticlesCommand, SetPoseCommand
+from robot.covariance import covariance_from
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.filter import Cloud
 

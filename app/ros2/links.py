@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.ros2.settings import Ros2Settings
+from app.settings.ros2 import Ros2Settings
 from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml, read_model
 from robot.settings import SettingError

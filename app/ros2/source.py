@@ -7,10 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
-from app.assembly import Program
+from app.engine.build import Program
 from app.ros2.clock import RosClock
 from app.ros2.links import Links
-from app.ros2.settings import Ros2Settings
+from app.settings.ros2 import Ros2Settings
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from app.config import ROOT
+from app.settings.config import ROOT
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 from benchmarks.hat.official_session import PARTS
 from benchmarks.result import Result

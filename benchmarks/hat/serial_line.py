@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 from websockets.sync.connection import Connection
 
-from app.evaluation.convergence import time_to_converge
-from app.trajectories.association import at
-from app.trajectories.clock_offset import estimate_clock_offset
-from app.trajectories.metrics import ate_rmse
-from app.trajectories.trajectory import Trajectory
+from app.lab.evaluation.convergence import time_to_converge
+from app.lab.trajectories.association import at
+from app.lab.trajectories.clock_offset import estimate_clock_offset
+from app.lab.trajectories.metrics import ate_rmse
+from app.lab.trajectories.trajectory import Trajectory
 from benchmarks.hat.emulated_hat import EmulatedHat
 from benchmarks.hat.programs import robot_in_bricks
 from benchmarks.programs import START_S, Server, connected, estimated, telemetry, until

@@ -14,15 +14,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.localize.laser_map import LaserMap
-from app.localize.settings import LASER, LaserSettings
+from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.settings import LASER, LaserSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
+from robot.localization.models.motion_parameters import MotionParameters
 from robot.localization.models.sensor_models import SensorModel
-from robot.localization.parameters import MotionParameters, SensorParameters
+from robot.localization.models.sensor_parameters import SensorParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 
 SIDE, CELL = 2048, 0.05

@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from app.command_line import main
-from app.config import ROOT
-from app.trajectories.files.tum import parse_tum
+from app.lab.trajectories.files.tum import parse_tum
+from app.settings.config import ROOT
 from benchmarks.lasers.laser_bags import LaserBag
 from benchmarks.result import Result
 from robot.fields.grid_map import OccupancyGrid, save_map_yaml

@@ -17,9 +17,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from app.config import ROOT
 from app.ros2.dds.plan import dds_topic, dds_type
 from app.ros2.topics import TOPICS
+from app.settings.config import ROOT
 
 SOURCES = ROOT / "tests" / "fastdds_peer"
 HEADER = Path("/usr/include/fastdds/dds/domain/DomainParticipant.hpp")

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from app.assembly import Program, assemble
-from app.config import Config
+from app.engine.build import Program, assemble
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import FigureEightCommand
-from app.recording.contents import contents_of
-from app.recording.recorder import Recorder
+from app.recordings.contents import contents_of
+from app.recordings.recorder import Recorder
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
+from app.settings.config import Config
 from benchmarks.result import Result
 from sim.real_time import RealTime
 

@@ -17,8 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.assembly import assemble
-from app.config import Config
+from app.engine.build import assemble
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.ros2.commands.inbox import Inbox
@@ -27,8 +26,9 @@ from app.ros2.dds.route import DdsRoute
 from app.ros2.making.frames import vector
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
-from app.ros2.settings import Ros2Settings
 from app.ros2.source import TopicSource
+from app.settings.config import Config
+from app.settings.ros2 import Ros2Settings
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters

@@ -17,12 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
-from app.assembly import Program, assemble, build_simulated
-from app.config import MAPS, ROOT, Config
+from app.engine.build import Program, assemble, build_simulated
 from app.messages.commands import FigureEightCommand
-from app.recording.settings import RecordingSettings
-from app.ros2.settings import Ros2Settings
-from app.web.serving import Server, listen
+from app.page.serving import Server, listen
+from app.settings.config import MAPS, ROOT, Config
+from app.settings.recording import RecordingSettings
+from app.settings.ros2 import Ros2Settings
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
 from robot.description.spec import RobotSpec

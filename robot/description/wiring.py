@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
+from robot.description.motor_kinds import MOTORS
 from robot.description.urdf import SpecError, child, parse_xml, positive, text_of
-from robot.hat.motor_kinds import MOTORS
 
 PORTS = ("A", "B", "C", "D")
 TOLERANCE = 1e-6

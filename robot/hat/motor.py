@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from robot.description.motor_kinds import KINDS, described
 from robot.description.wiring import PORTS, Wiring
 from robot.hat.joint_track import JointTrack
-from robot.hat.motor_kinds import KINDS, described
 from robot.hat.protocol import commands
 from robot.hat.settings import BuildHatSettings
 from robot.hat.speed_loop import SpeedLoop

@@ -16,8 +16,8 @@ from __future__ import annotations
 import math
 from collections import deque
 
+from robot.description.motor_kinds import MotorKind
 from robot.hat.joint_track import JointTrack
-from robot.hat.motor_kinds import MotorKind
 
 WIRE_DELAY = 0.012
 """From reckoning a duty until the motor has it: a line of 60 bytes, half a firmware tick [s]."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robot.localization.estimate import Hypothesis
-from robot.localization.matrices import inverse
+from robot.localization.kernels.matrices import inverse
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
 from robot.localization.setup import Setup

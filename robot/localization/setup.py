@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from robot.fields.field import Field
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
+from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel

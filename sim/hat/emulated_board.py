@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from sim.hat.devices.device import PORTS, Device, Plants
 from sim.hat.firmware.bridge import STEPS
 from sim.hat.firmware.connection import SetupFault
-from sim.hat.firmware.main_loop import Firmware
 from sim.hat.firmware.power import ORANGE, Power
+from sim.hat.main_loop import Firmware
 from sim.hat.noise import Noise
 from sim.hat.processor import VERSION, Processor
 from sim.hat.transmitter import Receiver, Transmitter

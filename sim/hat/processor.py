@@ -8,8 +8,8 @@ from collections.abc import Mapping
 
 from sim.hat.bootloader import Bootloader
 from sim.hat.devices.device import Device
-from sim.hat.firmware.main_loop import Firmware, version_text
 from sim.hat.firmware.power import Power
+from sim.hat.main_loop import Firmware, version_text
 from sim.hat.transmitter import Transmitter
 
 VERSION = 1737564117

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pydantic import ValidationError
 
-from app.assembly import Program
+from app.engine.build import Program
+from app.engine.command_checks import check, in_words
 from app.messages.commands import Command, StopCommand
 from app.ros2.commands.incoming import (
     INCOMING,
@@ -16,7 +17,6 @@ from app.ros2.commands.incoming import (
 )
 from app.ros2.message_types import Message, MessageError, from_cdr
 from app.ros2.source import TopicSource
-from app.web.commands import check, in_words
 
 
 class Inbox:

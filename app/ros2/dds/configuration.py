@@ -12,8 +12,8 @@ from app.ros2.commands.incoming import IncomingTopic
 from app.ros2.dds.plan import Endpoint, Plan
 from app.ros2.dds.shapes import shapes
 from app.ros2.message_types import type_hash
-from app.ros2.settings import Ros2Settings
 from app.ros2.topics import TOPICS
+from app.settings.ros2 import Ros2Settings
 
 NODE = "brickpose"
 MOST_DOMAIN = 232

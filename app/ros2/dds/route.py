@@ -19,8 +19,8 @@ from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
+from app.settings.ros2 import Ros2Settings
 
 FIRST_WAIT_S = 1.0
 LONGEST_WAIT_S = 30.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from app.console import say
-from app.evaluation.command import config_of
+from app.options import config_of
 from app.ros2.export.export import MOCK, export_ros2
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from app.config import Config
 from app.ros2.making.motion import POSE_VARIANCE, TWIST_VARIANCE
+from app.settings.config import Config
 from robot.description.spec import RobotSpec
 
 UPDATE_HZ = 100

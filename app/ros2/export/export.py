@@ -7,10 +7,10 @@ from typing import Any
 
 import yaml
 
-from app.batch.output import make_folder
-from app.config import MAPS, Config
+from app.files import make_folder
 from app.ros2.export.controllers import controllers
 from app.ros2.export.nav2 import nav2
+from app.settings.config import MAPS, Config
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import parse_xml
 from robot.fields.field_loading import load_field

@@ -6,7 +6,7 @@ import dataclasses
 import math
 from typing import Any
 
-from app.config import Config
+from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 

@@ -11,9 +11,9 @@ from app.ros2.message_types import definition
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
+from app.settings.ros2 import Ros2Settings
 
 if TYPE_CHECKING:
     from foxglove import Channel, Context

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from app.engine.drivers import Drivers
 from app.ros2.commands.inbox import Inbox
 from app.ros2.commands.incoming import Service
 from app.ros2.message_types import Message, MessageError
@@ -13,7 +14,6 @@ from app.ros2.rosbridge.rosapi import RosApi
 from app.ros2.rosbridge.values.encoding import Encoder
 from app.ros2.rosbridge.values.fields import fields
 from app.ros2.rosbridge.values.reading import message_of
-from app.web.drivers import Drivers
 
 
 class Bridge:

@@ -6,9 +6,9 @@ from app.ros2.commands.inbox import Inbox
 from app.ros2.commands.incoming import IncomingTopic, Service
 from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.values.fields import full_type
-from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
+from app.settings.ros2 import Ros2Settings
 
 
 class Names:

@@ -8,12 +8,12 @@ import contextlib
 import anyio
 from starlette.websockets import WebSocket
 
+from app.engine.drivers import Drivers
+from app.engine.mailboxes.outgoing import Outgoing
 from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.session import Session
-from app.web.drivers import Drivers
-from app.web.outgoing import Outgoing
 
 MOST_CLIENTS = 50
 """At a time: each costs a little in every tick."""

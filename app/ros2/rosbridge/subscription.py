@@ -9,8 +9,8 @@ from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.values.encoding import COMPRESSIONS
 from app.ros2.rosbridge.values.reading import shown
 from app.ros2.route import Pace
-from app.ros2.settings import Ros2Settings
 from app.ros2.topic import Topic
+from app.settings.ros2 import Ros2Settings
 
 LONGEST_THROTTLE = 86_400_000
 """A day [ms]."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
+from robot.localization.hypothesis_parameters import HypothesisParameters
 
 LEADING = 0.95
 """A place that weighs more is the only likely one."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.track import Track
+from robot.localization.hypothesis_parameters import HypothesisParameters
 
 EQUAL = -3.0
 """A place of so much log-weight beside the heaviest has its images followed."""

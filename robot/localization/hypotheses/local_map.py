@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
 from robot.localization.hypotheses.reliving import Past
+from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
 from robot.scan import Scan, evenly

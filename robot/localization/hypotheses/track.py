@@ -12,8 +12,8 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.hypotheses.hypothesis_parameters import HypothesisParameters
-from robot.localization.matrices import inverse, solved
+from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.kernels.matrices import inverse, solved
 from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))

@@ -15,7 +15,7 @@ from numba import float32, int32, njit, uint32, uint64
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.headings import heading_vector
+from robot.localization.kernels.headings import heading_vector
 from robot.localization.models.entry_field import DIRECTIONS
 from robot.localization.models.entry_planes import FARTHEST, STEEPEST, VALUE_SHIFT, X_SHIFT
 

@@ -16,7 +16,7 @@ from robot.localization.models.beam import Beam
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
-from robot.localization.parameters import SensorParameters
+from robot.localization.models.sensor_parameters import SensorParameters
 from robot.scan import Scan
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 
 from robot.geometry import Array
-from robot.localization.headings import heading_vector, wrapped
-from robot.localization.particles.noise import noise_key, normal_rows
+from robot.localization.kernels.headings import heading_vector, wrapped
+from robot.localization.kernels.noise import noise_key, normal_rows
 
 
 class Legs(NamedTuple):

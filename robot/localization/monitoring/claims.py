@@ -8,7 +8,7 @@ from dataclasses import replace
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.integrity import Integrity, State
-from robot.localization.matrices import widest
+from robot.localization.kernels.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29

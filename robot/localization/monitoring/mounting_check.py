@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array
-from robot.localization.matrices import inverse, solved
+from robot.localization.kernels.matrices import inverse, solved
 
 MEMORY = 20.0
 """Scans older than this hardly count [s]."""

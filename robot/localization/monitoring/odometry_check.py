@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 
 from robot.geometry import Array, Pose2, Twist2
-from robot.localization.matrices import inverse
+from robot.localization.kernels.matrices import inverse
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and most where pictures are few [s]."""

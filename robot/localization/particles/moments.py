@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.headings import wrapped
+from robot.localization.kernels.headings import wrapped
 
 MASS, SQUARES = 0, 1
 """Columns: sum of weights, and of their squares."""

@@ -9,9 +9,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.headings import wrapped
+from robot.localization.kernels.headings import wrapped
+from robot.localization.kernels.noise import noise_key, normal_rows
 from robot.localization.particles.clusters import Clusters
-from robot.localization.particles.noise import noise_key, normal_rows
 
 Noise = NDArray[np.float32]
 

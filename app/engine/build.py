@@ -1,0 +1,165 @@
+"""Puts the parts together: the only place that knows which robot there is."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from app.engine.driving import Driving
+from app.engine.engine import Engine
+from app.engine.localization import Localization
+from app.engine.own_models.own_models import OwnChoice, OwnModels
+from app.engine.start_pose.pose_file import pose_path
+from app.engine.start_pose.start import Start, start
+from app.settings.config import MAPS, Config
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.drive_controller import DriveController
+from robot.driving.odometry import Odometry
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
+from robot.hat.build_hat import BuildHat
+from robot.interface import Placeable, Robot
+from robot.scanning.line_scanner import LineScanner
+from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.encoders import Encoders
+from sim.imperfections import Imperfections, draw
+from sim.kinematic import KinematicWorld
+from sim.simulated import SimulatedRobot, no_wait
+
+
+@dataclass(frozen=True)
+class Program:
+    """The parts that others need to see."""
+
+    engine: Engine
+    robot: Robot
+    field: Field
+    scanner: LineScanner
+    config: Config
+    pose_file: Path
+    """Where the pose is kept for the next start."""
+    given: OwnChoice
+    """Models of the user's own at the start."""
+    loop: Callable[[threading.Event], None] | None = None
+    """Runs until the event is set, in place of the engine's own loop, if the robot is a recording;
+    then nobody can drive it."""
+
+
+def assemble(
+    config: Config, wait: Callable[[float], None] = no_wait, robot: Robot | None = None
+) -> Program:
+    """Build robot and engine; a real robot is at work from here on, so close it.
+
+    Args:
+        config: everything that can be set.
+        wait: called with each stamp of a simulated robot; ``RealTime()`` keeps it to the clock.
+        robot: to be used instead of the one that the configuration names.
+
+    Raises:
+        ValueError: the field or the robot's description cannot be used.
+        BulletMissingError: the simulator was asked for and is not installed.
+    """
+    config, _ = settle_robot(config)
+    field = load_field(config.map, MAPS)
+    spec = RobotSpec.load()
+    # Independent streams: a change in the filter's luck does not change the robot's.
+    for_robot, for_filter = np.random.default_rng(config.seed).spawn(2)
+    kinematics = DifferentialDrive(spec, config.drive.multipliers)
+    scanner = LineScanner(spec.floor_view, config.scanner)
+    own = own_models(config, field)
+    path = pose_path(config.start_pose.pose_file, config.robot, field)
+    begin = start(config.start_pose, path, field)
+    localization = Localization(scanner, field, config.localization, for_filter, own)
+    localization.start = begin.hypotheses
+    if begin.hypotheses:
+        localization.begin()
+    robot = robot or build_robot(config, spec, field, for_robot, wait)
+    if begin.truth is not None and isinstance(robot, Placeable):
+        robot.place(begin.truth)
+    engine = Engine(
+        robot,
+        Odometry(kinematics, config.odometry),
+        localization,
+        Driving(
+            DriveController(kinematics, config.drive),
+            config.drive.cmd_vel_timeout,
+            config.figure_eight,
+        ),
+        odometry_start(begin, robot, field),
+    )
+    if begin.complaint is not None:
+        engine.note(begin.complaint)
+    return Program(engine, robot, field, scanner, config, path, own.choice)
+
+
+def odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
+    """Where dead reckoning starts: where the robot is, as far as anybody knows."""
+    if isinstance(robot, Placeable):
+        return begin.truth or field.start
+    return begin.hypotheses[0].pose if begin.hypotheses else field.start
+
+
+def own_models(config: Config, field: Field) -> OwnModels:
+    """The models of the user's own that the configuration names."""
+    return OwnModels(
+        field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
+    )
+
+
+def build_robot(
+    config: Config,
+    spec: RobotSpec,
+    field: Field,
+    rng: np.random.Generator,
+    wait: Callable[[float], None],
+) -> Robot:
+    """The robot that the configuration names."""
+    if config.robot == "buildhat":
+        return BuildHat.open(spec, config.build_hat, config.camera_source, config.pictures)
+    return build_simulated(config, spec, field, rng, wait)
+
+
+def build_simulated(
+    config: Config,
+    spec: RobotSpec,
+    field: Field,
+    rng: np.random.Generator,
+    wait: Callable[[float], None],
+) -> SimulatedRobot:
+    """The simulated robot that the configuration names."""
+    if config.robot == "sim":
+        true = draw(spec, config.imperfections, rng)
+        world = BulletWorld(true, field.start, settings=config.physics)
+        encoders = Encoders(spec, config.imperfections, rng)
+        seen = true.floor_view
+        return SimulatedRobot(
+            "Simulated robot", spec, field, world, encoders, config.camera, rng, wait, seen
+        )
+    perfect = Encoders(spec, Imperfections.none(), rng)
+    return SimulatedRobot(
+        "Kinematic robot",
+        spec,
+        field,
+        KinematicWorld(spec, field.start),
+        perfect,
+        config.camera,
+        rng,
+        wait,
+    )
+
+
+def settle_robot(config: Config) -> tuple[Config, str | None]:
+    """Decide what ``auto`` stands for here, and why it is not the one with physics."""
+    if config.robot != "auto":
+        return config, None
+    try:
+        load_pybullet()
+    except BulletMissingError as error:
+        return replace(config, robot="kinematic"), str(error)
+    return replace(config, robot="sim"), None

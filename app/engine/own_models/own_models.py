@@ -1,0 +1,220 @@
+"""A user's own models as the engine sees them: on offer, chosen, and made anew when saved."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.engine.own_models.guards import OwnMotion, OwnSensor
+from app.engine.own_models.model_file import ModelFile
+from app.engine.own_models.slot import Slot
+from app.engine.own_models.watch import Found, ModelFolder
+from robot.fields.field import Field
+from robot.localization.parameters import LocalizationParameters
+from robot.settings import SettingError
+
+POLL_S = 0.2
+"""How often files are looked at [s] of the robot's clock; saved twice that long ago is in use."""
+
+SLOW_S = 0.05
+"""A call that takes longer [s] delays the robot's next step; it is told, not ended."""
+
+
+PATIENCE = 50
+"""Updates after which a model that was not asked is told: some filters do without."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnChoice:
+    """Which models of the user's own are in use and on offer, by name (``my_model.py:MyModel``)."""
+
+    sensor: str = ""
+    """Empty while a model that comes with the program is in use."""
+    motion: str = ""
+    sensors: tuple[str, ...] = ()
+    motions: tuple[str, ...] = ()
+
+
+class OwnModels:
+    """The user's sensor and motion model, and the folder for more of them."""
+
+    def __init__(
+        self, field: Field, *, sensor: str = "", motion: str = "", folder: str = ""
+    ) -> None:
+        """Note what is given; nothing is run before ``load``.
+
+        Raises:
+            SettingError: a model or the folder is not there.
+        """
+        self._field = field
+        self._folder = _folder(folder) if folder else None
+        self._given_sensor = ModelFile.find(sensor) if sensor else None
+        self._given_motion = ModelFile.find(motion) if motion else None
+        self._found = self._folder.look() if self._folder else Found()
+        self._sensor = Slot(OwnSensor, field.start)
+        self._motion = Slot(OwnMotion, field.start)
+        self._polled = float("-inf")
+        self._made_with: LocalizationParameters | None = None
+        self.saves = 0
+        """How often a file in use was saved."""
+        self.reset()
+
+    @property
+    def sensor(self) -> OwnSensor | None:
+        """The user's sensor model; None while another one is chosen."""
+        return self._sensor.model
+
+    @property
+    def motion(self) -> OwnMotion | None:
+        """The user's motion model; None while another one is chosen."""
+        return self._motion.model
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with a model that is in use, with file and line."""
+        return self._sensor.fault or self._motion.fault
+
+    @property
+    def complaints(self) -> tuple[str, ...]:
+        """What is wrong with files that are not in use."""
+        used = [slot.file.path.name for slot in (self._sensor, self._motion) if slot.file]
+        return tuple(fault for fault in self._found.faults if not fault.startswith(tuple(used)))
+
+    @property
+    def slow(self) -> str | None:
+        """Which model takes too long, in words."""
+        for slot in (self._sensor, self._motion):
+            if slot.model is not None and slot.model.guard.seconds > SLOW_S:
+                took = 1e3 * slot.model.guard.seconds
+                return f"{slot.name} takes {took:.0f} ms; beyond {1e3 * SLOW_S:.0f} ms steps wait."
+        return None
+
+    def note_update(self) -> None:
+        """The filter has taken a scan: a model that it never asks is told in ``idle``."""
+        for slot in (self._sensor, self._motion):
+            if slot.model is not None:
+                slot.model.guard.passed_over += 1
+
+    @property
+    def idle(self) -> str | None:
+        """Which model the filter does not ask, in words."""
+        for slot in (self._sensor, self._motion):
+            if slot.model is not None and slot.model.guard.passed_over > PATIENCE:
+                return (
+                    f"{slot.name} is not asked: no tape is in sight, or this filter does without."
+                )
+        return None
+
+    @property
+    def choice(self) -> OwnChoice:
+        """What is in use and on offer."""
+        return OwnChoice(
+            self._sensor.name,
+            self._motion.name,
+            tuple(self._sensors()),
+            tuple(self._motions()),
+        )
+
+    def choose(self, choice: OwnChoice) -> bool:
+        """Take other models, by name; returns whether one has to be loaded now."""
+        chosen = [
+            _switch(self._sensor, self._sensors().get(choice.sensor)),
+            _switch(self._motion, self._motions().get(choice.motion)),
+        ]
+        return any(chosen)
+
+    def reset(self) -> bool:
+        """Take those that were given at the start; returns whether one has to be loaded now."""
+        return any(
+            [_switch(self._sensor, self._given_sensor), _switch(self._motion, self._given_motion)]
+        )
+
+    def saved(self, stamp: float) -> bool:
+        """Look at the files now and then; returns whether ``load`` is due, as one was saved."""
+        if stamp - self._polled < POLL_S:
+            return False
+        self._polled = stamp
+        if self._folder is not None:
+            self._found = self._folder.look()
+        saved = any([self._sensor.saved(), self._motion.saved()])
+        self.saves += saved
+        return saved
+
+    def look_again(self) -> None:
+        """Let ``saved`` look at the files at once: the robot's clock stands, or was put back."""
+        self._polled = float("-inf")
+
+    def put_back(self, sensor: OwnSensor | None, motion: OwnMotion | None) -> None:
+        """Have models again that were in use before, with the same files."""
+        self._sensor.model, self._motion.model = sensor, motion
+
+    def load(self, parameters: LocalizationParameters) -> None:
+        """Read the chosen models' files anew and make the models; failures are in ``fault``."""
+        self._made_with = parameters
+        self._sensor.load(self._for_sensor(parameters))
+        self._motion.load({"parameters": parameters.motion})
+
+    def rebuild(self, parameters: LocalizationParameters) -> None:
+        """Make the chosen models anew, with other parameters; their files are not read.
+
+        Those that ``load`` has just made with these parameters stay, and so does what it found.
+        """
+        if parameters == self._made_with:
+            return
+        self._made_with = parameters
+        self._sensor.rebuild(self._for_sensor(parameters))
+        self._motion.rebuild({"parameters": parameters.motion})
+
+    def _for_sensor(self, parameters: LocalizationParameters) -> dict[str, object]:
+        field = self._field
+        return {"field": field, "parameters": parameters.sensor, "edges": field.edges}
+
+    def _sensors(self) -> dict[str, ModelFile]:
+        return _by_name((*self._found.sensors, self._given_sensor, self._sensor.file))
+
+    def _motions(self) -> dict[str, ModelFile]:
+        return _by_name((*self._found.motions, self._given_motion, self._motion.file))
+
+
+def chosen(now: OwnChoice, values: dict[str, object]) -> tuple[OwnChoice, dict[str, object]]:
+    """Take the user's own models out of parameters that shall be changed; returns what is left.
+
+    Raises:
+        SettingError: there is no such model on offer.
+    """
+    left = dict(values)
+    sensor = _taken(left, "laser_model_type", now.sensor, now.sensors)
+    motion = _taken(left, "robot_model_type", now.motion, now.motions)
+    return OwnChoice(sensor, motion, now.sensors, now.motions), left
+
+
+def _taken(values: dict[str, object], key: str, now: str, offered: tuple[str, ...]) -> str:
+    wanted = values.get(key)
+    if wanted is None:
+        return now
+    if not isinstance(wanted, str) or ":" not in wanted:
+        return ""  # one that comes with the program, or one that is refused as such
+    if wanted not in offered:
+        raise SettingError(
+            f"there is no model {wanted}; of your own are on offer: {', '.join(offered) or 'none'}"
+        )
+    del values[key]
+    return wanted
+
+
+def _switch(slot: Slot[OwnSensor] | Slot[OwnMotion], file: ModelFile | None) -> bool:
+    if slot.file == file:
+        return False
+    slot.choose(file)
+    return file is not None
+
+
+def _by_name(files: tuple[ModelFile | None, ...]) -> dict[str, ModelFile]:
+    return {file.name: file for file in files if file is not None}
+
+
+def _folder(folder: str) -> ModelFolder:
+    path = Path(folder)
+    if not path.is_dir():
+        raise SettingError(f"there is no folder {path.absolute()} of models")
+    return ModelFolder(path.absolute())

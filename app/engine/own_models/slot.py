@@ -1,0 +1,90 @@
+"""The place for one model of a user's own, of one kind: empty, or filled and kept up to date."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, Protocol, TypeVar
+
+from app.engine.own_models.blame import OwnModelError
+from app.engine.own_models.guards import Guard
+from app.engine.own_models.model_file import ModelFile, build, load
+from app.engine.own_models.watch import FileWatch
+from robot.geometry import Pose2
+
+
+class Guarded(Protocol):
+    """A user's model behind its guard."""
+
+    guard: Guard
+
+    def try_out(self, start: Pose2) -> None:
+        """Ask once."""
+        ...
+
+
+G = TypeVar("G", bound=Guarded)
+
+
+class Slot(Generic[G]):
+    """Holds the model that is chosen, if it is one of the user's own."""
+
+    def __init__(self, wrap: Callable[[ModelFile, object, str | None], G], start: Pose2) -> None:
+        self.model: G | None = None
+        """None while a model that comes with the program is chosen."""
+        self.file: ModelFile | None = None
+        self._wrap = wrap
+        self._start = start
+        self._class: Callable[..., Any] | None = None
+        self._watch: FileWatch | None = None
+
+    @property
+    def name(self) -> str:
+        """What the page calls it; empty while there is none."""
+        return self.file.name if self.file else ""
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with it, with file and line."""
+        return self.model.guard.fault if self.model else None
+
+    def choose(self, file: ModelFile | None) -> None:
+        """Fill it, or empty it; ``load`` comes next."""
+        self.file = file
+        self.model = None
+        # Looked at before the file is read, so that what is saved meanwhile is not missed.
+        self._watch = FileWatch(file.path) if file else None
+
+    def saved(self) -> bool:
+        """Whether the file was saved, so that ``load`` is due."""
+        return self._watch is not None and self._watch.saved()
+
+    def load(self, offered: Mapping[str, object]) -> None:
+        """Read the file anew and make the model."""
+        if self.file is None:
+            return
+        self._class = None
+        try:
+            self._class = load(self.file)
+        except OwnModelError as error:
+            self.model = self._wrap(self.file, None, str(error))
+            return
+        self._make(offered, try_out=True)
+
+    def rebuild(self, offered: Mapping[str, object]) -> None:
+        """Make the model anew, as other parameters hold; one that failed has to prove itself."""
+        if self.file is not None and self._class is not None:
+            self._make(offered, try_out=self.fault is not None)
+
+    def _make(self, offered: Mapping[str, object], *, try_out: bool) -> None:
+        assert self.file is not None and self._class is not None
+        try:
+            if try_out:
+                # One that is thrown away: what is tried out may remember it.
+                tried = self._wrap(self.file, build(self.file, self._class, offered), None)
+                tried.try_out(self._start)
+                if tried.guard.fault is not None:
+                    self.model = tried
+                    return
+            self.model = self._wrap(self.file, build(self.file, self._class, offered), None)
+        except OwnModelError as error:
+            self.model = self._wrap(self.file, None, str(error))

@@ -1,0 +1,103 @@
+"""Whether a file has been saved, and which models are in a folder; nothing is run here."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.engine.own_models.blame import OwnModelError, blaming
+from app.engine.own_models.model_file import ModelFile
+
+MOST_FILES = 100
+"""Of a folder; it is no place to look through a whole disk."""
+
+Signature = tuple[int, int]
+
+
+def signature(path: Path) -> Signature | None:
+    """What changes when a file is saved: its time [ns] and size; None if it is not there."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
+
+
+class FileWatch:
+    """One file; an editor that is still writing it is given time to finish."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._known = self._seen = signature(path)
+
+    def saved(self) -> bool:
+        """Whether it was saved since the last time that this was so, and rests since the last look.
+
+        A file that is gone is not saved: some editors put the new one in its place a moment later.
+        """
+        now = signature(self._path)
+        rests = now == self._seen
+        self._seen = now
+        if now is None or now == self._known or not rests:
+            return False
+        self._known = now
+        return True
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The models in one file or folder."""
+
+    sensors: tuple[ModelFile, ...] = ()
+    motions: tuple[ModelFile, ...] = ()
+    faults: tuple[str, ...] = ()
+    """Files that cannot be read as Python, with the line."""
+
+
+class ModelFolder:
+    """A folder that models may be dropped into; its files are read, but not run."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._known: dict[Path, tuple[Signature | None, Found]] = {}
+
+    def look(self) -> Found:
+        """What is in the folder now."""
+        try:
+            paths = sorted(self._folder.glob("[!_.]*.py"))[:MOST_FILES]
+        except OSError as error:
+            return Found(faults=(f"{self._folder} cannot be read: {error.strerror}",))
+        self._known = {path: self._look_into(path) for path in paths}
+        found = [one for _, one in self._known.values()]
+        return Found(
+            tuple(model for one in found for model in one.sensors),
+            tuple(model for one in found for model in one.motions),
+            tuple(fault for one in found for fault in one.faults),
+        )
+
+    def _look_into(self, path: Path) -> tuple[Signature | None, Found]:
+        now = signature(path)
+        known = self._known.get(path)
+        return known if known is not None and known[0] == now else (now, models_in(path))
+
+
+def models_in(path: Path) -> Found:
+    """The classes of a file that have a model's method, their own or from a class beside them."""
+    try:
+        with blaming(path):
+            tree = ast.parse(path.read_bytes(), str(path))
+    except OwnModelError as error:
+        return Found(faults=(str(error),))
+    methods: dict[str, set[str]] = {}
+    for one in tree.body:
+        if isinstance(one, ast.ClassDef):
+            bases = [base.id for base in one.bases if isinstance(base, ast.Name)]
+            methods[one.name] = {
+                inner.name for inner in one.body if isinstance(inner, ast.FunctionDef)
+            }
+            methods[one.name].update(*(methods.get(base, set()) for base in bases))
+    return Found(
+        tuple(ModelFile(path, name) for name, has in methods.items() if "log_likelihood" in has),
+        tuple(ModelFile(path, name) for name, has in methods.items() if "sample" in has),
+    )

@@ -1,0 +1,110 @@
+"""The file that a pose is kept in from one run to the next."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field as PydanticField
+from pydantic import ValidationError
+
+from app.files import file_written_whole
+from app.messages.message import Message
+from app.messages.telemetry import HypothesisMessage, PoseMessage
+from robot.covariance import CovarianceError, covariance_from
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.localization.estimate import Hypothesis
+
+LARGEST = 1_000_000
+"""A larger file is none of ours [bytes]."""
+
+
+class PoseFileError(ValueError):
+    """A saved pose that cannot be used; the message says why."""
+
+
+class SavedPose(Message):
+    """What the filter believed at the end, on which map."""
+
+    format: Literal[1] = 1
+    map: str
+    extent: list[float]
+    """Of the map; another one of the same name is another map."""
+    hypotheses: Annotated[list[HypothesisMessage], PydanticField(min_length=1, max_length=1000)]
+    truth: PoseMessage | None
+    """Where a simulated robot really was."""
+
+    def believed(self) -> tuple[Hypothesis, ...]:
+        """The hypotheses, heaviest first.
+
+        Raises:
+            PoseFileError: a covariance is none.
+        """
+        try:
+            found = [
+                Hypothesis(
+                    one.weight, Pose2(one.x, one.y, one.theta), covariance_from(one.covariance)
+                )
+                for one in self.hypotheses
+            ]
+        except CovarianceError as error:
+            raise PoseFileError(f"its {error}") from error
+        return tuple(sorted(found, key=lambda one: -one.weight))
+
+
+def pose_path(file: str, robot: str, field: Field) -> Path:
+    """Where the pose is kept: the file that is named, else one a robot and map."""
+    if file:
+        return Path(file).absolute()
+    state = os.environ.get("XDG_STATE_HOME", "")
+    folder = Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state"
+    return folder / "brickpose" / f"pose-{robot}-{field.name}.json"
+
+
+def write(path: Path, saved: SavedPose) -> None:
+    """Keep it, so that at any moment the file holds a whole one.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    with file_written_whole(path) as new:
+        new.write_text(saved.model_dump_json(indent=1), encoding="utf-8")
+
+
+def read(path: Path, field: Field) -> SavedPose:
+    """What was kept for a field.
+
+    Raises:
+        PoseFileError: there is none, it is damaged, or of another map.
+    """
+    try:
+        if path.stat().st_size > LARGEST:
+            raise PoseFileError(f"{path} is too large for a saved pose")
+        saved = SavedPose.model_validate_json(path.read_bytes())
+    except FileNotFoundError as error:
+        raise PoseFileError(f"there is no {path} yet") from error
+    except OSError as error:
+        raise PoseFileError(f"{path} cannot be read: {error.strerror}") from error
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise PoseFileError(f"{path} is damaged: {where} {first['msg']}".strip()) from error
+    _check(saved, path, field)
+    return saved
+
+
+def _check(saved: SavedPose, path: Path, field: Field) -> None:
+    if saved.map != field.name or saved.extent != list(field.extent):
+        raise PoseFileError(f"{path} is of another map, {saved.map}")
+    try:
+        believed = saved.believed()
+    except PoseFileError as error:
+        raise PoseFileError(f"{path} is damaged: {error}") from error
+    truth = [] if saved.truth is None else [saved.truth]
+    poses = [one.pose for one in believed] + [Pose2(t.x, t.y, t.theta) for t in truth]
+    if not all(field.contains(pose) for pose in poses):
+        raise PoseFileError(f"{path} is damaged: a pose is off the map")
+    if not believed[0].weight > 0:
+        raise PoseFileError(f"{path} is damaged: nothing has a weight")

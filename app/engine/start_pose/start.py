@@ -1,0 +1,50 @@
+"""Decides where the filter, and a simulated robot, start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.engine.start_pose.pose_file import PoseFileError, read
+from app.messages.telemetry import PoseMessage
+from app.settings.start_pose import StartPoseSettings
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.localization.estimate import Hypothesis
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Where a run begins."""
+
+    hypotheses: tuple[Hypothesis, ...] = ()
+    """Of the filter; none for the field's start with the filter's own spread."""
+    truth: Pose2 | None = None
+    """Where a simulated robot is put."""
+    complaint: str | None = None
+    """Why a saved pose was not used."""
+
+
+def start(settings: StartPoseSettings, path: Path, field: Field) -> Start:
+    """A saved pose if it is wanted and there is one, else the given one, else the field's.
+
+    Raises:
+        FieldError: the given pose is not on the field.
+    """
+    complaint = None
+    if settings.restore_pose:
+        try:
+            saved = read(path, field)
+        except PoseFileError as error:
+            complaint = f"The saved pose is not used: {error}."
+        else:
+            return Start(saved.believed(), _pose(saved.truth))
+    if not settings.set_initial_pose:
+        return Start(complaint=complaint)
+    given = settings.initial_pose
+    field.require_inside(given.pose)
+    return Start((Hypothesis(1.0, given.pose, given.matrix()),), complaint=complaint)
+
+
+def _pose(told: PoseMessage | None) -> Pose2 | None:
+    return None if told is None else Pose2(told.x, told.y, told.theta)

@@ -1,0 +1,1 @@
+"""Evaluation, fits, sweeps, trajectories, laser bags: the live program never imports it."""

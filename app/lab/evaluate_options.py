@@ -1,0 +1,244 @@
+"""The command line of ``brickpose evaluate``; what takes long to load is loaded when it is used."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from app.options import Commands, add_config, add_map
+from app.settings.conditions import condition_names
+from robot.settings import SettingError
+
+SIMULATED = ("map", "first_seed", "config", "workers", "cluster", "seeds", "world")
+"""Options that go with a simulation; there is more for the experiment and for the models."""
+RECORDED = ("recording", "truth", "body", "clock_offset")
+"""Options that go with a recording."""
+VALID = {
+    ("experiment", False): (*SIMULATED, "laps", "offset"),
+    ("models", False): (*SIMULATED, "repeats"),
+    ("experiment", True): RECORDED,
+    ("models", True): (*RECORDED, "config"),
+}
+"""By what is evaluated and whether it is recorded; ``out`` goes with all."""
+INTEGRITY = (
+    "map", "condition", "start", "first_seed", "seeds", "laps", "config", "workers", "cluster",
+)  # fmt: skip
+"""Options of integrity; ``out`` goes with it, too."""
+KINDS = {
+    "experiment": "The paper's experiment: what is done if none of these is named.",
+    "models": "Statistics of the models: of the motion and sensor models of one robot, or of "
+    "recorded odometry with truth, and fitted parameters for --config.",
+    "integrity": "Is it right when it says so: robots x fields x conditions x starts, what was "
+    "claimed and what was true at each picture, Stanford diagrams and causes.",
+}
+"""What can be evaluated."""
+
+
+def add_evaluate(commands: Commands) -> None:
+    """Add the command."""
+    command = commands.add_parser(
+        "evaluate",
+        help="the paper's experiment, statistics of the models, or integrity",
+        description="Drive the open-loop figure-eight with simulated robots, follow each with the "
+        "pose known and with it told wrong, and write a report. With --recording and --truth: "
+        "compare a recorded trajectory with the true one. Metres, radians, seconds.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    _add_common(command)
+    command.set_defaults(command=_evaluate, what="experiment")
+    kinds = command.add_subparsers(metavar="{experiment,models,integrity}")
+    for name, about in KINDS.items():
+        kind = kinds.add_parser(
+            name,
+            help=about.partition(":")[0],
+            description=about,
+            argument_default=argparse.SUPPRESS,
+            allow_abbrev=False,
+        )
+        (_add_integrity if name == "integrity" else _add_common)(kind)
+        kind.set_defaults(what=name)
+
+
+def _add_common(command: argparse.ArgumentParser) -> None:
+    _add_out(command)
+    _add_simulation(command)
+    add_workers(command)
+    _add_recording(command)
+
+
+def _add_out(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="where the results go (default: evaluation; of models and integrity a folder in it)",
+    )
+
+
+def _add_integrity(command: argparse.ArgumentParser) -> None:
+    """Robots x fields x conditions x starts."""
+    several: dict[str, Any] = {"nargs": "+", "action": "extend"}
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        **several,
+        help="fields of maps/, generated-N (from a seed), or files (default: square stub town)",
+    )
+    command.add_argument(
+        "--condition", metavar="NAME", **several,
+        help=f"which (default: default): {condition_names()}",
+    )  # fmt: skip
+    command.add_argument(
+        "--start",
+        metavar="START",
+        **several,
+        help="what is known of the pose (default: all): known, told-wrong, scattered, carried",
+    )
+    command.add_argument(
+        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
+    )
+    command.add_argument(
+        "--seeds", type=int, metavar="N",
+        help="how many robots on each field in each condition (default: 12)",
+    )  # fmt: skip
+    command.add_argument(
+        "--laps", type=int, metavar="N",
+        help="laps of the figure-eight (default: 1); carried drives take 17 s",
+    )  # fmt: skip
+    _add_out(command)
+    add_config(command)
+    add_workers(command)
+
+
+def add_workers(command: argparse.ArgumentParser) -> None:
+    """Who does the work."""
+    command.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        default=argparse.SUPPRESS,
+        help="processes of this machine (default: one a core)",
+    )
+    command.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        default=argparse.SUPPRESS,
+        help="a Dask scheduler instead, as tcp://host:8786",
+    )
+
+
+def check_options(given: dict[str, Any]) -> None:
+    """Refuse options without effect.
+
+    Raises:
+        SettingError: names one, and what goes with what is evaluated.
+    """
+    if ("recording" in given) != ("truth" in given):
+        raise SettingError("--recording and --truth are given together")
+    recorded = "recording" in given
+    valid = VALID[given["what"], recorded]
+    for name in given:
+        if name not in (*valid, "out", "what", "command"):
+            of = "a recording" if recorded else "a simulation"
+            options = ", ".join(_option(one) for one in ("out", *valid))
+            raise SettingError(
+                f"{_option(name)} does not go with {given['what']} of {of}; valid are {options}"
+            )
+
+
+def _option(name: str) -> str:
+    return "--" + name.replace("_", "-")
+
+
+def _add_simulation(command: argparse.ArgumentParser) -> None:
+    add_map(command)
+    command.add_argument(
+        "--first-seed", type=int, metavar="N", help="seed of the first robot (default: 0)"
+    )
+    command.add_argument(
+        "--seeds",
+        type=int,
+        metavar="N",
+        help="how many robots (default: 12); of models how many runs compare fitted and default "
+        "settings (default: 6)",
+    )
+    command.add_argument(
+        "--laps", type=int, metavar="N", help="laps of the figure-eight (default: 2)"
+    )
+    command.add_argument(
+        "--offset",
+        type=float,
+        nargs=3,
+        metavar=("DX", "DY", "DTHETA"),
+        help="how far the told pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
+    )
+    command.add_argument(
+        "--world",
+        action="append",
+        choices=("sim", "as-real", "hand-built", "kinematic"),
+        help="may be given more than once (default: sim and as-real; of models sim; kinematic "
+        "without pybullet)",
+    )
+    command.add_argument(
+        "--repeats",
+        type=int,
+        metavar="N",
+        help="how often each motion is driven, of models (default: 20)",
+    )
+    add_config(command)
+
+
+def _add_recording(command: argparse.ArgumentParser) -> None:
+    """A recording instead of a simulation."""
+    recording = command.add_argument_group("a recording instead of a simulation")
+    recording.add_argument(
+        "--recording",
+        type=Path,
+        metavar="FILE",
+        help="what was estimated, of models odometry: TUM text, a table with a header, "
+        "Motive CSV or MRCLAM",
+    )
+    recording.add_argument(
+        "--truth", type=Path, metavar="FILE", help="what was true, in the same forms"
+    )
+    recording.add_argument(
+        "--body", metavar="NAME", help="which rigid body of a Motive file, if it has several"
+    )
+    recording.add_argument(
+        "--clock-offset",
+        metavar="SECONDS",
+        help="what to add to the recording's stamps; auto estimates it (default: auto)",
+    )
+
+
+def _evaluate(parsed: argparse.Namespace) -> int:
+    if parsed.what == "integrity":
+        from app.lab.evaluation.integrity.command import integrity_command  # noqa: PLC0415
+
+        return integrity_command(_own_options(vars(parsed)))
+    check_options(vars(parsed))
+    if parsed.what == "models":
+        from app.lab.model_fits.command import models_command  # noqa: PLC0415
+
+        return models_command(vars(parsed))
+    from app.lab.evaluation.command import evaluate_command  # noqa: PLC0415
+
+    return evaluate_command(vars(parsed))
+
+
+def _own_options(given: dict[str, Any]) -> dict[str, Any]:
+    """Options of integrity; refuse what stands before it and belongs to the experiment.
+
+    Raises:
+        SettingError: names one, and what goes with integrity.
+    """
+    for name in given:
+        if name not in (*INTEGRITY, "out", "what", "command"):
+            options = ", ".join(_option(one) for one in ("out", *INTEGRITY))
+            raise SettingError(f"{_option(name)} does not go with integrity; valid are {options}")
+    for name in ("map", "condition", "start"):
+        if isinstance(given.get(name), str):
+            given = given | {name: [given[name]]}
+    return given

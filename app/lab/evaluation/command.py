@@ -1,0 +1,115 @@
+"""What ``brickpose evaluate`` does with its arguments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from app.console import say
+from app.lab.evaluation.evaluate import evaluate
+from app.lab.evaluation.experiment import Experiment
+from app.lab.evaluation.recorded import evaluate_recording
+from app.lab.evaluation.report.report import millimetres, seconds
+from app.lab.workers import Workers, workers
+from app.options import config_of
+from robot.settings import SettingError
+from sim.bullet import BulletMissingError, load_pybullet
+
+Given = dict[str, Any]
+"""The options that the command line names."""
+
+OUT = Path("evaluation")
+
+
+def evaluate_command(given: Given) -> int:
+    """Make the experiment, or compare a recording."""
+    folder = given.get("out", OUT)
+    if "recording" in given:
+        files = given["recording"], given["truth"]
+        clock = given.get("clock_offset", "auto")
+        results = evaluate_recording(*files, folder, given.get("body"), clock)
+        ate = {key: results["methods"]["amcl"][key]["mean"] for key in ATE}
+        say(", ".join(f"{ATE[key]} {millimetres(value)}" for key, value in ate.items()))
+        say(_clock_line(results["experiment"]))
+        if hint := _scale_line(results["experiment"]["similarity"], ate["ate_aligned_rmse_m"]):
+            say(hint)
+    else:
+        results = _experiment(given, folder)
+        for condition in results["conditions"]:
+            say(_line(condition))
+    say(f"the report is {folder / 'report.html'}")
+    return 0
+
+
+ATE = {"ate_rmse_m": "unaligned", "ate_aligned_rmse_m": "aligned"}
+
+
+def worlds_of(given: Given) -> tuple[str, ...]:
+    """Those of the command line, or what can be had here."""
+    named = tuple(dict.fromkeys(given.get("world", ())))
+    if named:
+        return named
+    try:
+        load_pybullet()
+    except BulletMissingError as error:
+        say(f"In the kinematic world, with perfect wheels: {error}")
+        return ("kinematic",)
+    return ("sim", "as-real")
+
+
+def crew_of(given: Given) -> Workers:
+    """Who does the work.
+
+    Raises:
+        SettingError: both kinds were named.
+    """
+    if "workers" in given and "cluster" in given:
+        raise SettingError("--workers is for this machine; a cluster has as many as it has")
+    return workers(given.get("workers"), given.get("cluster"))
+
+
+def _experiment(given: Given, folder: Path) -> dict[str, Any]:
+    named = ("first_seed", "seeds", "laps")
+    options: dict[str, Any] = {name: given[name] for name in named if name in given}
+    if "offset" in given:
+        options["offset"] = tuple(given["offset"])
+    experiment = Experiment(config_of(given), worlds_of(given), **options)
+    crew = crew_of(given)
+    try:
+        return evaluate(experiment, crew, folder)
+    finally:
+        crew.close()
+
+
+def _line(condition: dict[str, Any]) -> str:
+    told = "known" if condition["offset"] is None else "told wrong"
+    ate = {name: one["ate_rmse_m"]["mean"] for name, one in condition["methods"].items()}
+    after = condition["convergence"]
+    median = after["seconds"]["median"]
+    return (
+        f"{condition['world']}, start {told}: "
+        f"odometry {millimetres(ate['odometry'])}, AMCL {millimetres(ate['amcl'])}; "
+        f"{after['converged']} of {after['of']} right, after {seconds(median)}; "
+        f"{after['right_to_the_end']} right to the end, {after['lost_again']} lost again; "
+        f"once right {millimetres(after['steady_ate_rmse_m']['mean'])}"
+    )
+
+
+def _scale_line(similarity: dict[str, Any] | None, rigid: float) -> str | None:
+    """A hint where the estimate has a scale of its own, as one of a single camera has."""
+    if similarity is None or not similarity["is_free"]:
+        return None
+    return (
+        f"the scale is free, as of a single camera: aligned {millimetres(rigid)}, and "
+        f"{millimetres(similarity['ate_rmse_m'])} if it is multiplied by {similarity['scale']:.4g}"
+    )
+
+
+def _clock_line(experiment: dict[str, Any]) -> str:
+    found, added = experiment["clock_offset_s"], experiment["clock_offset_added_s"]
+    told = ""
+    if found is not None:
+        told = f"the recording's clock is {abs(found):.4f} s {'behind' if found > 0 else 'ahead'}; "
+    if found is not None and added == 0:
+        return f"{told}it is left so, as it does not show"
+    return f"{told}{abs(added):.4f} s was {'added to' if added >= 0 else 'taken off'} its stamps"

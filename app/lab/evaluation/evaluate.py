@@ -1,0 +1,103 @@
+"""``brickpose evaluate``: from the experiment to its folder of results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from app.files import RESULTS, write_json, written_whole
+from app.lab.evaluation.experiment import Experiment, run
+from app.lab.evaluation.recorded import RUN
+from app.lab.evaluation.report.report import Evaluation, figure3, report
+from app.lab.evaluation.results import condition_table, trajectory
+from app.lab.evaluation.runs import Run
+from app.lab.evaluation.scores import SHOWN
+from app.lab.trajectories.files.tum import write_tum
+from app.lab.workers import Workers
+from app.settings.config import MAPS
+from app.settings.provenance import changed_settings, versions
+from robot.fields.field_loading import load_field
+
+WITHOUT, WITH = "known", "offset"
+
+
+def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str, Any]:
+    """Make the experiment and write ``results.json``, ``report.html``, ``figure3.svg``, ``runs/``.
+
+    Args:
+        experiment: which robots drive, where and for how long.
+        workers: who does it.
+        folder: where the results go; made if it is not there.
+
+    Returns:
+        What is in ``results.json``; the same for the same seeds, whoever does the work.
+
+    Raises:
+        EvaluationError: a drive cannot be made or followed.
+        OSError: the folder cannot be written.
+    """
+    field = load_field(experiment.config.map, MAPS)
+    with written_whole(folder) as new:
+        conditions = {
+            (world, told): [getattr(outcome, told) for outcome in outcomes]
+            for world, outcomes in run(experiment, workers).items()
+            for told in (WITHOUT, WITH)
+        }
+        results = results_of(experiment, conditions)
+        evaluation = Evaluation(experiment, field, conditions, results)
+        (new / "figure3.svg").write_text(figure3(evaluation), encoding="utf-8")
+        (new / "report.html").write_text(report(evaluation), encoding="utf-8")
+        for (world, told), runs in conditions.items():
+            for seed, one in zip(experiment.all_seeds, runs, strict=True):
+                place = new / "runs" / _place(experiment, world, told) / str(seed)
+                _write_run(place, one, f"{RUN} seed {seed} in the world {world}")
+        write_json(new / RESULTS, results)
+    return results
+
+
+def results_of(
+    experiment: Experiment, conditions: dict[tuple[str, str], list[Run]]
+) -> dict[str, Any]:
+    """What is in ``results.json``."""
+    tables = {key: condition_table(runs) for key, runs in conditions.items()}
+    first = experiment.worlds[0]
+    return {
+        "experiment": {
+            "seeds": experiment.seeds,
+            "first_seed": experiment.first_seed,
+            "laps": experiment.laps,
+            "map": experiment.config.map,
+            "duration_s": experiment.duration,
+            "world": first,
+            "worlds": list(experiment.worlds),
+            "offset": list(experiment.offset),
+            "rpe_over": SHOWN,
+            "settings": changed_settings(experiment.config),
+            "versions": versions(),
+        },
+        "methods": tables[first, WITHOUT]["methods"],
+        "recovery": tables[first, WITH]["convergence"],
+        "conditions": [
+            {
+                "world": world,
+                "offset": list(experiment.offset) if told == WITH else None,
+                "runs": f"runs/{_place(experiment, world, told)}".rstrip("/."),
+            }
+            | table
+            for (world, told), table in tables.items()
+        ],
+    }
+
+
+def _place(experiment: Experiment, world: str, told: str) -> str:
+    """Where under ``runs/`` a condition's robots are: those of the first one by seed alone."""
+    if (world, told) == (experiment.worlds[0], WITHOUT):
+        return "."
+    return world if told == WITHOUT else f"{world}-offset"
+
+
+def _write_run(folder: Path, run: Run, note: str) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for method in ("truth", "odometry", "amcl"):
+        about = f"{method}, map frame"
+        write_tum(folder / f"{method}.tum", trajectory(run, method), notes=(about, note))

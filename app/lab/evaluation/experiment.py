@@ -1,0 +1,123 @@
+"""The paper's experiment: the open-loop figure-eight, with the pose known and with it told wrong.
+
+Each robot drives once in each world: what it is told of its pose does not change how it drives, so
+one recorded drive is followed twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from tqdm import tqdm
+
+from app.lab.evaluation.drives import Drive, record
+from app.lab.evaluation.runs import EvaluationError, Run, follow
+from app.lab.evaluation.worlds import in_world, require_world
+from app.lab.workers import Workers
+from app.settings.config import Config
+from robot.geometry import Pose2
+from robot.settings import SettingError
+
+KNOWN = np.diag(np.square([0.01, 0.01, 0.03]))
+"""Covariance of the pose at the start where it is known [m², m², rad²]; told wrong, it comes with
+the configuration's ``initial_sd_xy`` and ``initial_sd_theta``, as from the dashboard."""
+OFFSET = (-0.1, -0.1, 0.3)
+"""How far the told pose is off in the paper, in the map's axes [m, m, rad]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Which robots drive, where and for how long."""
+
+    config: Config = Config()
+    worlds: tuple[str, ...] = ("sim", "as-real")
+    first_seed: int = 0
+    seeds: int = 12
+    laps: int = 2
+    offset: tuple[float, float, float] = OFFSET
+
+    def __post_init__(self) -> None:
+        for name in self.worlds:
+            require_world(name)
+        for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
+            if value < low:
+                raise SettingError(f"{name} is {value}; valid is {low} or more")
+        if not (self.first_seed >= 0 and self.first_seed + self.seeds <= 2**32):
+            raise SettingError(f"first seed is {self.first_seed}; valid is 0 to 4294967295")
+        if not np.isfinite(self.offset).all():
+            raise SettingError(f"the offset {self.offset} is not finite")
+
+    @property
+    def duration(self) -> float:
+        """Of a drive [s]."""
+        return self.laps * self.config.figure_eight.lap
+
+    @property
+    def all_seeds(self) -> range:
+        """The seeds of all robots."""
+        return range(self.first_seed, self.first_seed + self.seeds)
+
+    def jobs(self) -> list[Job]:
+        """All drives, each robot's in one world after the other."""
+        return [
+            Job(replace(in_world(self.config, world), seed=seed), world, self.duration, self.offset)
+            for seed in self.all_seeds
+            for world in self.worlds
+        ]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One drive, to be followed with the pose known and with it told wrong."""
+
+    config: Config
+    world: str
+    duration: float
+    offset: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of one drive."""
+
+    known: Run = field(repr=False)
+    """The pose was known at the start."""
+    offset: Run = field(repr=False)
+    """It was told wrong."""
+
+
+def drive_and_follow(job: Job) -> Outcome:
+    """Do one job; the same job has the same outcome to the last digit."""
+    drive = record(job.config, job.duration)
+    return Outcome(
+        follow(drive, job.config, drive.ticks[0].truth, KNOWN),
+        follow_from_offset(drive, job.config, job.offset),
+    )
+
+
+def follow_from_offset(drive: Drive, config: Config, offset: Sequence[float]) -> Run:
+    """Follow a drive from a pose told wrong by an offset [m, m, rad] in the map's axes."""
+    start, (dx, dy, turn) = drive.ticks[0].truth, offset
+    return follow(drive, config, Pose2(start.x + dx, start.y + dy, start.theta + turn))
+
+
+def run(experiment: Experiment, workers: Workers) -> dict[str, list[Outcome]]:
+    """Do all of it, and show how far it is; by world, in the order of the seeds.
+
+    Raises:
+        EvaluationError: a drive cannot be made or followed; names seed and world.
+    """
+    jobs = experiment.jobs()
+    found: dict[tuple[str, int], Outcome] = {}
+    done = workers.each(drive_and_follow, jobs)
+    for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
+        job = jobs[place]
+        if isinstance(outcome, Exception):
+            where = f"seed {job.config.seed} in the world {job.world}"
+            raise EvaluationError(f"{where}: {outcome}") from outcome
+        found[job.world, job.config.seed] = outcome
+    return {
+        world: [found[world, seed] for seed in experiment.all_seeds] for world in experiment.worlds
+    }

@@ -1,0 +1,201 @@
+"""What was claimed at each picture of a drive, and what was true."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.engine.build import own_models
+from app.engine.localization import Localization
+from app.lab.evaluation.drives import Drive, Tick
+from app.lab.evaluation.experiment import KNOWN, OFFSET
+from app.lab.evaluation.integrity.drives import TrialDrive
+from app.lab.evaluation.runs import EvaluationError
+from app.settings.config import Config
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2, wrap_angle
+from robot.localization.integrity import Cause, Integrity, State
+from robot.localization.models.entry_field import EntryField
+from robot.scanning.line_scanner import LineScanner
+
+STARTS = ("known", "told-wrong", "scattered", "carried")
+"""Told the true pose, give or take 1 cm and 0.03 rad; told one that is 0.14 m and 0.3 rad off; told
+nothing; and told nothing, found, then carried off."""
+
+TOLD = 8
+"""Number of the stream that the error of a known start is drawn from, beside the seed."""
+
+
+@dataclass(frozen=True)
+class Claims:
+    """Of n pictures, in order."""
+
+    stamps: Array
+    """(n,) [s]"""
+    truth: Array
+    """(n, 3) [m, m, rad] in the map."""
+    poses: Array
+    """(n, 3) the estimate at the pictures' stamps; nan while there is none."""
+    covariance: Array
+    """(n, 3, 3) [m, m, rad], as the filter says; nan while there is none."""
+    weights: Array
+    """(n,) of the heaviest hypothesis."""
+    states: tuple[State, ...]
+    radius: Array
+    """(n,) [m]"""
+    heading_bound: Array
+    """(n,) [rad]"""
+    causes: tuple[Cause | None, ...]
+    """The likeliest reason for doubt at each picture."""
+    carry_stamp: float | None
+    """When the robot was carried off [s]."""
+
+    @property
+    def off(self) -> Array:
+        """(n, 3) estimate less truth [m, m, rad]; nan without an estimate."""
+        off = self.poses - self.truth
+        off[:, 2] = wrap_angle(off[:, 2])
+        return off
+
+    @property
+    def distances(self) -> Array:
+        """(n,) from the truth [m]; inf without an estimate."""
+        found: Array = np.nan_to_num(np.hypot(*self.off[:, :2].T), nan=math.inf)
+        return found
+
+    @property
+    def turns(self) -> Array:
+        """(n,) from the true heading [rad], absolute; inf without an estimate."""
+        found: Array = np.nan_to_num(np.abs(self.off[:, 2]), nan=math.inf)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    stamp: float
+    truth: Pose2
+    pose: Pose2 | None
+    covariance: Array
+    weight: float
+    integrity: Integrity
+
+
+def follow_claims(
+    trial: TrialDrive, config: Config, start: str, believed: Field | None = None
+) -> Claims:
+    """Let the program's localization follow a drive and keep what it claims.
+
+    Args:
+        trial: what the robot saw and where it was.
+        config: seed and localization, and models of the user's own.
+        start: one of ``STARTS``.
+        believed: the field that the robot takes it for, if it is not the true one.
+
+    Raises:
+        EvaluationError: a model of the user's own is broken, or there are fewer than three
+            pictures.
+    """
+    field = believed or trial.drive.field
+    localization = _localization(field, config)
+    _STARTERS[start](localization, trial.drive, config)
+    rows = [
+        _claim(localization, trial.drive, tick)
+        for tick in trial.drive.ticks
+        if _taken(localization, tick)
+    ]
+    if len(rows) < 3:
+        raise EvaluationError("fewer than three pictures were taken; drive for longer")
+    return _claims(rows, trial.carry_stamp)
+
+
+def _localization(field: Field, config: Config) -> Localization:
+    chance = np.random.default_rng(config.seed).spawn(2)[1]
+    scanner = LineScanner(RobotSpec.load().floor_view, config.scanner)
+    own = own_models(config, field)
+    entries = entries_over(field, config)
+    return Localization(scanner, field, config.localization, chance, own, entries)
+
+
+_ENTRIES: dict[tuple[bytes, float, float], EntryField] = {}
+
+
+def entries_over(field: Field, config: Config) -> EntryField:
+    """The table of distances, which takes long to make: the last one is kept in each process."""
+    sensor = config.localization.sensor
+    far = sensor.laser_likelihood_max_dist
+    key = field.edges.tobytes(), sensor.field_resolution, far
+    if key not in _ENTRIES:
+        _ENTRIES.clear()
+        resolution = sensor.field_resolution
+        _ENTRIES[key] = EntryField.build(field, resolution=resolution, max_distance=far)
+    return _ENTRIES[key]
+
+
+def _tell_known(localization: Localization, drive: Drive, config: Config) -> None:
+    rng = np.random.default_rng([config.seed, TOLD])
+    error = rng.normal(0, np.sqrt(np.diag(KNOWN)))
+    localization.set_pose_with(_beside(drive.ticks[0].truth, error), KNOWN)
+
+
+def _tell_wrong(localization: Localization, drive: Drive, _config: Config) -> None:
+    localization.set_pose(_beside(drive.ticks[0].truth, np.array(OFFSET)), None, None)
+
+
+def _tell_nothing(localization: Localization, _drive: Drive, _config: Config) -> None:
+    localization.scatter()
+
+
+_STARTERS: dict[str, Callable[[Localization, Drive, Config], None]] = {
+    "known": _tell_known,
+    "told-wrong": _tell_wrong,
+    "scattered": _tell_nothing,
+    "carried": _tell_nothing,
+}
+
+
+def _beside(pose: Pose2, offset: Array) -> Pose2:
+    dx, dy, turn = offset.tolist()
+    return replace(pose, x=pose.x + dx, y=pose.y + dy, theta=pose.theta + turn)
+
+
+def _taken(localization: Localization, tick: Tick) -> bool:
+    """Tell the localization of a tick; whether there was a picture."""
+    localization.note(tick.odometry)
+    if tick.scan is None or tick.odometry_at_scan is None:
+        return False
+    localization.take(tick.scan, tick.odometry_at_scan)
+    if localization.fault:
+        raise EvaluationError(localization.fault)
+    return True
+
+
+def _claim(localization: Localization, drive: Drive, tick: Tick) -> _Row:
+    assert tick.scan is not None and tick.odometry_at_scan is not None
+    belief, stamp = localization.belief, tick.scan.stamp
+    truth = drive.truth_at(stamp)
+    if belief is None:
+        return _Row(stamp, truth, None, np.full((3, 3), np.nan), 0.0, localization.integrity)
+    best = belief.estimate.hypotheses[0]
+    pose = belief.pose(tick.odometry_at_scan)
+    return _Row(stamp, truth, pose, best.covariance, best.weight, localization.integrity)
+
+
+def _claims(rows: list[_Row], carry_stamp: float | None) -> Claims:
+    nowhere = np.full(3, np.nan)
+    claimed = [row.integrity for row in rows]
+    return Claims(
+        np.array([row.stamp for row in rows]),
+        np.array([row.truth.to_array() for row in rows]),
+        np.array([nowhere if row.pose is None else row.pose.to_array() for row in rows]),
+        np.array([row.covariance for row in rows]),
+        np.array([row.weight for row in rows]),
+        tuple(one.state for one in claimed),
+        np.array([one.radius for one in claimed]),
+        np.array([one.heading_bound for one in claimed]),
+        tuple(one.alerts[0].cause if one.alerts else None for one in claimed),
+        carry_stamp,
+    )

@@ -1,0 +1,104 @@
+"""``brickpose evaluate integrity``: from the experiment to its folder of results."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from app.files import RESULTS, write_json, written_whole
+from app.lab.evaluation.integrity.experiment import (
+    Failure,
+    IntegrityExperiment,
+    IntegrityRun,
+    each_run,
+    map_stem,
+)
+from app.lab.evaluation.integrity.report.integrity_report import IntegrityResults, report
+from app.lab.evaluation.integrity.stanford import Stanford
+from app.lab.evaluation.integrity.summary import Row, summary_of
+from app.lab.evaluation.runs import EvaluationError
+from app.lab.workers import Workers
+from app.settings.provenance import changed_settings, versions
+
+
+def evaluate_integrity(
+    experiment: IntegrityExperiment, workers: Workers, folder: Path
+) -> dict[str, Any]:
+    """Make the experiment and write ``results.json``, ``report.html`` and ``runs/``.
+
+    Args:
+        experiment: which robots drive where, under what, and what they are told.
+        workers: who does it.
+        folder: where the results go; made if it is not there.
+
+    Returns:
+        What is in ``results.json``; the same for the same seeds, whoever does the work.
+
+    Raises:
+        EvaluationError: no drive at all could be followed.
+        OSError: the folder cannot be written.
+    """
+    with written_whole(folder) as new:
+        rows: list[Row] = []
+        diagrams: defaultdict[str, Stanford] = defaultdict(Stanford.empty)
+        failures: list[Failure] = []
+        for run in each_run(experiment.jobs(), workers):
+            if isinstance(run, Failure):
+                failures.append(run)
+                continue
+            _write_run(new, run)
+            rows.append(run.row)
+            diagrams[run.row["condition"]] += run.stanford
+        if not rows:
+            raise EvaluationError(f"no drive could be followed: {failures[0].error}")
+        rows = _in_order(rows, experiment)
+        results = _results(experiment, rows, failures)
+        shown = IntegrityResults(experiment, results, dict(diagrams), new)
+        (new / "report.html").write_text(report(shown), encoding="utf-8")
+        write_json(new / RESULTS, results)
+    return results
+
+
+def run_path(row: Row) -> str:
+    """Where in the folder a robot's claims are."""
+    return f"runs/{row['map']}-{row['condition']}-{row['start']}/{row['seed']}.csv"
+
+
+def _results(
+    experiment: IntegrityExperiment, rows: list[Row], failures: list[Failure]
+) -> dict[str, Any]:
+    return {
+        "experiment": {
+            "maps": list(experiment.maps),
+            "conditions": list(experiment.conditions),
+            "starts": list(experiment.starts),
+            "first_seed": experiment.first_seed,
+            "seeds": experiment.seeds,
+            "laps": experiment.laps,
+            "settings": changed_settings(experiment.config),
+            "versions": versions(),
+        },
+        "runs": rows,
+        "failures": [asdict(one) for one in failures],
+        "summary": summary_of(rows),
+    }
+
+
+def _in_order(rows: list[Row], experiment: IntegrityExperiment) -> list[Row]:
+    """As the experiment names them, whoever was done first."""
+    conditions, starts = list(experiment.conditions), list(experiment.starts)
+    maps = [map_stem(name) for name in experiment.maps]
+
+    def place(row: Row) -> tuple[int, int, int, int]:
+        where = maps.index(row["map"])
+        return where, conditions.index(row["condition"]), starts.index(row["start"]), row["seed"]
+
+    return sorted(rows, key=place)
+
+
+def _write_run(folder: Path, run: IntegrityRun) -> None:
+    path = folder / run_path(run.row)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(run.csv, encoding="utf-8")

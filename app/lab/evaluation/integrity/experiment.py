@@ -1,0 +1,140 @@
+"""Robots x fields x conditions x starts: which there are, and what one worker does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from app.lab.evaluation.integrity.claims import STARTS, follow_claims
+from app.lab.evaluation.integrity.claims_file import claims_csv
+from app.lab.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
+from app.lab.evaluation.integrity.measures import measures
+from app.lab.evaluation.integrity.oracle import decided_stamp, decision_measures
+from app.lab.evaluation.integrity.stanford import Stanford, counted
+from app.lab.workers import Workers
+from app.settings.conditions import in_condition, require_condition
+from app.settings.config import MAPS, Config
+from robot.fields.field_loading import load_field
+from robot.settings import SettingError
+
+CARRIED = "carried"
+
+
+@dataclass(frozen=True)
+class IntegrityExperiment:
+    """Which robots drive where, under what, and what they are told."""
+
+    config: Config = Config()
+    maps: tuple[str, ...] = ("square", "stub", "town")
+    conditions: tuple[str, ...] = ("default",)
+    starts: tuple[str, ...] = STARTS
+    first_seed: int = 0
+    seeds: int = 12
+    laps: int = 1
+
+    def __post_init__(self) -> None:
+        for name in self.conditions:
+            require_condition(name)
+        for name in self.starts:
+            if name not in STARTS:
+                raise SettingError(f"no start {name!r}; valid are {', '.join(STARTS)}")
+        for name in self.maps:
+            load_field(name, MAPS)
+        for name, count in (("seeds", self.seeds), ("laps", self.laps)):
+            if count < 1:
+                raise SettingError(f"{name} is {count}; valid is 1 or more")
+        if not (self.first_seed >= 0 and self.first_seed + self.seeds <= 2**32):
+            raise SettingError(f"first seed is {self.first_seed}; valid is 0 to 4294967295")
+        stems = [map_stem(name) for name in self.maps]
+        if len(set(stems)) < len(stems):
+            raise SettingError(f"two maps have one name: {', '.join(stems)}; give each its own")
+
+    def jobs(self) -> list[IntegrityJob]:
+        """All drives; those of one field follow each other, as tables of it are kept."""
+        laps = tuple(one for one in self.starts if one != CARRIED)
+        groups = [group for group in (laps, (CARRIED,) * (CARRIED in self.starts)) if group]
+        return [
+            IntegrityJob(self._config(name, condition, seed), condition, group, self.laps)
+            for name in self.maps
+            for condition in self.conditions
+            for seed in range(self.first_seed, self.first_seed + self.seeds)
+            for group in groups
+        ]
+
+    def _config(self, name: str, condition: str, seed: int) -> Config:
+        robot = "sim" if self.config.robot == "auto" else self.config.robot
+        return in_condition(replace(self.config, robot=robot, map=name, seed=seed), condition)
+
+
+@dataclass(frozen=True)
+class IntegrityJob:
+    """One drive, followed from several starts."""
+
+    config: Config
+    condition: str
+    starts: tuple[str, ...]
+    laps: int
+
+
+@dataclass(frozen=True)
+class IntegrityRun:
+    """One robot from one start."""
+
+    row: dict[str, Any]
+    """As ``results.json`` has it."""
+    csv: str
+    stanford: Stanford
+
+
+def do_job(job: IntegrityJob) -> list[IntegrityRun]:
+    """Drive once, follow from each start; the same job has the same outcome to the last digit."""
+    is_carried = CARRIED in job.starts
+    trial = carried_drive(job.config) if is_carried else lap_drive(job.config, job.laps)
+    return [_run(job, trial, start) for start in job.starts]
+
+
+def _run(job: IntegrityJob, trial: TrialDrive, start: str) -> IntegrityRun:
+    claims = follow_claims(trial, job.config, start)
+    decided = decided_stamp(trial, claims, job.config, start)
+    about = {
+        "map": map_stem(job.config.map),
+        "condition": job.condition,
+        "start": start,
+        "seed": job.config.seed,
+    }
+    row = about | measures(claims) | decision_measures(claims, decided)
+    return IntegrityRun(row, claims_csv(claims), counted(claims))
+
+
+def map_stem(name: str) -> str:
+    """What a field is called in results and folders."""
+    return Path(name).stem
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A drive that could not be made or followed."""
+
+    map: str
+    condition: str
+    seed: int
+    error: str
+
+
+def each_run(jobs: list[IntegrityJob], workers: Workers) -> Iterator[IntegrityRun | Failure]:
+    """Do all of it, and show how far it is; robots come in the order in which they are done.
+
+    What fails is told, and the rest goes on: hours of work are not lost to one drive.
+    """
+    done = workers.each(do_job, jobs)
+    for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
+        job = jobs[place]
+        if isinstance(outcome, Exception):
+            what = " ".join(str(outcome).split()) or type(outcome).__name__
+            yield Failure(map_stem(job.config.map), job.condition, job.config.seed, what)
+        else:
+            yield from outcome

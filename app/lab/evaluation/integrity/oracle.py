@@ -1,0 +1,161 @@
+"""When has the field told the true place from all that could be mistaken for it?
+
+An oracle that knows the truth follows each rival along the robot's true motion, lays it on the
+edges scan by scan as it does with the truth itself, and adds up how much better the rays fit at
+the truth. Until the sum is beyond doubt for all rivals, and stays so, nobody could know; a claim
+of certain before that is unfounded.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from app.lab.evaluation.convergence import PLACE_THETA, PLACE_XY, Mask
+from app.lab.evaluation.drives import Drive
+from app.lab.evaluation.integrity.claims import Claims
+from app.lab.evaluation.integrity.drives import TrialDrive
+from app.lab.evaluation.integrity.measures import certain, right
+from app.lab.evaluation.integrity.rivals import Way, lookalikes, rivals_of, setup_over
+from app.settings.config import Config
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.localization.ray_evidence import RayEvidence
+from robot.localization.setup import Setup
+
+REACH, SD = 1.0, 0.01
+"""The oracle's own: range [m] and its spread [m]."""
+WORTH, MOST = 4.5, 3.0
+"""Independent rays that a scan is worth, and what one scan may say at most."""
+DECIDED = 3.0
+"""Log-likelihood ratio from which on one place is told from another."""
+SETTLED = 20.0
+"""From which on it is followed no more."""
+NUDGE_XY, NUDGE_THETA = 0.04, math.radians(6)
+"""So far a scan may lay a rival beside where motion has it [m], [rad]."""
+
+
+def decided_stamp(
+    trial: TrialDrive, claims: Claims, config: Config, start: str, believed: Field | None = None
+) -> float:
+    """Stamp [s] from which on the field has decided; inf if it never does.
+
+    Args:
+        trial: the drive; after a carry only what comes then counts.
+        claims: what the filter made of it: places that it claimed are rivals.
+        config: how places are looked for.
+        start: what was known at the start. Known, it is decided from the beginning.
+        believed: the field that the robot takes it for, if it is not the true one.
+    """
+    if start == "known":
+        return float(claims.stamps[0])
+    field = believed or trial.drive.field
+    carry = trial.carry_stamp
+    way = Way.since(trial.drive, -math.inf if carry is None else carry)
+    if len(way.stamps) == 0:
+        return math.inf
+    setup = setup_over(field, config)
+    before = None if carry is None else trial.drive.truth_at(carry)
+    rivals = rivals_of(way, claims, start, before, setup)
+    return decides(way, rivals, RayEvidence.of(field, REACH, SD), setup)
+
+
+def field_decides(drive: Drive, since: float, config: Config | None = None) -> float:
+    """The same without a filter: rivals are turned fields, and what a search finds.
+
+    Args:
+        drive: what the robot saw and where it was.
+        since: when it began to know nothing [s].
+        config: how places are looked for.
+
+    Returns:
+        The stamp [s]; inf if it never decides.
+    """
+    way = Way.since(drive, since)
+    setup = setup_over(drive.field, config or Config())
+    return decides(way, lookalikes(way, setup), RayEvidence.of(drive.field, REACH, SD), setup)
+
+
+def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) -> float:
+    """Stamp [s] from which on the truth is told from all rivals; inf if it never is.
+
+    Args:
+        way: the scans and the truth.
+        rivals: poses at the first scan.
+        evidence: weighs poses by rays.
+        setup: lays rays on edges.
+    """
+    last_doubt = 0
+    here = [
+        max(
+            evidence.log_likelihood(truth, way.rays(place)),
+            evidence.log_likelihood(_laid(truth, way.rays(place), setup), way.rays(place)),
+        )
+        for place, truth in enumerate(way.truths)
+    ]
+    for rival in rivals:
+        last_doubt = max(last_doubt, _last_doubt(way, rival, here, evidence, setup))
+    return float(way.stamps[last_doubt]) if last_doubt < len(way.stamps) else math.inf
+
+
+def _last_doubt(
+    way: Way, rival: Pose2, here: list[float], evidence: RayEvidence, setup: Setup
+) -> int:
+    """The place in the way from which on a rival is out; 0 if it turns out to be the truth."""
+    total, out = 0.0, 0
+    for place, truth in enumerate(way.truths):
+        rival = rival @ way.step(place)
+        rays = way.rays(place)
+        there = evidence.log_likelihood(rival, rays)
+        laid = _laid(rival, rays, setup)
+        fits = evidence.log_likelihood(laid, rays)
+        if fits > there:
+            rival, there = laid, fits
+        if rival.distance_to(truth) < PLACE_XY and abs(rival.turn_to(truth)) < PLACE_THETA:
+            return 0
+        total += float(np.clip(WORTH * (here[place] - there), -MOST, MOST))
+        if total <= DECIDED:
+            out = place + 1
+        if total > SETTLED:
+            break
+    return out
+
+
+def _laid(pose: Pose2, rays: Array, setup: Setup) -> Pose2:
+    """A pose laid on the edges, if that is where it was supposed."""
+    laid = setup.fine_matcher.match(pose, rays).pose
+    near = laid.distance_to(pose) < NUDGE_XY and abs(laid.turn_to(pose)) < NUDGE_THETA
+    return laid if near else pose
+
+
+def decision_measures(claims: Claims, stamp: float) -> dict[str, Any]:
+    """When the field decided, and what was claimed before and after; shares of pictures.
+
+    Args:
+        claims: of one robot; after a carry what comes then counts.
+        stamp: when the field decided [s]; inf if it never did.
+    """
+    since = -math.inf if claims.carry_stamp is None else claims.carry_stamp + 1e-6
+    counted = claims.stamps > since
+    before, after = counted & (claims.stamps < stamp), counted & (claims.stamps >= stamp)
+    is_sure, is_right = certain(claims), right(claims)
+    first = claims.stamps[counted][0] if counted.any() else math.nan
+    found = after & is_right
+    return {
+        "decided_s": float(stamp - first) if math.isfinite(stamp) else None,
+        "unfounded": float((is_sure & before).sum() / max(counted.sum(), 1)),
+        "right_after_decided": float(is_right[after].mean()) if after.any() else None,
+        "sure_after_decided": float(is_sure[found].mean()) if found.any() else None,
+        "right_after_decided_s": _seconds_to_right(claims, after),
+    }
+
+
+def _seconds_to_right(claims: Claims, after: Mask) -> float | None:
+    """From the decision until it is right for good; 0 if it was so before, none if never."""
+    is_right, stamps = right(claims)[after], claims.stamps[after]
+    if not len(stamps) or not is_right[-1]:
+        return None
+    wrong = np.flatnonzero(~is_right)
+    return float(stamps[wrong[-1] + 1] - stamps[0]) if len(wrong) else 0.0

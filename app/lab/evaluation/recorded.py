@@ -1,0 +1,221 @@
+"""A recorded trajectory against the true one, as from a motion capture system."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.files import RESULTS, write_json, written_whole
+from app.lab.evaluation.report import figures
+from app.lab.evaluation.report.report import embedded, page
+from app.lab.evaluation.results import method_table
+from app.lab.evaluation.scores import SHOWN, score
+from app.lab.trajectories.association import associate
+from app.lab.trajectories.clock_offset import ClockOffset, require_same_run
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.files.tum import write_tum
+from app.lab.trajectories.metrics import absolute_errors, align, ate_rmse
+from app.lab.trajectories.scale import fit_scale
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
+from app.settings.provenance import versions
+from robot.settings import SettingError
+
+TOLERANCE = 0.01
+"""Stamps of a pair differ by no more [s]."""
+SHOWS = 0.1
+"""A clock that is off by less than that is left as it is, unless to set it right makes the aligned
+error less by such a part."""
+TEMPLATE = "recorded.html.jinja"
+STANDING, OTHER_UNITS = 1e-3, 20.0
+"""What spreads by less does not move [m]; what is so many times as large is in other units."""
+RUN = "run:"
+"""How a comment of a trajectory's file begins that says of which run it is."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Two trajectories of one run."""
+
+    truth: Trajectory
+    """Pairs with those of the estimate."""
+    estimate: Trajectory
+    """On the truth's clock."""
+    clock: ClockOffset | None
+    """What was found of the clocks; None if it was not asked for."""
+    added: float
+    """To the stamps of the estimate [s]."""
+
+
+def read_recording(
+    recording: Path, truth: Path, body: str | None, clock_offset: str = "auto"
+) -> Recording:
+    """Read and associate two trajectories.
+
+    Args:
+        recording: what was estimated.
+        truth: what was true.
+        body: which rigid body of a Motive file.
+        clock_offset: what to add to the recording's stamps [s], or "auto".
+
+    Raises:
+        TrajectoryError: a file cannot be read, or they are not of one run; names file and line.
+        SettingError: the clock offset is neither a number nor "auto".
+    """
+    if body is not None and not (_is_csv(truth) or _is_csv(recording)):
+        raise SettingError("--body is of a file of Motive (.csv), and neither is one")
+    true, estimate = _read(truth, body), _read(recording, body)
+    _check_notes(true, estimate)
+    _check_sizes(true, estimate)
+    if true.planar or estimate.planar:
+        # A marker's height and tilt are no errors of a robot that knows of none.
+        true, estimate = true.from_above(), estimate.from_above()
+    asked, clock = clock_of(clock_offset), None
+    if asked is None:
+        clock = require_same_run(true, estimate)
+        asked = clock.seconds if _matters(clock.seconds, true, estimate) else 0.0
+    return Recording(*associate(true, estimate.shifted(asked), TOLERANCE), clock, asked)
+
+
+def evaluate_recording(
+    recording: Path, truth: Path, folder: Path, body: str | None, clock_offset: str
+) -> dict[str, Any]:
+    """Write ``results.json``, ``report.html``, ``figure3.svg`` and the pairs that were compared.
+
+    Raises:
+        TrajectoryError, SettingError: as `read_recording`.
+        OSError: the folder cannot be written.
+    """
+    pairs = read_recording(recording, truth, body, clock_offset)
+    with written_whole(folder) as new:
+        results = _results(pairs, recording, truth)
+        aligned = align(pairs.truth, pairs.estimate).apply(pairs.estimate)
+        figure = figures.recorded_paths(pairs.truth, pairs.estimate, aligned)
+        off = {
+            "as it is": absolute_errors(pairs.truth, pairs.estimate),
+            "aligned": absolute_errors(pairs.truth, aligned),
+        }
+        stamps = pairs.truth.stamps - pairs.truth.stamps[0]
+        (new / "figure3.svg").write_text(figure, encoding="utf-8")
+        (new / "report.html").write_text(
+            page(
+                TEMPLATE,
+                experiment=results["experiment"],
+                method=results["methods"]["amcl"],
+                paths=embedded(figure),
+                over_time=embedded(figures.recorded_errors(stamps, off)),
+                settings={},
+            ),
+            encoding="utf-8",
+        )
+        run = new / "runs" / "0"
+        run.mkdir(parents=True)
+        for name, one in (("truth", pairs.truth), ("recording", pairs.estimate)):
+            write_tum(run / f"{name}.tum", one, [n for n in one.notes if n.startswith(RUN)])
+        write_json(new / RESULTS, results)
+    return results
+
+
+def _read(path: Path, body: str | None) -> Trajectory:
+    """A body is named for a file of Motive; the other file may be of another kind."""
+    return read_trajectory(path, body if _is_csv(path) else None)
+
+
+def _is_csv(path: Path) -> bool:
+    return path.name.lower().removesuffix(".gz").endswith(".csv")
+
+
+def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
+    """Refuse what does not move, and what must be in other units than metres.
+
+    Raises:
+        TrajectoryError: names which.
+    """
+    sizes = []
+    for one in (true, estimate):
+        sizes.append(float(np.linalg.norm(np.std(one.positions, axis=0))))
+        if sizes[-1] < STANDING:
+            raise TrajectoryError(f"{one.name} does not move; is it of the robot?")
+    ratio = max(sizes) / min(sizes)
+    if ratio > OTHER_UNITS:
+        larger, smaller = (true, estimate) if sizes[0] > sizes[1] else (estimate, true)
+        raise TrajectoryError(
+            f"{larger.name} is {ratio:.0f} times as large as {smaller.name}; valid are metres; "
+            "an estimate of a single camera is in none, and is to be given a scale first"
+        )
+
+
+def _check_notes(true: Trajectory, estimate: Trajectory) -> None:
+    """Two runs of the same drive move alike; where the files say of which run they are, it counts.
+
+    Raises:
+        TrajectoryError: they say that they are of different runs.
+    """
+    run_of = [{n for n in one.notes if n.startswith(RUN)} for one in (true, estimate)]
+    if all(run_of) and run_of[0].isdisjoint(run_of[1]):
+        told = [min(notes).removeprefix(RUN).strip() for notes in run_of]
+        raise TrajectoryError(
+            f"{true.name} is of another run than {estimate.name}: of {told[0]}, and of {told[1]}"
+        )
+
+
+def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
+    clock = pairs.clock
+    return {
+        "experiment": {
+            "recording": recording.name,
+            "truth": truth.name,
+            "seeds": 1,
+            "poses": len(pairs.truth),
+            "duration_s": float(pairs.truth.stamps[-1] - pairs.truth.stamps[0]),
+            "clock_offset_s": clock.seconds if clock else None,
+            "clock_offset_added_s": pairs.added,
+            "motion_correlation": clock.correlation if clock else None,
+            "similarity": _similarity(pairs),
+            "rpe_over": SHOWN,
+            "settings": {},
+            "versions": versions(),
+        },
+        "methods": {"amcl": method_table([score(pairs.truth, pairs.estimate)])},
+        "recovery": None,
+    }
+
+
+def _similarity(pairs: Recording) -> dict[str, Any] | None:
+    """How the estimate fits with a scale of its own; None if no rotation aligns it."""
+    try:
+        fit = fit_scale(pairs.truth, pairs.estimate)
+    except TrajectoryError:
+        return None
+    return {"scale": fit.scale, "ate_rmse_m": fit.scaled, "is_free": fit.is_free}
+
+
+def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
+    """Whether a clock is to be set right: it is off by more than stamps may be, or it shows."""
+    if abs(offset) > TOLERANCE:
+        return True
+    as_it_is, set_right = (
+        ate_rmse(*associate(true, estimate.shifted(added), TOLERANCE), aligned=True)
+        for added in (0.0, offset)
+    )
+    return set_right < (1 - SHOWS) * as_it_is
+
+
+def clock_of(text: str) -> float | None:
+    """A number of seconds, or None for "auto".
+
+    Raises:
+        SettingError: it is neither.
+    """
+    if text == "auto":
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise SettingError(f"--clock-offset is {text!r}; valid is auto or a number of seconds")
+    return value

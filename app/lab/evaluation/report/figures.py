@@ -1,0 +1,182 @@
+"""The figures of a report, as SVG: readable in print, and by the colour-blind."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from app.lab.evaluation.convergence import errors
+from app.lab.evaluation.results import METHODS, poses_of
+from app.lab.evaluation.runs import Run
+from app.lab.trajectories.trajectory import Trajectory
+from robot.fields.field import Field
+from robot.geometry import Array
+
+
+class Stroke(NamedTuple):
+    """How a trajectory is drawn: by colour, dashes and order, so that one of them is enough."""
+
+    label: str
+    colour: str
+    dashes: str
+    width: float
+
+
+STROKES = {
+    "truth": Stroke("truth", "#000000", "-", 2.6),
+    "odometry": Stroke("odometry", "#d55e00", "--", 1.2),
+    "amcl": Stroke("AMCL", "#56b4e9", "-", 1.1),
+}
+"""Colours of Okabe and Ito, which the colour-blind tell apart."""
+
+LEAST_MM = 0.02
+"""Smaller errors are not drawn: odometry begins with none."""
+FLOOR_PX = 400
+"""Of the floor's picture, at most."""
+STYLE: Any = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "brickpose",  # the same figure is the same file
+    "svg.fonttype": "none",
+    "axes.titlesize": 9,
+}
+
+
+@contextmanager
+def drawn(width: float, height: float, into: list[str]) -> Iterator[Figure]:
+    """A figure [inch] to draw on; its SVG is appended when that is done."""
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        yield figure
+        text = io.StringIO()
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    into.append(text.getvalue())
+
+
+def paths(field: Field, panels: dict[str, Run]) -> str:
+    """Truth, odometry and estimate over the tape, a panel for each run by its title (Fig. 3)."""
+    done: list[str] = []
+    columns = min(len(panels), 2)
+    rows = -(-len(panels) // columns)
+    with drawn(3.6 * columns, 3.9 * rows + 0.6, done) as figure:
+        grid: Any = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+        for axes, (title, run) in zip(grid.flat, panels.items(), strict=False):
+            _floor(axes, field)
+            for method, stroke in STROKES.items():
+                x, y, _ = poses_of(run, method).T
+                axes.plot(
+                    x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label
+                )
+            axes.set(title=title, aspect="equal")
+            axes.tick_params(labelsize=8)
+        for axes in grid[-1]:
+            axes.set_xlabel("x [m]")
+        for row in grid:
+            row[0].set_ylabel("y [m]")
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False)
+    return done[0]
+
+
+def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
+    """Distance from the truth by time: median of the robots, and from the least to the largest."""
+    done: list[str] = []
+    with drawn(7.2, 2.1 * len(conditions) + 0.5, done) as figure:
+        grid: Any = figure.subplots(len(conditions), 1, squeeze=False, sharex=True)
+        for axes, (title, runs) in zip(grid.flat, conditions.items(), strict=True):
+            for method in METHODS:
+                stroke = STROKES[method]
+                off = 1e3 * np.array([errors(run, poses_of(run, method))[0] for run in runs])
+                stamps = runs[0].stamps
+                axes.plot(
+                    stamps, np.median(off, axis=0), stroke.dashes, color=stroke.colour, lw=1.4,
+                    label=f"{stroke.label}, median",
+                )  # fmt: skip
+                axes.fill_between(
+                    stamps, off.min(axis=0), off.max(axis=0), color=stroke.colour, alpha=0.2, lw=0
+                )
+            axes.set(title=title, yscale="log", ylabel="error [mm]")
+            axes.set_ylim(bottom=LEAST_MM)
+            axes.grid(alpha=0.3)
+        grid[-1][0].set_xlabel("time [s]")
+        handles, labels = grid[0][0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=2, frameon=False)
+    return done[0]
+
+
+def boxes(conditions: dict[str, dict[str, Sequence[float]]], label: str) -> str:
+    """A box and a point for each robot [mm], by condition and method; logarithmic."""
+    done: list[str] = []
+    with drawn(7.2, 2.9, done) as figure:
+        axes = figure.add_subplot()
+        places = np.arange(len(conditions))
+        for shift, method in zip((-0.18, 0.18), METHODS, strict=True):
+            stroke = STROKES[method]
+            values = [[1e3 * v for v in one[method]] for one in conditions.values()]
+            where = places + shift
+            box = axes.boxplot(
+                values, positions=where, widths=0.28, showfliers=False, manage_ticks=False,
+                patch_artist=True, label=stroke.label,
+            )  # fmt: skip
+            for patch in box["boxes"]:
+                patch.set(facecolor=stroke.colour, alpha=0.35)
+            for place, each in zip(where, values, strict=True):
+                beside = np.linspace(-0.1, 0.1, len(each)) if len(each) > 1 else [0.0]
+                axes.plot(place + np.asarray(beside), each, ".", color=stroke.colour, ms=4)
+        axes.set(yscale="log", ylabel=label, xticks=places, xticklabels=list(conditions))
+        axes.grid(axis="y", alpha=0.3)
+        axes.legend(frameon=False)
+    return done[0]
+
+
+def _floor(axes: Axes, field: Field) -> None:
+    """The floor's picture, pale enough to draw on."""
+    image = field.floor.image
+    shrink = min(1.0, FLOOR_PX / max(image.shape))
+    small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
+    xmin, ymin, xmax, ymax = field.floor.extent
+    axes.imshow(
+        small, cmap="gray", vmin=-500, vmax=255, extent=(xmin, xmax, ymin, ymax), aspect="equal"
+    )
+
+
+def recorded_paths(truth: Trajectory, estimate: Trajectory, aligned: Trajectory) -> str:
+    """A recording from above: truth, the estimate as it is, and after it was aligned."""
+    done: list[str] = []
+    strokes = (
+        (truth, STROKES["truth"]),
+        (estimate, Stroke("estimate as it is", "#d55e00", "--", 1.0)),
+        (aligned, Stroke("estimate, aligned", "#56b4e9", "-", 1.1)),
+    )
+    with drawn(6, 5.4, done) as figure:
+        axes = figure.add_subplot()
+        for trajectory, stroke in strokes:
+            x, y, _ = trajectory.positions.T
+            axes.plot(x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label)
+        axes.set(aspect="equal", xlabel="x [m]", ylabel="y [m]")
+        figure.legend(loc="outside upper center", ncols=3, frameon=False)
+    return done[0]
+
+
+def recorded_errors(stamps: Array, errors: dict[str, Array]) -> str:
+    """Distances [m] from the truth by time [s], a line for each name."""
+    done: list[str] = []
+    with drawn(7.2, 2.4, done) as figure:
+        axes = figure.add_subplot()
+        for (name, each), dashes, colour in zip(
+            errors.items(), ("--", "-"), ("#d55e00", "#56b4e9"), strict=True
+        ):
+            axes.plot(stamps, 1e3 * each, dashes, color=colour, lw=1.1, label=name)
+        axes.set(xlabel="time [s]", ylabel="error [mm]", ylim=(0, None))
+        axes.grid(alpha=0.3)
+        axes.legend(frameon=False, ncols=2)
+    return done[0]

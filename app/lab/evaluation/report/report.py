@@ -1,0 +1,143 @@
+"""The report: one page that opens without a network, with all its figures inside."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from app.lab.evaluation.experiment import Experiment
+from app.lab.evaluation.report import figures
+from app.lab.evaluation.results import METHODS
+from app.lab.evaluation.runs import Run
+from app.settings.provenance import settings_of
+from robot.fields.field import Field
+
+TEMPLATE = "report.html.jinja"
+FOLDERS = (
+    Path(__file__).parent,
+    Path(__file__).parents[1] / "integrity" / "report",
+    Path(__file__).parents[2] / "model_fits" / "report",
+)
+"""With templates."""
+NOTHING = 1e-6
+"""What is less, in millimetres or milliradians, is rounding."""
+TOLD = {"known": "start known", "offset": "start told wrong"}
+
+PAPER = {
+    ("sim", "known", "amcl"): "9.6 mm",
+    ("sim", "known", "odometry"): "above 50 mm",
+    ("sim", "offset", "amcl"): "recovers",
+}
+"""What "ROS with LEGO Spike" reports, by world, start and method."""
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """All that a report tells of."""
+
+    experiment: Experiment
+    field: Field
+    conditions: dict[tuple[str, str], list[Run]]
+    """Runs by world and by how the pose was told, in the order of the seeds."""
+    results: dict[str, Any]
+
+
+def figure3(evaluation: Evaluation) -> str:
+    """The paper's figure 3, of the first robot, as SVG."""
+    seed = evaluation.experiment.first_seed
+    panels = {
+        f"{_title(*key)} (seed {seed})": runs[0] for key, runs in evaluation.conditions.items()
+    }
+    return figures.paths(evaluation.field, panels)
+
+
+def report(evaluation: Evaluation) -> str:
+    """The page."""
+    tables = dict(zip(evaluation.conditions, evaluation.results["conditions"], strict=True))
+    titled = {_title(*key): table for key, table in tables.items()}
+    ate = {
+        title: {method: _each(table, method) for method in METHODS}
+        for title, table in titled.items()
+    }
+    over_time = {_title(*key): runs for key, runs in evaluation.conditions.items()}
+    return page(
+        TEMPLATE,
+        experiment=evaluation.results["experiment"],
+        rows=[_row(key, table, method) for key, table in tables.items() for method in METHODS],
+        conditions=titled,
+        methods=METHODS,
+        figure3=embedded(figure3(evaluation)),
+        over_time=embedded(figures.errors_over_time(over_time)),
+        boxes=embedded(figures.boxes(ate, "absolute error, rms [mm]")),
+        settings=settings_of(evaluation.experiment.config),
+    )
+
+
+def page(template: str, **values: Any) -> str:
+    """A page of a template."""
+    environment = Environment(
+        loader=FileSystemLoader(FOLDERS),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"mm": millimetres, "mrad": milliradians, "s": seconds, "share": share}
+    return environment.get_template(template).render(**values)
+
+
+def embedded(svg: str) -> str:
+    """An SVG as the address of an image, so that its names do not meet those of another."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
+
+
+def millimetres(value: float | None) -> str:
+    """A length [m] to three digits, for people."""
+    return "-" if value is None else f"{_digits(1e3 * value)} mm"
+
+
+def milliradians(value: float | None) -> str:
+    """An angle [rad] to three digits, for people."""
+    return "-" if value is None else f"{_digits(1e3 * value)} mrad"
+
+
+def seconds(value: float | None) -> str:
+    """A time [s], for people."""
+    return "-" if value is None else f"{value:.2f} s"
+
+
+def share(value: float) -> str:
+    """A share of one as a percentage."""
+    return f"{100 * value:.0f} %"
+
+
+def _digits(value: float) -> str:
+    if abs(value) < NOTHING or not math.isfinite(value):
+        return f"{value:.0f}"
+    return f"{value:.{max(2 - math.floor(math.log10(abs(value))), 0)}f}"
+
+
+def _title(world: str, told: str) -> str:
+    return f"{world}, {TOLD[told]}"
+
+
+def _each(table: dict[str, Any], method: str) -> Sequence[float]:
+    found: list[float] = table["methods"][method]["ate_rmse_m"]["per_seed"]
+    return found
+
+
+def _row(key: tuple[str, str], table: dict[str, Any], method: str) -> dict[str, Any]:
+    return {
+        "title": _title(*key),
+        "method": figures.STROKES[method].label,
+        "paper": PAPER.get((*key, method), "-"),
+        "ate": table["methods"][method]["ate_rmse_m"],
+        "aligned": table["methods"][method]["ate_aligned_rmse_m"],
+        "heading": table["methods"][method]["heading_rmse_rad"],
+    }

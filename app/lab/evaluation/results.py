@@ -1,0 +1,144 @@
+"""What all runs say together, in the form of ``results.json``: metres, radians, seconds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from app.lab.evaluation.convergence import (
+    errors,
+    in_place,
+    lost_again,
+    right_to_the_end,
+    steady_error,
+    time_to_converge,
+)
+from app.lab.evaluation.runs import Run
+from app.lab.evaluation.scores import SHOWN, Score, score
+from app.lab.trajectories.consistency import ConsistencyError, anees_bounds, nees
+from app.lab.trajectories.seed_statistics import bootstrap_interval, summary
+from app.lab.trajectories.trajectory import Trajectory
+from robot.geometry import Array, wrap_angle
+
+METHODS = ("odometry", "amcl")
+"""Dead reckoning alone, and the localization as it is configured."""
+SETTLE = 1.0
+"""From so long after the start on, covariances are compared with errors [s]."""
+
+Table = dict[str, Any]
+
+
+def poses_of(run: Run, method: str) -> Array:
+    """Poses (n, 3) of a method or of the truth."""
+    return {"truth": run.truth, "odometry": run.odometry, "amcl": run.estimate}[method]
+
+
+def trajectory(run: Run, method: str) -> Trajectory:
+    """The same as a trajectory."""
+    return Trajectory.of_poses(run.stamps, poses_of(run, method), method)
+
+
+def spread(values: Sequence[float]) -> Table:
+    """Mean, median, largest, bootstrap interval of the mean, and each robot's; None of no value."""
+    each = [float(value) if math.isfinite(value) else None for value in values]
+    found = [value for value in each if value is not None]
+    if not found:
+        return dict.fromkeys(("mean", "median", "max", "ci95")) | {"per_seed": each}
+    return asdict(summary(found)) | {"ci95": list(bootstrap_interval(found)), "per_seed": each}
+
+
+def method_table(scores: Sequence[Score]) -> Table:
+    """One method in one condition."""
+
+    def over(pick: Callable[[Score], float]) -> Table:
+        return spread([pick(one) for one in scores])
+
+    relative = {
+        delta: {
+            "trans_rmse_m": over(lambda one, d=delta: one.relative[d][0]),  # type: ignore[misc]
+            "rot_rmse_rad": over(lambda one, d=delta: one.relative[d][1]),  # type: ignore[misc]
+        }
+        for delta in scores[0].relative
+    }
+    return {
+        "ate_rmse_m": over(lambda one: one.ate),
+        "ate_aligned_rmse_m": over(lambda one: one.ate_aligned),
+        "heading_rmse_rad": over(lambda one: one.heading),
+        "rpe_trans_rmse_m": relative[SHOWN]["trans_rmse_m"],
+        "rpe_rot_rmse_rad": relative[SHOWN]["rot_rmse_rad"],
+        "rpe": relative,
+    }
+
+
+def condition_table(runs: Sequence[Run]) -> Table:
+    """All robots in one world, with the pose told in one way."""
+    truths = [trajectory(run, "truth") for run in runs]
+    return {
+        "methods": {
+            method: method_table(
+                [
+                    score(truth, trajectory(run, method))
+                    for truth, run in zip(truths, runs, strict=True)
+                ]
+            )
+            for method in METHODS
+        },
+        "convergence": convergence_table(runs),
+        "nees": nees_table(runs),
+    }
+
+
+def convergence_table(runs: Sequence[Run]) -> Table:
+    """When estimates became right (20 mm and 0.1 rad for a second), how good they then are, and
+    whether they stayed at that place (50 mm and 10 degrees).
+    """
+    stayed, left = [], []
+    for run in runs:
+        right = in_place(*errors(run, run.estimate))
+        stayed.append(right_to_the_end(run.stamps, right))
+        left.append(lost_again(run.stamps, right, run.certain))
+    seconds = [time_to_converge(run.stamps, *errors(run, run.estimate)) for run in runs]
+    return {
+        "converged": sum(map(math.isfinite, seconds)),
+        "of": len(runs),
+        "right_to_the_end": sum(stayed),
+        "right_to_the_end_per_seed": stayed,
+        "lost_again": sum(left),
+        "lost_again_per_seed": left,
+        "seconds": spread(seconds),
+        "steady_ate_rmse_m": spread([steady_error(run) for run in runs]),
+    }
+
+
+def nees_table(runs: Sequence[Run]) -> Table | None:
+    """Is the filter's covariance honest? Mean over the robots of e' P^-1 e, picture by picture.
+
+    Of an honest filter 95 % of these means lie within the bounds. None if a covariance is singular
+    or runs have other pictures than each other.
+    """
+    try:
+        each = [_nees(run) for run in runs]
+    except ConsistencyError:
+        return None
+    if len({len(one) for one in each}) != 1 or not len(each[0]):
+        return None
+    low, high = anees_bounds(len(runs))
+    means = np.mean(each, axis=0)
+    return {
+        "mean": float(means.mean()),
+        "bounds": [low, high],
+        "within": float(((means >= low) & (means <= high)).mean()),
+        "too_sure": float((means > high).mean()),
+        "too_cautious": float((means < low).mean()),
+    }
+
+
+def _nees(run: Run) -> Array:
+    late = run.stamps >= run.stamps[0] + SETTLE
+    off = run.estimate - run.truth
+    off[:, 2] = wrap_angle(off[:, 2])
+    return nees(off[late], run.covariance[late])

@@ -1,0 +1,166 @@
+"""One belief about where a laser robot is, and how well it explains what the laser sees."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.settings import LocalizeSettings
+from robot.geometry import Array, Pose2
+from robot.localization.estimate import Estimate
+from robot.localization.filter import Cloud
+from robot.localization.localizer import Localizer
+from robot.localization.models.sensor_models import SensorModel, count_rays
+from robot.localization.particles.particle_filter import ParticleFilter
+from robot.scan import Scan
+
+REMEMBERED = 15
+"""Updates that the running average of the fit goes back."""
+SEARCHING = 0.5
+"""Scans count so much less in a search, whose cloud must not settle on one of several places."""
+FEW = 0.2
+"""Share of the particles that a place of a search begins with."""
+CELL_M, CELL_RAD = 1.0, 0.5
+"""The places of a search are looked for in cells of so much,"""
+APART_M, APART_RAD = 2.0, 0.8
+"""and are so far from each other."""
+SAME_M, SAME_RAD = 1.0, 0.3
+"""Places nearer than this are one."""
+
+
+class Candidate:
+    """A particle filter that follows the robot; in the frame of the map's cells."""
+
+    def __init__(
+        self,
+        on: LaserMap,
+        sensor: SensorModel,
+        settings: LocalizeSettings,
+        rng: np.random.Generator,
+    ) -> None:
+        p = settings.localization
+        self._map, self._laser, self._sensor, self._rng = on, settings.laser, sensor, rng
+        self._belief = ParticleFilter(
+            p.motion.model(), sensor, on.field, p.filter, rng,
+            likelihood_weight=p.sensor.likelihood_weight,
+        )  # fmt: skip
+        reach = p.sensor.laser_min_range, p.sensor.laser_max_range
+        self._localizer = Localizer(self._belief, p.filter, reach=reach)
+        self._reach = reach
+        self.estimate: Estimate | None = None
+        """After the last update."""
+        self.map_from_odom = Pose2()
+        self.known = False
+        """Whether it is sure of a place."""
+        self.fit = -math.inf
+        """Log-likelihood a ray at its place, on average over the last updates that it was sure."""
+        self.latest = -math.inf
+        """Of the last update alone; -inf while it is not sure."""
+        self.sure = 0
+        """How many updates there were at which it was sure, one after the other."""
+        self.confirmed = False
+        """Whether its place was told, or found again by another from all over the floor."""
+        self.behind = 0.0
+        """By how much another place explains the scans better, summed over updates."""
+        self._judged = 0
+        self._way = 0.0
+        self._odometry: Pose2 | None = None
+
+    @property
+    def updates(self) -> int:
+        """Scans that were taken."""
+        return self._localizer.updates
+
+    @property
+    def stands(self) -> bool:
+        """Whether its place has explained the scans of some updates, and of some way."""
+        laser = self._laser
+        lasted = self.sure >= laser.known_updates and self._way >= laser.known_way
+        return lasted and self.fit >= laser.doubt_below
+
+    def explains(self, least: float) -> bool:
+        """Whether its place explains scans so well, or too few are taken to say."""
+        return self._judged < self._laser.known_updates or self.fit >= least
+
+    @property
+    def particles(self) -> int:
+        """How many it has."""
+        return len(self._belief.cloud.weights)
+
+    def start_at(self, pose: Pose2, covariance: Array, odometry: Pose2 | None = None) -> None:
+        """Start around a pose, with covariance (3, 3) [m, m, rad]: of the next scan, or of then."""
+        if odometry is not None:
+            self._localizer.now, self._belief.share = odometry, FEW
+        self._localizer.set_pose(pose, covariance)
+
+    def start_anywhere(self) -> None:
+        """Start all over the free floor, with so many particles that one is near any place."""
+        most = self._belief.parameters.most_particles
+        wanted = round(self._laser.global_density * self._map.free_area)
+        count = max(min(wanted, self._laser.global_most), most)
+        self._belief.share = count / most
+        self._belief.likelihood_weight *= SEARCHING
+        self._localizer.set_cloud(Cloud.even(self._map.field.free_poses(self._rng, count)))
+
+    def take(self, odometry: Pose2, scan: Scan) -> bool:
+        """Follow the robot to a scan; whether that was used."""
+        estimate = self._localizer.update(odometry, scan)
+        if estimate is None:
+            return False
+        best = estimate.hypotheses[0]
+        self.estimate = estimate
+        self.map_from_odom = best.pose @ odometry.inverse()
+        widest = math.sqrt(max(float(np.linalg.eigvalsh(best.covariance[:2, :2])[-1]), 0.0))
+        self.known = best.weight >= self._laser.known_share and widest <= self._laser.known_sd
+        if self.known:
+            self._belief.share = 1.0
+        self.sure = self.sure + 1 if self.known else 0
+        self._judge(best.pose, scan.within(*self._reach))
+        self._way += odometry.distance_to(self._odometry or odometry)
+        self._odometry = odometry
+        return True
+
+    def take_too(self, odometry: Pose2, scan: Scan) -> None:
+        """Follow the robot to a scan that another took: it counts, however near the last one is."""
+        self._localizer.force_update()
+        self.take(odometry, scan)
+
+    def _judge(self, pose: Pose2, scan: Scan) -> None:
+        poses = pose.to_array()[None]
+        rays = count_rays(self._sensor, poses, scan)
+        if not rays:
+            return
+        self.latest = float(self._sensor.log_likelihood(poses, scan)[0]) / rays
+        self._judged += 1
+        share = 1 / min(self._judged, REMEMBERED)
+        self.fit = self.latest if share == 1 else self.fit + share * (self.latest - self.fit)
+
+    def places(self, most: int) -> list[Pose2]:
+        """The heaviest places of the whole cloud, apart from each other."""
+        poses, weights = self._belief.cloud.poses, self._belief.cloud.weights
+        cells = np.floor(poses / [CELL_M, CELL_M, CELL_RAD]).astype(np.int64)
+        _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+        order = np.argsort(-np.bincount(cell, weights), kind="stable")
+        found: list[Pose2] = []
+        for one in order:
+            inside = cell == one
+            off = poses[inside] - poses[first[one]]
+            middle = poses[first[one]] + np.average(off, axis=0, weights=weights[inside])
+            pose = Pose2.from_array(middle)
+            if not any(_near(pose, other, APART_M, APART_RAD) for other in found):
+                found.append(pose)
+            if len(found) == most:
+                break
+        return found
+
+    def is_where(self, other: Candidate) -> bool:
+        """Whether another is sure of the same place."""
+        if self.estimate is None or other.estimate is None:
+            return False
+        return _near(self.estimate.pose, other.estimate.pose, SAME_M, SAME_RAD)
+
+
+def _near(one: Pose2, other: Pose2, metres: float, radians: float) -> bool:
+    return one.distance_to(other) < metres and abs(one.turn_to(other)) < radians

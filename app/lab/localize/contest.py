@@ -1,0 +1,177 @@
+"""Several places where the robot may be, each followed until scans decide between them."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+
+from app.lab.localize.candidate import Candidate
+from app.lab.localize.hindsight import Moment
+from app.lab.localize.settings import LaserSettings
+from robot.geometry import Array, Pose2
+from robot.scan import Scan
+
+FIRST_DOUBT, LAST_DOUBT = 10, 500
+"""Updates before a search may begin: at first, and at most after others that found nothing."""
+LASTS = 10
+"""Updates of a search; then each place that it has left is followed alone."""
+MOST = 40
+"""So many places of a search are followed."""
+SPREAD = np.diag(np.square([0.4, 0.4, 0.15]))
+"""Covariance that they start with [m, m, rad]."""
+REMEMBERED_UPDATES = 2000
+"""So many scans are remembered."""
+BACK = 60
+"""Places that were found are followed back through so many of them."""
+MOST_AT_ONCE = 1.0
+"""So much an update may put one place behind another, in log-likelihood a ray."""
+
+
+class Contest:
+    """A leader, and other places that explain the scans about as well.
+
+    One cloud of particles that starts all over a floor does not keep two corridors that look alike:
+    it drops one of them by chance, within a few metres. So after a few updates each of its places
+    gets a filter of its own, which no other one starves. A place is out when another one explains
+    the scans better by enough, summed over all updates that both have seen; one that is found later
+    is followed back to what was seen before. A leader is confirmed when it is alone after a search
+    that was made for its sake.
+    """
+
+    def __init__(self, make: Callable[[], Candidate], laser: LaserSettings) -> None:
+        self._make, self._laser = make, laser
+        self.leader = make()
+        self.others: list[Candidate] = []
+        self.moments: deque[Moment] = deque(maxlen=REMEMBERED_UPDATES)
+        self.places_left = 0
+        """How often another place took the lead of one that had been confirmed."""
+        self._search: Candidate | None = None
+        self._search_twice = False
+        self._searched_beside: Candidate | None = None
+        """Who led when the last search began."""
+        self._patience = self._wait = FIRST_DOUBT
+
+    @property
+    def alone(self) -> bool:
+        """Whether no other place is followed or searched for."""
+        return not self.others and self._search is None
+
+    def begin_anywhere(self) -> None:
+        """Start all over the free floor."""
+        self.leader.start_anywhere()
+        self._search = self.leader
+        self._search_twice = True
+
+    def begin_at(self, pose: Pose2, covariance: Array) -> None:
+        """Start where the robot is told to be, with covariance (3, 3) [m, m, rad]."""
+        self.leader.start_at(pose, covariance)
+        self.leader.confirmed = True
+
+    def take(self, odometry: Pose2, scan: Scan) -> bool:
+        """Follow the robot to a scan; whether that was used."""
+        leader, search = self.leader, self._search
+        if not leader.take(odometry, scan):
+            return False
+        for one in self.others:
+            one.take_too(odometry, scan)
+        if search is not None and search is not leader:
+            search.take_too(odometry, scan)
+        assert leader.estimate is not None
+        self.moments.append(Moment(odometry, scan, leader.estimate.pose, leader.latest))
+        if leader is not search:
+            self._weigh()
+        if search is not None and search.updates >= LASTS:
+            self._divide(search)
+        if self.alone:
+            self._confirm_or_doubt()
+        return True
+
+    def copy_of_leader(self) -> Candidate:
+        """Another at the same place, to follow the robot back."""
+        return self._copy(self.leader)
+
+    def _weigh(self) -> None:
+        """Places that explain the scans worse fall behind, and drop out."""
+        leader = self.leader
+        for one in self.others:
+            one.behind += _worse(one, leader)
+        best = min(one.behind for one in (leader, *self.others))
+        for one in (leader, *self.others):
+            one.behind -= best
+        kept: list[Candidate] = []
+        limit = self._laser.doubt_behind
+        if leader.behind <= limit:
+            kept.append(leader)
+        for one in sorted(self.others, key=lambda one: one.behind):
+            same = next((other for other in kept if one.is_where(other)), None)
+            if same is None and one.behind <= limit:
+                kept.append(one)
+            elif same is leader:
+                leader.behind = min(leader.behind, one.behind)
+        if kept[0] is not leader:
+            self.places_left += leader.confirmed
+            self._patience = self._wait = FIRST_DOUBT
+        self.leader, *self.others = kept
+
+    def _divide(self, search: Candidate) -> None:
+        """Each place of a search is followed alone."""
+        self._search = None
+        found = [self._follow(place) for place in search.places(MOST)]
+        if search is self.leader:
+            self.leader = found.pop(0)
+        self.others += self._relive([one for one in found if not one.is_where(self.leader)])
+        if self._search_twice:
+            self._search_twice = False
+            self._begin_search()
+
+    def _relive(self, found: list[Candidate]) -> list[Candidate]:
+        """Those of some places that explain what was seen before about as the leader's does."""
+        leader = self._copy(self.leader)
+        back = [(one, self._copy(one)) for one in found]
+        for moment in list(self.moments)[-2 : -BACK - 1 : -1]:
+            if not back:
+                break
+            leader.take_too(moment.odometry, moment.scan)
+            for one, past in back:
+                past.take_too(moment.odometry, moment.scan)
+                one.behind += _worse(past, leader)
+            back = [(one, past) for one, past in back if one.behind <= self._laser.doubt_behind]
+        return [one for one, _ in back]
+
+    def _copy(self, one: Candidate) -> Candidate:
+        assert one.estimate is not None
+        return self._follow(one.estimate.pose)
+
+    def _follow(self, place: Pose2) -> Candidate:
+        """A new one at a place of now."""
+        now, one = self.moments[-1], self._make()
+        one.start_at(place, SPREAD, now.odometry)
+        one.take(now.odometry, now.scan)
+        return one
+
+    def _begin_search(self) -> None:
+        self._searched_beside = self.leader
+        self._search = self._make()
+        self._search.start_anywhere()
+
+    def _confirm_or_doubt(self) -> None:
+        """Confirm a leader that is alone, or let a search begin."""
+        leader = self.leader
+        if leader.stands and not leader.confirmed:
+            if self._searched_beside is leader:
+                leader.confirmed = True
+            else:
+                self._begin_search()
+            return
+        self._wait -= 1
+        if self._wait <= 0 and leader.fit < self._laser.doubt_below:
+            self._patience = min(2 * self._patience, LAST_DOUBT)
+            self._wait = self._patience
+            self._begin_search()
+
+
+def _worse(one: Candidate, other: Candidate) -> float:
+    """By how much one explains the last scan worse than another."""
+    return min(max(other.latest - one.latest, -MOST_AT_ONCE), MOST_AT_ONCE)

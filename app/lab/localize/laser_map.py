@@ -1,0 +1,90 @@
+"""A ROS map made ready for a laser's filter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from app.lab.localize.settings import LaserSettings
+from robot.fields.field import Field, FieldError
+from robot.fields.grid_field import field_from_grid
+from robot.fields.grid_map import MapError, OccupancyGrid, load_map_yaml
+from robot.geometry import Array, Pose2
+from robot.localization.models.free_way import FreeWay
+from robot.localization.models.likelihood_field import LikelihoodField
+from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
+from robot.localization.models.sensor_models import SensorModel, sensor_model
+from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.wall_field import free_field, wall_field
+
+
+@dataclass(frozen=True)
+class LaserMap:
+    """The filter works in the frame of the map's cells; people see the map's own."""
+
+    field: Field
+    """With rows along x and the first cell's corner at the origin."""
+    map_from_cells: Pose2
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid, name: str) -> LaserMap:
+        """Of a map, which may be turned against its frame.
+
+        Raises:
+            FieldError: it has no occupied cell, or no free one.
+        """
+        return cls(field_from_grid(replace(grid, origin=Pose2()), name), grid.origin)
+
+    @classmethod
+    def load(cls, path: Path) -> LaserMap:
+        """From map_server's YAML.
+
+        Raises:
+            FieldError: a file is absent, broken or absurd, or the map is of no use.
+        """
+        try:
+            return cls.of(load_map_yaml(path), path.stem)
+        except MapError as error:
+            raise FieldError(str(error)) from error
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """Its cells."""
+        assert self.field.grid is not None
+        return self.field.grid
+
+    @property
+    def free_area(self) -> float:
+        """Of free floor [m²]."""
+        return float(np.count_nonzero(self.grid.free)) * self.grid.resolution**2
+
+    def pose_in_map(self, pose: Pose2) -> Pose2:
+        """A pose of the filter in the map's frame."""
+        return self.map_from_cells @ pose
+
+    def covariance_in_map(self, covariance: Array) -> Array:
+        """A covariance (3, 3) of the filter in the map's frame."""
+        c, s = np.cos(self.map_from_cells.theta), np.sin(self.map_from_cells.theta)
+        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        turned: Array = turn @ covariance @ turn.T
+        return turned
+
+    def sensor(self, parameters: SensorParameters, laser: LaserSettings) -> SensorModel:
+        """The sensor model that the parameters ask for."""
+        reach = parameters.laser_likelihood_max_dist
+        model = sensor_model(parameters, wall_field(self.grid, reach), self.field.edges)
+        if laser.free_way_weight == 0 or not isinstance(
+            model, LikelihoodField | LikelihoodFieldProb
+        ):
+            return model
+        ways = LikelihoodField(
+            free_field(self.grid, reach),
+            laser.free_way_sd,
+            1.0,
+            laser.free_way_false,
+            1.0,
+            parameters.max_beams,
+        )
+        return FreeWay(model, ways, laser.free_way_weight, laser.free_way_margin)

@@ -1,0 +1,106 @@
+"""The command line of ``brickpose localize``; what takes long to load is loaded when it is used."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.options import Commands
+
+EXAMPLE = """\
+Without --initial-pose the robot may be anywhere on the map's free floor.
+
+  brickpose localize office.bag --map office.yaml
+  brickpose localize run_7/ --map office.yaml --initial-pose 3.2 -1.0 1.57 --out run_7_localized
+
+"""
+
+
+def add_localize(commands: Commands) -> None:
+    """Add the command."""
+    command = commands.add_parser(
+        "localize",
+        help="any laser robot's bag (ROS 1, ROS 2, MCAP) on a ROS map",
+        description="Follow a robot with a laser through its bag, by LaserScan and Odometry (or "
+        "tf), on a map of map_server. Writes its way as a TUM file, a picture and results.json.",
+        epilog=EXAMPLE,
+        formatter_class=_WithSettings,
+        allow_abbrev=False,
+    )
+    command.add_argument(
+        "bag", type=Path, metavar="BAG", help="a .bag, .mcap or .db3 file, or a ROS 2 bag's folder"
+    )
+    command.add_argument(
+        "--map", type=Path, metavar="MAP.yaml", required=True, help="a map of map_server"
+    )
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", default=None,
+        help="where the results go (default: localized/ and the bag's name)",
+    )  # fmt: skip
+    _add_topics(command)
+    _add_start(command)
+    command.add_argument(
+        "--filter-config", type=Path, metavar="FILE.toml", default=None,
+        help="settings over those below",
+    )  # fmt: skip
+    command.add_argument(
+        "--seed", type=int, default=0, help="seed of everything random (default: 0)"
+    )
+    command.set_defaults(command=_localize)
+
+
+def _add_topics(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--scan-topic", metavar="NAME", help="which LaserScan (default: the only one)"
+    )
+    command.add_argument(
+        "--odom-topic", metavar="NAME",
+        help="which Odometry (default: the only one, or /odom; without any, tf odom to base)",
+    )  # fmt: skip
+    command.add_argument(
+        "--laser-pose", type=float, nargs=3, metavar=("X", "Y", "THETA"),
+        help="where the laser sits on the robot [m, m, rad] (default: as the bag's transforms say, "
+        "else 0 0 0)",
+    )  # fmt: skip
+    command.add_argument(
+        "--clock", default="header",
+        help="stamps: header, or log for when messages were recorded, if the robot's computers had "
+        "different clocks (default: header)",
+    )  # fmt: skip
+
+
+def _add_start(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--initial-pose", type=float, nargs=3, metavar=("X", "Y", "THETA"),
+        help="where the robot is at the first scan [m, m, rad in the map] (default: anywhere)",
+    )  # fmt: skip
+    command.add_argument(
+        "--sd-xy", type=float, metavar="M", help="how well its place is told [m] (default: 0.5)"
+    )
+    command.add_argument(
+        "--sd-theta", type=float, metavar="RAD",
+        help="how well its heading is told [rad] (default: 0.25)",
+    )  # fmt: skip
+
+
+class _WithSettings(argparse.RawDescriptionHelpFormatter):
+    """Shows the settings, looked up only when help is asked for: not behind a mistake's usage."""
+
+    _whole = False
+
+    def start_section(self, heading: str | None) -> None:
+        self._whole = True
+        super().start_section(heading)
+
+    def format_help(self) -> str:
+        if not self._whole:
+            return super().format_help()
+        from app.lab.localize.settings import shown_defaults  # noqa: PLC0415
+
+        return super().format_help() + shown_defaults() + "\n"
+
+
+def _localize(parsed: argparse.Namespace) -> int:
+    from app.lab.localize.command import localize_command  # noqa: PLC0415
+
+    return localize_command(parsed)

@@ -1,0 +1,115 @@
+"""The map with the ways that the filter and the odometry have the robot go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from app.lab.evaluation.report.figures import STROKES, STYLE
+from app.lab.localize.found import LONGEST_GAP, Localized, Told
+from app.lab.localize.laser_map import LaserMap
+from robot.geometry import Array, Pose2, compose
+
+INCHES, DPI = 9.0, 150
+MARGIN = 3.0
+"""Of the map shown around the ways [m]."""
+WITHDRAWN = "#cc79a7"
+"""Of the way that was told and turned out wrong."""
+WIDER = 0.6
+"""A picture is no narrower than this share of its longer side."""
+
+
+def draw(path: Path, found: Localized, on: LaserMap) -> None:
+    """Write a PNG.
+
+    Args:
+        path: of the file.
+        found: what the filter says; if it never was sure, its places at the end are shown.
+        on: the map.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(INCHES, INCHES), layout="constrained")
+        axes = figure.add_subplot()
+        _floor(axes, on)
+        shown = _ways(axes, found) if found.told else _places(axes, found)
+        _look_at(axes, shown, on)
+        axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+        handles, labels = axes.get_legend_handles_labels()
+        once = dict(zip(labels, handles, strict=True))
+        axes.legend(once.values(), once.keys(), loc="upper right", frameon=True, fontsize=8)
+        figure.savefig(path, dpi=DPI, metadata={"Software": None})
+
+
+def _floor(axes: Axes, on: LaserMap) -> None:
+    height, width = on.grid.data.shape
+    side, pose = on.grid.resolution, on.map_from_cells
+    tones = np.full(on.grid.data.shape, 205, dtype=np.uint8)
+    tones[on.grid.free], tones[on.grid.occupied] = 255, 90
+    turn = mpl.transforms.Affine2D().rotate(pose.theta).translate(pose.x, pose.y)
+    axes.imshow(
+        tones, cmap="gray", vmin=0, vmax=255, origin="lower", interpolation="nearest",
+        extent=(0, width * side, 0, height * side), transform=turn + axes.transData,
+    )  # fmt: skip
+
+
+def _ways(axes: Axes, found: Localized) -> Array:
+    """Estimate and odometry, which begin together; where they go (n, 2)."""
+    standing, shown = found.standing, []
+    if standing:
+        poses = np.array([one.pose for one in standing])
+        odometry = np.array([one.odometry for one in standing])
+        begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
+        alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)
+        for way, stroke in ((alone, STROKES["odometry"]), (_broken(standing), STROKES["amcl"])):
+            x, y, _ = way.T
+            axes.plot(x, y, stroke.dashes, color=stroke.colour, lw=stroke.width, label=stroke.label)
+        for pose, mark, label in ((poses[0], "o", "first known"), (poses[-1], "X", "end")):
+            axes.plot(*pose[:2], mark, color="#0072b2", ms=7, mec="white", label=label)
+        shown.append(poses[:, :2])
+    if withdrawn := found.withdrawn:
+        way = _broken(withdrawn)
+        axes.plot(way[:, 0], way[:, 1], ":", color=WITHDRAWN, lw=1.6, label="told, and withdrawn")
+        shown.append(np.array([one.pose[:2] for one in withdrawn]))
+    return np.concatenate(shown)
+
+
+def _broken(told: Sequence[Told]) -> Array:
+    """Poses (n, 3), with nan wherever some time was not told."""
+    rows = []
+    for before, one in zip([told[0], *told], told, strict=False):
+        if one.stamp - before.stamp > LONGEST_GAP:
+            rows.append(np.full(3, np.nan))
+        rows.append(one.pose)
+    return np.array(rows)
+
+
+def _places(axes: Axes, found: Localized) -> Array:
+    """Where the robot may be at the end (n, 2), as circles of two standard deviations."""
+    places = found.final.hypotheses if found.final else ()
+    centres = np.array([[one.pose.x, one.pose.y] for one in places]).reshape(-1, 2)
+    for place, (x, y) in zip(places, centres, strict=True):
+        wide = 2 * float(np.sqrt(np.trace(place.covariance[:2, :2]) / 2))
+        axes.add_patch(Circle((x, y), wide, fill=False, color="#0072b2", label="may be here"))
+    return centres
+
+
+def _look_at(axes: Axes, places: Array, on: LaserMap) -> None:
+    """Show the ways and some of the map around; all of the map, where there are none."""
+    if not len(places):
+        height, width = on.grid.data.shape
+        corners = np.array([[0, 0], [width, 0], [0, height], [width, height]], dtype=np.float64)
+        places = on.map_from_cells.apply(corners * on.grid.resolution)
+    low, high = places.min(axis=0) - MARGIN, places.max(axis=0) + MARGIN
+    middle, half = (low + high) / 2, (high - low) / 2
+    half = np.maximum(half, WIDER * half.max())
+    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])

@@ -1,0 +1,114 @@
+"""Where the laser sits, and which frames are the robot's: found before it is followed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from app.lab.localize.reading.bag import Bag, BagError
+from app.lab.localize.reading.topics import TRANSFORMS, Chosen
+from app.lab.localize.reading.transforms import Frames, Rigid3, frame_name
+from robot.geometry import Pose2
+
+ROBOT_FRAMES = ("base_footprint", "base_link")
+"""What a robot's own frame is called by custom (REP-105, REP-120)."""
+ODOM = "odom"
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What is known of the robot before it is followed."""
+
+    base_from_laser: Rigid3
+    told_by: str
+    """In words, where that comes from."""
+    base_frame: str
+    odom_frame: str
+    """Whose transform to the base is odometry, where there is no topic of it."""
+    assumed: bool = False
+    """Whether nothing said where the laser sits."""
+
+
+def find_layout(bag: Bag, chosen: Chosen, laser_pose: Pose2 | None) -> Layout:
+    """Look where the laser sits: as given, else by the bag's transforms.
+
+    If nothing tells, it is taken to sit at the robot's middle and to look ahead.
+
+    Raises:
+        BagError: odometry is to come from the transforms, and they have none.
+    """
+    laser = frame_name(_first(bag, chosen.scan).header.frame_id)
+    if chosen.odometry is None:
+        layout = _by_transforms(bag, chosen, laser)
+    else:
+        base = frame_name(_first(bag, chosen.odometry).child_frame_id)
+        layout = _on_base(bag, chosen, base, laser, search=laser_pose is None)
+    if laser_pose is None:
+        return layout
+    given = Rigid3.flat(laser_pose)
+    return Layout(given, "--laser-pose", layout.base_frame, layout.odom_frame)
+
+
+def _first(bag: Bag, topic: str) -> Any:
+    messages = bag.messages([topic])
+    try:
+        first = next(messages, None)
+    finally:
+        messages.close()  # type: ignore[attr-defined]
+    if first is None:
+        raise BagError(
+            f"{bag.path} should have messages on {topic}, by its metadata, and has none; valid is "
+            "a whole bag"
+        )
+    return first.content
+
+
+def _growing(bag: Bag, chosen: Chosen) -> Iterator[Frames]:
+    """What is known of the frames, message by message."""
+    frames = Frames()
+    yield frames
+    if chosen.transforms:
+        for message in bag.messages(chosen.transforms):
+            frames.add(message.content)
+            yield frames
+
+
+def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -> Layout:
+    bases = [base, *(name for name in ROBOT_FRAMES if name != base)] if base else ROBOT_FRAMES
+    if laser == bases[0]:
+        return Layout(_identity(), f"the laser's frame is the robot's, {laser}", laser, ODOM)
+    frames = Frames()
+    for frames in _growing(bag, chosen) if search else ():
+        found = frames.between(bases[0], laser)
+        if found is not None:
+            return Layout(found, f"the transform {bases[0]} to {laser}", bases[0], ODOM)
+    for other in bases[1:]:  # the robot's frame by another name
+        found = frames.between(other, laser) if other != laser else _identity()
+        if found is not None:
+            return Layout(found, f"the transform {other} to {laser}", bases[0], ODOM)
+    told = f"nothing: no transform leads from {bases[0]} to {laser or 'the laser'}"
+    return Layout(_identity(), told, bases[0], ODOM, assumed=True)
+
+
+def _by_transforms(bag: Bag, chosen: Chosen, laser: str) -> Layout:
+    """The laser's ancestor that moves in the odom frame is the robot."""
+    seen: list[str] = []
+    for frames in _growing(bag, chosen):
+        line = frames.lineage(laser)
+        seen = [name for name, _ in line]
+        for (base, base_from_laser), (parent, _) in pairwise(line):
+            if parent.split("/")[-1] == ODOM:
+                told = f"the transform {base} to {laser}"
+                return Layout(base_from_laser, told, base, parent)
+    raise BagError(
+        f"{bag.path} has no nav_msgs/msg/Odometry, and its {TRANSFORMS} do not lead from "
+        f"{laser or 'the laser'} to {ODOM}; they lead to {' - '.join(seen)}"
+    )
+
+
+def _identity() -> Rigid3:
+    return Rigid3(np.eye(3), np.zeros(3))

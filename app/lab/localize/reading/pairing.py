@@ -1,0 +1,143 @@
+"""Scans, each with the odometry of its stamp, in the order of their stamps."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from app.lab.localize.reading.bag import Bag, Message
+from app.lab.localize.reading.clock import Clock
+from app.lab.localize.reading.laser_scan import ScanReader
+from app.lab.localize.reading.mounting import Layout
+from app.lab.localize.reading.pose_track import PoseTrack
+from app.lab.localize.reading.topics import Chosen
+from app.lab.localize.reading.transforms import Rigid3, frame_name
+from robot.geometry import Pose2
+from robot.scan import Scan
+
+CLOCKS = ("header", "log")
+MOST_WAITING = 200
+"""Scans that wait for odometry; more, and there is none for the first of them."""
+
+
+class Measurement(NamedTuple):
+    """One scan and where odometry has the robot then."""
+
+    odom_from_robot: Pose2
+    scan: Scan
+
+
+@dataclass
+class LeftOut:
+    """What of a bag could not be used, counted."""
+
+    unusable_scans: int = 0
+    """Without ranges, or with angles that are no numbers."""
+    out_of_order: int = 0
+    """Scans whose stamp is not after the one before, or far from when they were recorded."""
+    without_odometry: int = 0
+    odometry: int = 0
+    """Poses that were not finite, or whose stamps do not rise."""
+
+    def lines(self) -> list[str]:
+        """What to tell; nothing of what did not happen."""
+        told = {
+            "scans without usable angles or ranges": self.unusable_scans,
+            "scans whose stamps do not rise": self.out_of_order,
+            "scans without odometry around them": self.without_odometry,
+            "odometry messages that are not finite or whose stamps do not rise": self.odometry,
+        }
+        return [f"{count} {what} were left out" for what, count in told.items() if count]
+
+
+class Pairing:
+    """Reads a bag once, from its beginning."""
+
+    def __init__(self, bag: Bag, chosen: Chosen, layout: Layout, clock: str = "header") -> None:
+        """Take stamps from the messages' headers, or (``log``) from when they were recorded."""
+        self._bag, self._chosen, self._layout = bag, chosen, layout
+        self._by_log = clock == "log"
+        self._scans = ScanReader(layout.base_from_laser)
+        self._track = PoseTrack()
+        self._waiting: deque[Scan] = deque()
+        self._newest = -math.inf
+        self._clocks = {name: Clock() for name in chosen.names}
+        self.names = chosen.names
+        """Topics that are read."""
+        self.left_out = LeftOut()
+        self.messages = 0
+        """Read so far."""
+        self.clocks: dict[str, tuple[float, float]] = {}
+        """First and last stamp [s] of scans and of odometry."""
+
+    def measurements(self) -> Iterator[Measurement]:
+        """All scans that can be used.
+
+        Raises:
+            BagError: the bag is damaged.
+        """
+        for message in self._bag.messages(self._chosen.names):
+            self.messages += 1
+            if message.topic == self._chosen.scan:
+                self._take_scan(message)
+            else:
+                self._take_odometry(message)
+            yield from self._ready(lambda scan: scan.stamp <= self._track.last)
+            while len(self._waiting) > MOST_WAITING:
+                self._waiting.popleft()
+                self.left_out.without_odometry += 1
+        yield from self._ready(lambda _: True)
+        self.left_out.odometry = self._track.refused
+
+    def _ready(self, due: Callable[[Scan], bool]) -> Iterator[Measurement]:
+        while self._waiting and due(self._waiting[0]):
+            scan = self._waiting.popleft()
+            pose = self._track.at(scan.stamp)
+            if pose is None:
+                self.left_out.without_odometry += 1
+            else:
+                yield Measurement(pose, scan)
+
+    def _take_scan(self, message: Message) -> None:
+        stamp = self._stamp(message.content.header, message.logged)
+        self._note("scans", stamp)
+        scan = self._scans.scan(message.content, stamp)
+        if scan is None:
+            self.left_out.unusable_scans += 1
+        elif not (self._fits(message, stamp) and stamp > self._newest):
+            self.left_out.out_of_order += 1
+        else:
+            self._newest = stamp
+            self._waiting.append(scan)
+
+    def _take_odometry(self, message: Message) -> None:
+        if message.topic == self._chosen.odometry:
+            pose = message.content.pose.pose
+            self._add(message, message.content.header, pose.position, pose.orientation)
+            return
+        for one in message.content.transforms:
+            frames = frame_name(one.header.frame_id), frame_name(one.child_frame_id)
+            if frames == (self._layout.odom_frame, self._layout.base_frame):
+                shift, turn = one.transform.translation, one.transform.rotation
+                self._add(message, one.header, shift, turn)
+
+    def _add(self, message: Message, header: Any, position: Any, orientation: Any) -> None:
+        stamp = self._stamp(header, message.logged)
+        self._note("odometry", stamp)
+        found = Rigid3.of(position, orientation) if self._fits(message, stamp) else None
+        self._track.add(stamp, None if found is None else found.planar())
+
+    def _fits(self, message: Message, stamp: float) -> bool:
+        return self._by_log or self._clocks[message.topic].fits(stamp, message.logged)
+
+    def _stamp(self, header: Any, logged: float) -> float:
+        """Of a message whose header has none it is when it was recorded."""
+        stamp: float = header.stamp.sec + 1e-9 * header.stamp.nanosec
+        return logged if self._by_log or stamp <= 0 else stamp
+
+    def _note(self, whose: str, stamp: float) -> None:
+        first, last = self.clocks.get(whose, (stamp, stamp))
+        self.clocks[whose] = min(first, stamp), max(last, stamp)

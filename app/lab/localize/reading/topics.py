@@ -1,0 +1,75 @@
+"""Which of a bag's topics are the laser, the odometry and the transforms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.lab.localize.reading.bag import Bag, BagError, Topic
+from robot.settings import SettingError
+
+LASER_SCAN = "sensor_msgs/msg/LaserScan"
+ODOMETRY = "nav_msgs/msg/Odometry"
+TRANSFORMS = "tf2_msgs/msg/TFMessage"
+USUAL = "/odom"
+"""Of several odometries, the wheels' own by custom."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chosen:
+    """What is read of a bag."""
+
+    scan: str
+    odometry: str | None
+    """None: odometry is in the transforms."""
+    transforms: tuple[str, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Topics that are read while the robot is followed."""
+        return (self.scan, self.odometry) if self.odometry else (self.scan, *self.transforms)
+
+
+def choose(bag: Bag, scan: str | None = None, odometry: str | None = None) -> Chosen:
+    """Choose topics: those that are named, or the only ones of their type.
+
+    Raises:
+        SettingError: a topic that was named is not there or of another type, or there are several
+            to choose from; lists them.
+        BagError: there is none; lists what the bag has.
+    """
+    transforms = tuple(topic.name for topic in bag.of_type(TRANSFORMS))
+    laser = _one(bag, LASER_SCAN, scan, "--scan-topic")
+    if laser is None:
+        raise BagError(f"{bag.path} has no {LASER_SCAN}; {_held(bag)}")
+    found = bag.of_type(ODOMETRY)
+    if odometry is None and len(found) > 1 and USUAL in [topic.name for topic in found]:
+        odometry = USUAL
+    wheels = _one(bag, ODOMETRY, odometry, "--odom-topic")
+    if wheels is None and not transforms:
+        raise BagError(f"{bag.path} has no {ODOMETRY} and no {TRANSFORMS}; {_held(bag)}")
+    return Chosen(laser, wheels, transforms)
+
+
+def _one(bag: Bag, kind: str, wanted: str | None, option: str) -> str | None:
+    found = [topic.name for topic in bag.of_type(kind)]
+    if wanted is not None:
+        name = wanted if wanted in found else f"/{wanted.lstrip('/')}"
+        if name not in found:
+            valid = ", ".join(found) or f"none, as it has no {kind}"
+            raise SettingError(f"{option} {wanted} is not in {bag.path}; valid are {valid}")
+        return name
+    if len(found) > 1:
+        raise SettingError(
+            f"{bag.path} has {len(found)} topics of {kind}; choose by {option}: {', '.join(found)}"
+        )
+    return found[0] if found else None
+
+
+def _held(bag: Bag) -> str:
+    if not bag.topics:
+        return "it has no topics at all"
+    return "it has " + ", ".join(_shown(topic) for topic in bag.topics)
+
+
+def _shown(topic: Topic) -> str:
+    return f"{topic.name} ({topic.type}, {topic.count})"

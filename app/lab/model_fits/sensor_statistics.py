@@ -1,0 +1,99 @@
+"""What ranges beside exact ones tell of the scanner and of the beam model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.lab.evaluation.drives import record
+from app.lab.evaluation.runs import EvaluationError
+from app.lab.evaluation.worlds import in_world
+from app.lab.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
+from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
+from app.lab.model_fits.sensor.range_pairs import RangePairs, pair_ranges
+from app.lab.model_fits.sensor.range_statistics import (
+    RangeStatistics,
+    by_bearing,
+    by_distance,
+    overall,
+)
+from app.lab.workers import Workers
+from app.settings.config import MAPS, Config
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
+from robot.scan import Scan
+
+DISTANCES = np.arange(0.1, 1.01, 0.1)
+"""Borders of bins [m]."""
+BEARINGS = np.radians(np.arange(-40, 41, 10))
+"""Borders of bins [rad]."""
+LEAST_SIGMA = 0.002
+"""A filter is set no narrower [m]: between its particles no pose fits ranges that are finer, and it
+loses places that it starts a little beside (docs/evaluation.md)."""
+
+
+@dataclass(frozen=True)
+class SensorStatistics:
+    """How ranges err, and the beam model's parameters."""
+
+    pairs: RangePairs
+    all: RangeStatistics
+    distances: tuple[RangeStatistics, ...]
+    bearings: tuple[RangeStatistics, ...]
+    correlation: BeamCorrelation
+    fit: SensorFit
+    """What the scanner does."""
+    usable: SensorFit
+    """The same with a sigma_hit that a filter can use."""
+
+
+def scans_of(job: tuple[Config, float]) -> tuple[list[Scan], list[Pose2]]:
+    """Scans of a figure-eight, and the true pose at the stamp of each."""
+    drive = record(*job)
+    scans = [tick.scan for tick in drive.ticks if tick.scan is not None]
+    return scans, [drive.truth_at(scan.stamp) for scan in scans]
+
+
+def scanned_drives(
+    config: Config, world: str, drives: int, seconds: float, workers: Workers
+) -> SensorStatistics:
+    """Compare the scans of some drives of one simulated robot.
+
+    Args:
+        config: ``imperfections.robot`` is which one.
+        world: one of ``WORLDS``.
+        drives: of the figure-eight.
+        seconds: how long each takes [s].
+        workers: who does it.
+
+    Raises:
+        EvaluationError: a drive cannot be made.
+        FitError: the ranges have no edges in them.
+    """
+    config = in_world(config, world)
+    seeds = range(config.seed, config.seed + drives)
+    jobs = [(replace(config, seed=seed), seconds) for seed in seeds]
+    found = dict(workers.each(scans_of, jobs))
+    scans: list[Scan] = []
+    poses: list[Pose2] = []
+    for place in sorted(found):
+        done = found[place]
+        if isinstance(done, Exception):
+            raise EvaluationError(f"seed {seeds[place]}: {done}") from done
+        scans += done[0]
+        poses += done[1]
+    sensor = config.localization.sensor
+    field = load_field(config.map, MAPS)
+    pairs = pair_ranges(field, scans, poses, sensor.laser_max_range)
+    correlation = correlate_beams(pairs, sensor.max_beams)
+    worth = correlation.weight_of_successive
+    return SensorStatistics(
+        pairs,
+        overall(pairs),
+        tuple(by_distance(pairs, DISTANCES)),
+        tuple(by_bearing(pairs, BEARINGS)),
+        correlation,
+        fit_sensor(pairs, sensor.laser_max_range, worth=worth),
+        fit_sensor(pairs, sensor.laser_max_range, worth=worth, least_sigma=LEAST_SIGMA),
+    )

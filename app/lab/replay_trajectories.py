@@ -1,0 +1,91 @@
+"""A recording through the filter as fast as it goes, without anybody watching."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from app.files import make_folder
+from app.lab.trajectories.files.tum import write_tum
+from app.lab.trajectories.trajectory import Trajectory
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from robot.geometry import Array, Pose2
+
+
+@dataclass(frozen=True)
+class Replayed:
+    """Where the robot was, by the clock of the recording [s]."""
+
+    stamps: Array
+    """(n,) of all ticks."""
+    estimated: Array
+    """(n, 3) by the filter of now [m, m, rad]; nan before the first estimate."""
+    then: Array
+    """(n, 3) by the filter of then; nan where it is not told."""
+    truth: Array
+    """(n, 3) nan where it is not known."""
+    odometry: Array
+    """(n, 3) by the wheels alone, from where they began."""
+
+    def trajectories(self) -> dict[str, Trajectory]:
+        """Those that have two poses and more, by name."""
+        found = {}
+        for name in ("estimated", "then", "truth", "odometry"):
+            poses = getattr(self, name)
+            known = ~np.isnan(poses[:, 0])
+            if np.count_nonzero(known) >= 2:
+                found[name] = Trajectory.of_poses(self.stamps[known], poses[known], name)
+        return found
+
+
+def replay(
+    path: Path,
+    options: ReplayOptions = ReplayOptions(),
+    told: Callable[[float], None] | None = None,
+) -> Replayed:
+    """Run the filter on a recording; the same file, options and seed give the same result.
+
+    Args:
+        path: of the recording.
+        options: what shall be otherwise than then.
+        told: called now and then with the share that is done.
+
+    Raises:
+        RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
+    """
+    program = open_replay(path, options)
+    replayed = program.replay
+    course = replayed.course
+    rows: list[tuple[float, Pose2 | None, Pose2 | None, Pose2 | None, Pose2]] = []
+    try:
+        while course.robot.next_ns is not None:
+            one = course.tick()
+            rows.append((one.stamp, one.pose, course.estimate_then(one), one.truth, one.odometry))
+            if told is not None and len(rows) % 500 == 0:
+                told(min(one.stamp / max(replayed.duration_s, 1e-9), 1.0))
+    finally:
+        program.robot.close()
+    stamps, *poses = zip(*rows, strict=True)
+    return Replayed(np.array(stamps), *(np.array([_row(one) for one in kind]) for kind in poses))
+
+
+def write(replayed: Replayed, folder: Path, note: str) -> list[Path]:
+    """Write ``estimated.tum``, ``then.tum``, ``truth.tum`` and ``odometry.tum``, as far as known.
+
+    Raises:
+        SettingError, OSError: the folder cannot be written to.
+    """
+    make_folder(folder)
+    written = []
+    for name, trajectory in replayed.trajectories().items():
+        path = folder / f"{name}.tum"
+        write_tum(path, trajectory, (note,))
+        written.append(path)
+    return written
+
+
+def _row(pose: Pose2 | None) -> Array:
+    return np.full(3, np.nan) if pose is None else pose.to_array()

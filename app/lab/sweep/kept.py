@@ -1,0 +1,34 @@
+"""Results of points, kept by key so that what was done once is not done again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from app.files import file_written_whole
+from app.lab.sweep.work import MEASURES, Measured
+
+
+class Kept:
+    """A folder with a small file for each point that is done."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def get(self, key: str) -> Measured | None:
+        """What was measured at a point; None if it was not, or its file is damaged."""
+        try:
+            found = json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        whole = isinstance(found, dict) and set(found) == {*MEASURES, "error"}
+        return found if whole else None
+
+    def put(self, key: str, measured: Measured) -> None:
+        """Keep what was measured; the file is whole or not there.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        with file_written_whole(self._folder / f"{key}.json") as new:
+            new.write_text(json.dumps(measured), encoding="utf-8")

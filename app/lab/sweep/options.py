@@ -1,0 +1,56 @@
+"""The command line of ``brickpose sweep``; what takes long to load is loaded when it is used."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.lab.evaluate_options import add_workers
+from app.options import Commands, add_condition, add_config
+
+EXAMPLE = """\
+A sweep file names settings by their path (docs/configuration.md) and their values:
+
+  [sweep]
+  seeds = 4                # robots at each point
+  laps = 1
+  worlds = ["sim"]         # sim, as-real, hand-built, kinematic
+  # conditions = ["default", "askew"]   # as --condition
+  # sample = 30            # so many random points instead of all combinations
+  # offset = [-0.1, -0.1, 0.3]   # the start is told wrong [m, m, rad]
+
+  [settings]
+  localization.sensor.sigma_hit = [0.001, 0.003, 0.01]
+  localization.filter.min_particles = [100, 500]
+  # with sample: { low = 0.01, high = 1.0, log = true }
+
+The same command again goes on where it was interrupted.
+"""
+
+
+def add_sweep(commands: Commands) -> None:
+    """Add the command."""
+    command = commands.add_parser(
+        "sweep",
+        help="the experiment at many settings, on this machine or a cluster",
+        description="Make the experiment at many settings; write a table and a plot for each.",
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
+    )
+    command.add_argument("file", type=Path, metavar="FILE.toml", help="what to sweep")
+    add_config(command)
+    add_condition(command, many=True)
+    command.add_argument(
+        "--out", type=Path, metavar="DIR", default=None,
+        help="where the results go (default: sweeps/ and the file's name)",
+    )  # fmt: skip
+    command.add_argument("--format", default="csv", help="of the table: csv (default) or parquet")
+    add_workers(command)
+    command.set_defaults(command=_sweep)
+
+
+def _sweep(parsed: argparse.Namespace) -> int:
+    from app.lab.sweep.command import sweep_command  # noqa: PLC0415
+
+    return sweep_command(parsed)

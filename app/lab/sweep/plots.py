@@ -1,0 +1,100 @@
+"""What a setting does to the error: a point for each run, and the median by value."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.ticker import NullFormatter
+
+from app.files import file_written_whole
+from app.lab.evaluation.report.figures import drawn
+
+MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
+OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"
+FEW = 12
+"""So many values at most have medians of their own: more are a random sample's."""
+WORD = 24
+"""Of longer values, as of a file far down in folders, so many letters at the end are shown."""
+MARKS = tuple(zip("o^sDvP*X", (
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999",
+), strict=True))  # fmt: skip
+"""Worlds and conditions, by mark and colour (Okabe and Ito); of more, they come again."""
+
+
+def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: bool) -> None:
+    """Write an SVG of the error by one setting; runs without one are counted in its title.
+
+    Args:
+        path: of the file.
+        setting: by its path.
+        rows: of the table.
+        steady: show the error once the pose is right, for starts that are told wrong.
+
+    Raises:
+        OSError: it cannot be written.
+    """
+    measure, label = (OFFSET_MEASURE, OFFSET_LABEL) if steady else (MEASURE, LABEL)
+    shown = [row for row in rows if row[measure] is not None]
+    values = sorted({row[setting] for row in rows}, key=_order)
+    words = not all(_is_number(value) for value in values)
+    at = {value: place if words else value for place, value in enumerate(values)}
+    done: list[str] = []
+    with drawn(5.2, 3.2, done) as figure:
+        axes = figure.add_subplot()
+        worlds = list(dict.fromkeys(_where(row) for row in rows))
+        for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):
+            of_world = [row for row in shown if _where(row) == world]
+            x = [at[row[setting]] for row in of_world]
+            y = [1e3 * row[measure] for row in of_world]
+            axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
+            if len(values) <= FEW and of_world:
+                places = sorted(set(x))
+                medians = [
+                    np.median([b for a, b in zip(x, y, strict=True) if a == p]) for p in places
+                ]
+                axes.plot(places, medians, "-", color=colour, lw=1.5)
+        failed = len(rows) - len(shown)
+        told = f"{failed} runs failed or were never right" if failed else ""
+        axes.set(
+            xlabel=setting, ylabel=label, title=told,
+            yscale="log" if shown else "linear",
+        )  # fmt: skip
+        if words:
+            axes.set_xticks(range(len(values)), [_word(value) for value in values])
+        elif _is_wide(values):
+            axes.set_xscale("log")
+        for axis in (axes.yaxis, axes.xaxis) if not words else (axes.yaxis,):
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
+        axes.grid(alpha=0.3, which="both")
+        axes.legend(frameon=False)
+    with file_written_whole(path) as new:
+        new.write_text(done[0], encoding="utf-8")
+
+
+def _where(row: dict[str, Any]) -> str:
+    """The world, and the condition if it is not the usual one."""
+    usual = row["condition"] == "default"
+    return str(row["world"]) if usual else f"{row['world']}, {row['condition']}"
+
+
+def _word(value: Any) -> str:
+    """Short enough to leave room for the figure."""
+    text = str(value)
+    return text if len(text) <= WORD else f"…{text[1 - WORD :]}"
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _order(value: Any) -> tuple[bool, Any]:
+    return (not _is_number(value), value if _is_number(value) else str(value))
+
+
+def _is_wide(values: list[Any]) -> bool:
+    """Whether values span so much that they are better seen by their logarithm."""
+    return bool(min(values) > 0 and max(values) / min(values) >= 20)

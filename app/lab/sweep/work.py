@@ -1,0 +1,75 @@
+"""What a worker does in a sweep: drive once, follow at several settings."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from app.lab.evaluation.convergence import errors, steady_error, time_to_converge
+from app.lab.evaluation.drives import Drive, record
+from app.lab.evaluation.experiment import KNOWN, follow_from_offset
+from app.lab.evaluation.results import trajectory
+from app.lab.evaluation.runs import follow
+from app.lab.evaluation.scores import SHOWN, score
+from app.lab.sweep.points import SweepJob
+from app.settings.config import Config
+
+MEASURES = (
+    "ate_rmse_m",
+    "ate_aligned_rmse_m",
+    "heading_rmse_rad",
+    "rpe_trans_rmse_m",
+    "rpe_rot_rmse_rad",
+    "odometry_ate_rmse_m",
+    "seconds_to_converge",
+    "steady_ate_rmse_m",
+    "filter_ms",
+)
+"""Columns of the table, beside the settings, world, seed and error; none is no value. All but the
+last, which is a time that was measured, are the same each time."""
+
+Measured = dict[str, Any]
+
+
+def follow_all(job: SweepJob) -> dict[str, Measured]:
+    """What was measured at each point, by its key; what went wrong there is its ``error``."""
+    try:
+        drive = record(job.drive, job.duration)
+    except Exception as error:
+        return dict.fromkeys(job.configs, _failed(error))
+    return {key: _measured(drive, config, job.offset) for key, config in job.configs.items()}
+
+
+def _measured(drive: Drive, config: Config, offset: tuple[float, ...]) -> Measured:
+    try:
+        if offset:
+            run = follow_from_offset(drive, config, offset)
+        else:
+            run = follow(drive, config, drive.ticks[0].truth, KNOWN)
+    except Exception as error:
+        return _failed(error)
+    truth = trajectory(run, "truth")
+    found, reckoned = (score(truth, trajectory(run, method)) for method in ("amcl", "odometry"))
+    off, turns = errors(run, run.estimate)
+    translation, rotation = found.relative[SHOWN]
+    values = (
+        found.ate,
+        found.ate_aligned,
+        found.heading,
+        translation,
+        rotation,
+        reckoned.ate,
+        time_to_converge(run.stamps, off, turns),
+        steady_error(run),
+        1e3 * float(np.mean(run.cpu)),
+    )
+    numbers = (value if math.isfinite(value) else None for value in values)
+    return dict(zip(MEASURES, numbers, strict=True)) | {"error": ""}
+
+
+def _failed(error: Exception) -> Measured:
+    """A point that failed is a row too; whatever it was, the sweep goes on."""
+    text = str(error) or type(error).__name__
+    return dict.fromkeys(MEASURES) | {"error": " ".join(text.split())}

@@ -1,0 +1,118 @@
+"""Bring two trajectories to the same stamps: by the nearest pose, or between two of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
+from robot.geometry import Array
+
+FEWEST = 3
+"""Fewer pairs say nothing."""
+
+
+def associate(
+    truth: Trajectory, estimate: Trajectory, max_difference: float = 0.01
+) -> tuple[Trajectory, Trajectory]:
+    """Pairs of poses at nearly one stamp, as two trajectories of equal length.
+
+    For each stamp of the one with fewer poses (of equal ones: the estimate) the nearest pose of
+    the other, of two equally near ones the earlier; dropped if it is farther than the difference.
+    One pose of the longer may stand in several pairs. Both bear the stamps of the shorter one.
+    These are the pairs of evo and of the tools of the TUM benchmark, so that figures agree.
+
+    Args:
+        truth: what is known.
+        estimate: what is to be judged, on the same clock.
+        max_difference: largest difference of two stamps [s].
+
+    Raises:
+        TrajectoryError: there are fewer than three pairs; names files and their times.
+    """
+    truth_asks = len(estimate) > len(truth)
+    asking, asked = (truth, estimate) if truth_asks else (estimate, truth)
+    nearest, found = _nearest(asking.stamps, asked.stamps, max_difference)
+    if np.count_nonzero(found) < FEWEST:
+        raise TrajectoryError(_too_few(truth, estimate, int(np.count_nonzero(found))))
+    these, those = asking.picked(found), _with_stamps(asked, nearest[found], asking.stamps[found])
+    return (these, those) if truth_asks else (those, these)
+
+
+def _nearest(
+    stamps: Array, among: Array, max_difference: float
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Index (n,) of the stamp nearest to each, and whether it is near enough."""
+    after = np.minimum(np.searchsorted(among, stamps, side="right"), len(among) - 1)
+    to_after = among[after] - stamps
+    to_before = np.where(after > 0, stamps - among[after - 1], np.inf)
+    take_after = (to_after <= max_difference) & (to_after < to_before)
+    take_before = (to_before <= max_difference) & ~take_after & (to_before <= to_after)
+    inside = (stamps >= among[0] - max_difference) & (stamps <= among[-1] + max_difference)
+    return np.where(take_after, after, after - 1), inside & (take_after | take_before)
+
+
+def _with_stamps(trajectory: Trajectory, indices: NDArray[np.int64], stamps: Array) -> Trajectory:
+    """Poses at indices, with the stamps of others, of which some may be repeated."""
+    return Trajectory(
+        stamps,
+        trajectory.positions[indices],
+        trajectory.quaternions[indices],
+        trajectory.source,
+        trajectory.notes,
+        repeats=True,
+    )
+
+
+def at(
+    trajectory: Trajectory, stamps: ArrayLike, max_gap: float = 0.2
+) -> tuple[Trajectory, NDArray[np.bool_]]:
+    """Where it was at other stamps: positions along straight lines, rotations the short way round.
+
+    Args:
+        trajectory: what is known.
+        stamps: rising stamps (n,) [s], on its clock.
+        max_gap: between poses farther apart than this [s] nothing is known.
+
+    Returns:
+        Its poses at the stamps at which they are known, and which ones those are (n,).
+
+    Raises:
+        TrajectoryError: they are known at fewer than two stamps; names the times.
+    """
+    trajectory = trajectory.one_a_stamp()
+    asked = np.asarray(stamps, dtype=np.float64).ravel()
+    known = trajectory.stamps
+    before = np.clip(np.searchsorted(known, asked, side="right") - 1, 0, len(known) - 2)
+    inside = (asked >= known[0]) & (asked <= known[-1])
+    hit = (asked == known[before]) | (asked == known[before + 1])
+    told = inside & (hit | (known[before + 1] - known[before] <= max_gap))
+    if np.count_nonzero(told) < 2:
+        raise TrajectoryError(
+            f"{_times(trajectory)} has poses at {np.count_nonzero(told)} of {len(asked)} stamps, "
+            f"with gaps up to {max_gap:g} s; valid are 2 and more"
+        )
+    between = Slerp(known, Rotation.from_quat(trajectory.quaternions))
+    positions = [np.interp(asked[told], known, axis) for axis in trajectory.positions.T]
+    poses = Trajectory(
+        asked[told],
+        np.column_stack(positions),
+        between(asked[told]).as_quat(),
+        trajectory.source,
+        trajectory.notes,
+    )
+    return poses, told
+
+
+def _too_few(truth: Trajectory, estimate: Trajectory, pairs: int) -> str:
+    ranges = f"{_times(truth)} and {_times(estimate)}"
+    apart = truth.stamps[-1] < estimate.stamps[0] or estimate.stamps[-1] < truth.stamps[0]
+    if apart:
+        return f"{ranges} do not overlap in time; valid are stamps of one clock"
+    return f"{ranges} have {pairs or 'no'} pairs of poses at one time; valid are {FEWEST} and more"
+
+
+def _times(trajectory: Trajectory) -> str:
+    first, last = trajectory.stamps[[0, -1]]
+    return f"{trajectory.name} (from {first:.3f} to {last:.3f} s)"

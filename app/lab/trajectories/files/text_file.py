@@ -1,0 +1,118 @@
+"""A text file of numbers, read whole, with words for all that may be wrong with it."""
+
+from __future__ import annotations
+
+import gzip
+import zlib
+from collections.abc import Sequence
+from pathlib import Path
+
+from app.lab.trajectories.trajectory import TrajectoryError
+
+LARGEST = 2**28
+"""A larger file is no trajectory [bytes]."""
+GZIP = b"\x1f\x8b"
+
+
+def read_text(path: Path) -> str:
+    """The text of a file, which may be compressed by gzip, with "\\n" between lines.
+
+    Raises:
+        TrajectoryError: it is missing, a folder, empty, too large or no text.
+    """
+    data = _read_bytes(path)
+    if len(data) > LARGEST:
+        raise TrajectoryError(f"{path} is larger than {LARGEST >> 20} MB; no trajectory is")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise TrajectoryError(f"{path}, line {line}: not UTF-8 text") from error
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "\0" in text:
+        line = text.count("\n", 0, text.index("\0")) + 1
+        raise TrajectoryError(f"{path}, line {line}: not text but binary data")
+    if not text.strip():
+        raise TrajectoryError(f"{path} is empty; valid is a pose a line")
+    return text
+
+
+def _read_bytes(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            if file.peek(2)[:2] != GZIP:
+                return file.read(LARGEST + 1)
+            with gzip.GzipFile(fileobj=file) as unpacked:
+                return unpacked.read(LARGEST + 1)
+    except FileNotFoundError as error:
+        raise TrajectoryError(f"there is no file {path}") from error
+    except IsADirectoryError as error:
+        raise TrajectoryError(f"{path} is a folder; valid is a file") from error
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise TrajectoryError(f"{path} is damaged: its gzip data ends or breaks off") from error
+    except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+        raise TrajectoryError(f"{path} cannot be read: {error}") from error
+
+
+def numbered(text: str) -> list[tuple[int, str]]:
+    """The lines that are not blank, with their numbers, from 1 on."""
+    stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
+    return [(number, line) for number, line in stripped if line]
+
+
+def comments(text: str) -> tuple[str, ...]:
+    """What stands behind "#" on lines of their own."""
+    return tuple(line.lstrip("#").strip() for _, line in numbered(text) if line.startswith("#"))
+
+
+def rows_of_numbers(text: str, source: str, columns: str) -> tuple[list[int], list[list[float]]]:
+    """Line numbers (n,) and numbers (n, k) of a table with "#" comments.
+
+    Numbers stand apart by spaces, tabs or commas.
+
+    Args:
+        text: the table.
+        source: the file's name for messages.
+        columns: names of the k columns, apart by spaces.
+
+    Raises:
+        TrajectoryError: a row has another number of columns, or a cell is no number.
+    """
+    lines, rows, expected = [], [], len(columns.split())
+    for number, line in numbered(text):
+        if line.startswith("#"):
+            continue
+        cells = line.replace(",", " ").split()
+        if len(cells) != expected:
+            raise TrajectoryError(
+                f"{source}, line {number}: {len(cells)} columns; valid are {expected}: {columns}"
+            )
+        rows.append(as_numbers(cells, source, number))
+        lines.append(number)
+    return lines, rows
+
+
+def as_numbers(cells: Sequence[str], source: str, line: int) -> list[float]:
+    """Cells of one line as numbers.
+
+    Raises:
+        TrajectoryError: one is none; NaN and infinities are the caller's to judge.
+    """
+    try:
+        return [number_from(cell) for cell in cells]
+    except ValueError as error:
+        raise TrajectoryError(f"{source}, line {line}: {error}") from error
+
+
+def number_from(cell: str) -> float:
+    """A number as other programs write it; Python's underscores are none.
+
+    Raises:
+        ValueError: it is no number.
+    """
+    try:
+        if "_" in cell:
+            raise ValueError
+        return float(cell)
+    except ValueError:
+        raise ValueError(f"{cell[:40]!r} is no number") from None

@@ -1,0 +1,251 @@
+"""How far an estimate is from the truth, on pairs of poses.
+
+After Sturm, Engelhard, Endres, Burgard, Cremers, A Benchmark for the Evaluation of RGB-D SLAM
+Systems, IROS 2012. All take pairs, as `association.associate` makes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
+from robot.geometry import Array, wrap_angle
+
+Unit = Literal["s", "m", "frames"]
+
+RANK = 1e-9
+"""A spread this small beside the largest one is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """A rigid motion that takes positions of the estimate's frame to the truth's."""
+
+    rotation: Array
+    """(3, 3); about z only if both trajectories are planar."""
+    translation: Array
+    """(3,) [m]."""
+
+    def apply(self, trajectory: Trajectory) -> Trajectory:
+        """The trajectory in the truth's frame."""
+        turned = Rotation.from_matrix(self.rotation) * Rotation.from_quat(trajectory.quaternions)
+        return replace(
+            trajectory,
+            positions=trajectory.positions @ self.rotation.T + self.translation,
+            quaternions=turned.as_quat(),
+            lines=None,
+        )
+
+
+def align(truth: Trajectory, estimate: Trajectory) -> Alignment:
+    """The rigid motion of the estimate after which squared distances have the least sum.
+
+    Without scale (Umeyama, Least-squares estimation of transformation parameters between two point
+    patterns, PAMI 1991): in the plane if both are planar, else in space. Of paths in space along
+    one line the rotation about that line is free: it is the one that turns least.
+
+    Raises:
+        TrajectoryError: not pairs, or a path stays on one spot, so that no rotation is best.
+    """
+    _check_pairs(truth, estimate)
+    middle, from_middle = truth.positions.mean(axis=0), estimate.positions.mean(axis=0)
+    spreads = _spread(truth), _spread(estimate)
+    cross = (truth.positions - middle).T @ (estimate.positions - from_middle)
+    find = _planar_rotation if truth.planar and estimate.planar else _rotation
+    strength, rotation = find(cross)
+    if strength <= RANK * spreads[0] * spreads[1]:
+        raise TrajectoryError(
+            f"{truth.name} and {estimate.name} cannot be aligned: they have no direction in common"
+        )
+    return Alignment(rotation, middle - rotation @ from_middle)
+
+
+def _spread(trajectory: Trajectory) -> float:
+    """Root of the sum of squared distances from the middle [m].
+
+    Raises:
+        TrajectoryError: it is only rounding.
+    """
+    spread = float(np.linalg.norm(trajectory.positions - trajectory.positions.mean(axis=0)))
+    if spread <= RANK * np.linalg.norm(trajectory.positions) or spread == 0:
+        raise TrajectoryError(
+            f"{trajectory.name} cannot be aligned: it stays on one spot; valid is a path that moves"
+        )
+    return spread
+
+
+def _planar_rotation(cross: Array) -> tuple[float, Array]:
+    """About z: the angle of the sum of products of the two, as complex numbers; and its length."""
+    along = cross[0, 0] + cross[1, 1]
+    aside = cross[1, 0] - cross[0, 1]
+    rotation = Rotation.from_euler("z", np.arctan2(aside, along)).as_matrix()
+    return float(np.hypot(along, aside)), rotation
+
+
+def _rotation(cross: Array) -> tuple[float, Array]:
+    """In space, and the largest singular value."""
+    u, values, v = np.linalg.svd(cross)
+    if values[1] <= RANK * values[0]:
+        return float(values[0]), _least_turn(v[0], u[:, 0])
+    # A reflection is no motion: the weakest axis is turned round instead.
+    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(v))])
+    return float(values[0]), (u * signs) @ v
+
+
+def _least_turn(start: Array, end: Array) -> Array:
+    """The rotation by the least angle that takes one unit vector to another."""
+    axis, cosine = np.cross(start, end), float(start @ end)
+    if cosine < RANK - 1:
+        aside = np.linalg.svd(start[None])[2][1]
+        return 2 * np.outer(aside, aside) - np.eye(3)
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    rotation: Array = np.eye(3) + skew + skew @ skew / (1 + cosine)
+    return rotation
+
+
+def absolute_errors(truth: Trajectory, estimate: Trajectory) -> Array:
+    """Distances (n,) [m] between the positions of each pair.
+
+    Raises:
+        TrajectoryError: not pairs.
+    """
+    _check_pairs(truth, estimate)
+    distances: Array = np.linalg.norm(estimate.positions - truth.positions, axis=1)
+    return distances
+
+
+def ate_rmse(truth: Trajectory, estimate: Trajectory, aligned: bool = False) -> float:
+    """Root mean square [m] of the absolute errors, as they are or after `align`.
+
+    Raises:
+        TrajectoryError: not pairs, or they cannot be aligned.
+    """
+    if aligned:
+        estimate = align(truth, estimate).apply(estimate)
+    return rms(absolute_errors(truth, estimate))
+
+
+def rms(errors: ArrayLike) -> float:
+    """Root of the mean of squares."""
+    return float(np.sqrt(np.mean(np.square(errors))))
+
+
+def heading_errors(truth: Trajectory, estimate: Trajectory) -> Array:
+    """Angles (n,) [rad] from the true rotation to the estimated one.
+
+    Of planar ones with a sign, in [-pi, pi), anticlockwise; else the angle of the rotation between
+    the two, in [0, pi].
+
+    Raises:
+        TrajectoryError: not pairs.
+    """
+    _check_pairs(truth, estimate)
+    if truth.planar and estimate.planar:
+        return wrap_angle(estimate.poses[:, 2] - truth.poses[:, 2])
+    return _angles(_rotations(truth).inv() * _rotations(estimate))
+
+
+def relative_errors(
+    truth: Trajectory, estimate: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
+) -> tuple[Array, Array]:
+    """Errors of the motion over a time, a way or a number of poses.
+
+    Translation (k,) [m] and rotation (k,) [rad] of
+    E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated, over all pairs of `relative_pairs`.
+
+    Raises:
+        TrajectoryError: not pairs, or no two poses are so far apart.
+    """
+    _check_pairs(truth, estimate)
+    i, j = relative_pairs(truth, delta, unit, tolerance)
+    if not len(i):
+        raise TrajectoryError(
+            f"{truth.name} has no two poses {delta:g} {unit} apart, within {tolerance:.0%}"
+        )
+    return motion_errors(truth, estimate, i, j)
+
+
+def motion_errors(
+    truth: Trajectory, estimate: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Errors of the motion from poses i (k,) to poses j (k,), as in `relative_errors`."""
+    (moved, turned), (true_moved, true_turned) = _motions(estimate, i, j), _motions(truth, i, j)
+    translation: Array = np.linalg.norm(moved - true_moved, axis=1)
+    return translation, _angles(true_turned.inv() * turned)
+
+
+def relative_pairs(
+    truth: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """For each pose i the later pose j whose time or way from i is nearest to delta.
+
+    Args:
+        truth: along which time and way count.
+        delta: time [s], length of the way [m] or number of poses.
+        unit: "s", "m" or "frames".
+        tolerance: i is left out if j is off by more than this part of delta; numbers are exact.
+
+    Returns:
+        Indices i and j (k,).
+    """
+    if not (delta > 0 and tolerance >= 0):
+        raise ValueError(f"delta {delta:g}, tolerance {tolerance:g}; valid are positive ones")
+    along = _ALONG[unit](truth)
+    i = np.arange(len(along) - 1)
+    goal = along[:-1] + delta
+    # Of equally near ones the earliest: where the robot stands the way has equal values.
+    after = np.minimum(np.searchsorted(along, goal, side="left"), len(along) - 1)
+    before = np.searchsorted(along, along[np.maximum(after - 1, 0)], side="left")
+    after, before = np.maximum(after, i + 1), np.maximum(before, i + 1)
+    off_after = np.abs(along[after] - along[:-1] - delta)
+    off_before = np.abs(along[before] - along[:-1] - delta)
+    j = np.where(off_before <= off_after, before, after)
+    most = 0.0 if unit == "frames" else tolerance * delta
+    kept = np.minimum(off_before, off_after) <= most
+    return i[kept], j[kept]
+
+
+def _way(trajectory: Trajectory) -> Array:
+    """Length (n,) [m] of the way up to each pose."""
+    steps = np.linalg.norm(np.diff(trajectory.positions, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+_ALONG: dict[Unit, Callable[[Trajectory], Array]] = {
+    "s": lambda trajectory: trajectory.stamps - trajectory.stamps[0],
+    "m": _way,
+    "frames": lambda trajectory: np.arange(len(trajectory), dtype=np.float64),
+}
+
+
+def _motions(
+    trajectory: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
+) -> tuple[Array, Rotation]:
+    """From poses i to poses j, seen from i: translations (k, 3) and rotations."""
+    rotations = _rotations(trajectory)
+    back = rotations[i].inv()
+    return back.apply(trajectory.positions[j] - trajectory.positions[i]), back * rotations[j]
+
+
+def _rotations(trajectory: Trajectory) -> Rotation:
+    return Rotation.from_quat(trajectory.quaternions)
+
+
+def _angles(rotations: Rotation) -> Array:
+    """Angle (n,) [rad] of each, in [0, pi]."""
+    return np.asarray(rotations.magnitude(), dtype=np.float64)
+
+
+def _check_pairs(truth: Trajectory, estimate: Trajectory) -> None:
+    if len(truth) != len(estimate):
+        raise TrajectoryError(
+            f"{truth.name} has {len(truth)} poses and {estimate.name} {len(estimate)}; "
+            "valid are pairs, as `associate` makes them"
+        )

@@ -1,0 +1,275 @@
+"""Who does the work: processes of this machine, or of a cluster.
+
+Jobs are independent and bring their own seeds, so who does which in what order changes nothing. A
+job whose worker was killed is done again by another, and only that one.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import re
+import signal
+import socket
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, Protocol, TypeVar
+
+import cv2
+
+from app.settings.provenance import versions
+from robot.settings import SettingError
+
+S = TypeVar("S")
+T = TypeVar("T")
+
+PATIENCE = 10
+"""So long a cluster may take to answer [s]."""
+ATTEMPTS = 3
+"""A job that ends its worker so often is given up: it is the job that does it."""
+
+
+class WorkerError(RuntimeError):
+    """Work cannot be done where it was asked to be done, or a job ended its worker."""
+
+
+class Workers(Protocol):
+    """Some processes that do jobs."""
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time."""
+        ...
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done.
+
+        Args:
+            work: a function of a module, as it is looked up by name in another process.
+            jobs: what to call it with.
+        """
+        ...
+
+    def close(self) -> None:
+        """End what was started for it; may be called twice."""
+        ...
+
+
+class LocalWorkers:
+    """Processes of this machine, one job each at a time."""
+
+    def __init__(self, count: int | None = None) -> None:
+        """So many, or one for each core that this program may use.
+
+        Raises:
+            SettingError: fewer than one was asked for.
+        """
+        self._count = count if count is not None else _cores()
+        if self.count < 1:
+            raise SettingError(f"{self.count} workers; valid is 1 or more")
+        self._crews: list[_Crew] = []
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time."""
+        return self._count
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        left = deque((place, 1) for place in range(len(jobs)))
+        while len(self._crews) < min(self.count, len(jobs)):
+            self._crews.append(_Crew())
+        idle = list(self._crews)
+        busy: dict[Future[T], tuple[_Crew, int, int]] = {}
+        while left or busy:
+            while left and idle:
+                crew = idle.pop()
+                place, attempt = left.popleft()
+                busy[crew.submit(work, jobs[place])] = crew, place, attempt
+            for done in wait(busy, return_when=FIRST_COMPLETED).done:
+                crew, place, attempt = busy.pop(done)
+                result = _result(done)
+                if isinstance(result, BrokenProcessPool):
+                    crew = self._replaced(crew)
+                    if attempt < ATTEMPTS:
+                        left.appendleft((place, attempt + 1))
+                    else:
+                        yield place, WorkerError(f"it ended its worker {ATTEMPTS} times")
+                else:
+                    yield place, result
+                idle.append(crew)
+
+    def close(self) -> None:
+        """End the processes, whatever they do; may be called twice."""
+        crews, self._crews = self._crews, []
+        for crew in crews:
+            crew.end()
+
+    def _replaced(self, crew: _Crew) -> _Crew:
+        crew.end()
+        self._crews[self._crews.index(crew)] = other = _Crew()
+        return other
+
+
+class ClusterWorkers:
+    """Workers of a Dask cluster, on any machines that have this program."""
+
+    def __init__(self, address: str) -> None:
+        """Connect to a scheduler, as ``tcp://host:8786``.
+
+        Raises:
+            SettingError: the address is none.
+            WorkerError: dask.distributed is not installed, nobody answers there, no worker is
+                there, or one has another version of this program.
+        """
+        try:
+            from distributed import Client  # noqa: PLC0415 - an extra
+        except ImportError as error:
+            raise WorkerError(
+                "a cluster needs dask.distributed: pip install 'brickpose[cluster]'"
+            ) from error
+        _knock(address)
+        try:
+            self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
+            self._client.wait_for_workers(1, timeout=PATIENCE)
+        except (OSError, ValueError) as error:
+            raise WorkerError(f"no Dask scheduler with workers is at {address}: {error}") from error
+        self._check_versions()
+
+    @property
+    def count(self) -> int:
+        """How many jobs are done at a time, now."""
+        return max(int(sum(self._client.ncores().values())), 1)
+
+    def each(
+        self, work: Callable[[S], T], jobs: Sequence[S]
+    ) -> Iterator[tuple[int, T | Exception]]:
+        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        from distributed import as_completed  # noqa: PLC0415
+
+        left = deque(enumerate(jobs))
+        places: dict[Any, int] = {}
+        done_ones = as_completed(loop=self._client.loop)
+
+        def submit_next() -> None:
+            place, job = left.popleft()
+            future = self._client.submit(work, job, pure=False)
+            places[future] = place
+            done_ones.add(future)
+
+        # No more at a time than are worked on, and a result is fetched before the next job is
+        # handed out: so a worker that is killed has no results of others in its memory.
+        while left and len(places) < self.count:
+            submit_next()
+        while places:
+            done = next(done_ones)
+            place = places.pop(done)
+            error = done.exception()
+            result = done.result() if error is None else error
+            done.release()
+            while left and len(places) < self.count:
+                submit_next()
+            yield place, result
+
+    def close(self) -> None:
+        """Leave the cluster; may be called twice."""
+        self._client.close()
+
+    def _check_versions(self) -> None:
+        """Results of another program than ours would pass for ours."""
+        ours = versions()
+        try:
+            found = self._client.run(versions)
+        except Exception as error:
+            self.close()
+            raise WorkerError(f"a worker of the cluster has not this program: {error}") from error
+        for where, theirs in found.items():
+            if theirs != ours:
+                self.close()
+                names = [name for name in ours if theirs.get(name) != ours[name]]
+                other = ", ".join(
+                    f"{name} {theirs.get(name)} (here {ours[name]})" for name in names
+                )
+                raise WorkerError(f"the worker {where} has {other}")
+
+
+def workers(count: int | None, cluster: str | None) -> Workers:
+    """Those of a cluster, or so many of this machine.
+
+    Raises:
+        SettingError: they cannot be meant.
+        WorkerError: they cannot be had.
+    """
+    return LocalWorkers(count) if cluster is None else ClusterWorkers(cluster)
+
+
+def _cores() -> int:
+    """That this program may use."""
+    if hasattr(os, "sched_getaffinity"):  # not on every system
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _knock(address: str) -> None:
+    """Find out whether anybody listens, which a client would try for long.
+
+    Raises:
+        SettingError: the address is none.
+        WorkerError: nobody listens.
+    """
+    parts = re.fullmatch(r"(?:(?:tcp|tls)://)?(\[[^]]+\]|[^:/\s]+):(\d{1,5})", address)
+    if parts is None or not 0 < int(parts[2]) < 65536:
+        raise SettingError(f"--cluster is {address!r}; valid is tcp://host:port")
+    try:
+        socket.create_connection((parts[1].strip("[]"), int(parts[2])), PATIENCE).close()
+    except OSError as error:
+        raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
+
+
+class _Crew:
+    """A pool of one process: when it is killed, no other's job is lost."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
+        self._pid = self._pool.submit(os.getpid)
+
+    def submit(self, work: Callable[[S], T], job: S) -> Future[T]:
+        return self._pool.submit(work, job)
+
+    def end(self) -> None:
+        """At once, whatever it does."""
+        if self._pid.done() and self._pid.exception() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self._pid.result(), signal.SIGTERM)
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _begin() -> None:
+    """In a new process: it ends when the one that started it does, and uses one core."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    cv2.setNumThreads(1)
+    threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _result(done: Future[T]) -> T | Exception:
+    try:
+        return done.result()
+    except Exception as error:
+        return error

@@ -1,0 +1,85 @@
+"""What the filter believes, for the wire: estimate, what is claimed of it, hypotheses, cloud."""
+
+from __future__ import annotations
+
+import base64
+import math
+
+import numpy as np
+
+from app.engine.snapshot import Snapshot
+from app.messages.telemetry import (
+    EstimateMessage,
+    FilterMessage,
+    HypothesisMessage,
+    IntegrityMessage,
+    ParticlesMessage,
+)
+from robot.covariance import by_rows
+from robot.fields.floor_picture import Extent
+from robot.localization.filter import Cloud
+from robot.localization.integrity import Integrity
+
+MOST_PARTICLES = 2000
+"""More are not sent: a map view shows no difference."""
+
+
+def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
+    """The estimate, carried forward to the snapshot's stamp."""
+    if snapshot.pose is None or snapshot.estimate is None:
+        return None
+    pose = snapshot.pose
+    covariance = by_rows(snapshot.estimate.covariance)
+    return EstimateMessage(x=pose.x, y=pose.y, theta=pose.theta, covariance=covariance)
+
+
+def integrity_message(claimed: Integrity) -> IntegrityMessage:
+    """What is claimed; a bound that holds of any pose claims nothing, and is null."""
+    return IntegrityMessage(
+        state=claimed.state,
+        radius=claimed.radius if math.isfinite(claimed.radius) else None,
+        heading_bound=claimed.heading_bound if claimed.heading_bound < math.pi else None,
+        alerts=[alert.text for alert in claimed.alerts],
+    )
+
+
+def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
+    """Cloud and hypotheses; the latter carried forward to the snapshot's stamp."""
+    estimate, cloud = snapshot.estimate, snapshot.cloud
+    return ParticlesMessage(
+        count=len(cloud.weights),
+        effective=estimate.effective if estimate else float(len(cloud.weights)),
+        hypotheses=[
+            HypothesisMessage(
+                x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=by_rows(covariance)
+            )
+            for pose, weight, covariance in snapshot.hypotheses()
+        ],
+        extent=list(extent),
+        cloud=packed(cloud, extent),
+    )
+
+
+def filter_message(snapshot: Snapshot) -> FilterMessage:
+    """What the filter does."""
+    return FilterMessage(
+        paused=snapshot.paused,
+        updates=snapshot.updates,
+        broken=snapshot.fault,
+    )
+
+
+def packed(cloud: Cloud, extent: Extent) -> str:
+    """The cloud as ``ParticlesMessage.cloud`` says."""
+    step = max(1, math.ceil(len(cloud.weights) / MOST_PARTICLES))
+    poses, weights = cloud.poses[::step], cloud.weights[::step]
+    xmin, ymin, xmax, ymax = extent
+    part = (poses[:, :2] - (xmin, ymin)) / (xmax - xmin, ymax - ymin)
+    cells = np.zeros(
+        len(poses), dtype=[("x", "<u2"), ("y", "<u2"), ("t", "<i2"), ("w", "u1"), ("zero", "u1")]
+    )
+    cells["x"], cells["y"] = np.rint(np.clip(part, 0, 1) * 65535).T
+    cells["t"] = np.rint(np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767))
+    # Nothing, or nothing but zeros, has no heaviest.
+    cells["w"] = np.rint(weights * (255 / max(weights.max(initial=0.0), 1e-300)))
+    return base64.b64encode(cells.tobytes()).decode("ascii")

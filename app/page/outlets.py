@@ -1,0 +1,100 @@
+"""Everything besides the page that the robot is seen through: recordings, ROS 2, Foxglove."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import datetime
+from typing import Protocol
+
+from app.console import say
+from app.engine.build import Program
+from app.engine.drivers import Drivers
+from app.recordings.contents import contents_of
+from app.recordings.recorder import Recorder
+from app.ros2.commands.inbox import Inbox
+from app.ros2.publisher import TopicPublisher
+from app.ros2.rosbridge.rosbridge import Rosbridge
+from app.ros2.source import TopicSource
+
+
+class LiveRoute(Protocol):
+    """A way out that runs for as long as the program."""
+
+    @property
+    def failure(self) -> str | None:
+        """What is wrong with it now."""
+        ...
+
+    def start(self) -> None:
+        """Begin; raises what says why it cannot."""
+        ...
+
+    def close(self) -> None:
+        """End; may be called twice."""
+        ...
+
+
+class Outlets:
+    """What one program has of them; the settings say which run."""
+
+    def __init__(self, program: Program) -> None:
+        config = program.config
+        self.drivers = Drivers(program.engine.commands, config.drive.cmd_vel_timeout)
+        self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
+        self.inbox = Inbox(program, self.publisher.source)
+        self.recorder = Recorder(
+            self.publisher, config.recording, lambda: contents_of(program), datetime.now
+        )
+        self.rosbridge = Rosbridge(self.publisher, self.inbox, self.drivers)
+        self._record = config.recording.record
+        self._routes = tuple(self._live_routes(program))
+
+    def _live_routes(self, program: Program) -> Iterator[LiveRoute]:
+        settings, host = program.config.ros2, program.config.host
+        if settings.dds:
+            from app.ros2.dds.route import DdsRoute  # noqa: PLC0415
+
+            yield DdsRoute(self.publisher, self.inbox, settings, host)
+        if settings.foxglove:
+            from app.ros2.foxglove.route import FoxgloveRoute  # noqa: PLC0415
+
+            yield FoxgloveRoute(self.publisher, self.inbox, settings, host)
+
+    def start(self) -> None:
+        """Begin with all that is asked for.
+
+        Raises:
+            RuntimeError, OSError: one of them cannot be had here; says what to do.
+        """
+        try:
+            for route in self._routes:
+                route.start()
+            if self._record:
+                say(f"Recording to {self.recorder.start()}")
+        except Exception:
+            self.close()
+            raise
+
+    def record(self, on: bool) -> None:
+        """Begin a recording, or end the one that runs.
+
+        Raises:
+            RecordingError: one runs already, or there can be none.
+        """
+        if on:
+            self.recorder.start()
+        else:
+            self.recorder.stop()
+
+    @property
+    def failures(self) -> list[str]:
+        """What is wrong now, in words."""
+        told = [route.failure for route in self._routes]
+        return [words for words in (*told, self.publisher.failure) if words is not None]
+
+    def close(self) -> None:
+        """End all, and wait until what is recorded is written; may be called twice."""
+        self.recorder.close()
+        for route in self._routes:
+            route.close()
+        self.publisher.close()

@@ -1,0 +1,267 @@
+"""The web application: page, telemetry, commands, pictures and 3D view on one port."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import anyio
+import cv2
+import numpy as np
+from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
+from fastapi.responses import FileResponse, HTMLResponse
+from starlette.datastructures import Headers
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+from app.engine.build import Program
+from app.engine.engine_thread import EngineThread
+from app.engine.own_models.blame import running
+from app.engine.start_pose.keeping import PoseKeeper
+from app.messages.answers import (
+    FieldMessage,
+    HealthMessage,
+    ParameterMessage,
+    ProblemMessage,
+    ProblemsMessage,
+    ProfileMessage,
+)
+from app.messages.telemetry import TelemetryMessage
+from app.page.access import SameOriginOnly, own_names
+from app.page.camera_stream import CameraStream
+from app.page.docs_page import docs_page
+from app.page.live import Live
+from app.page.outlets import Outlets
+from app.page.profile import profile
+from app.page.telemetry import field_message, parameter_messages
+from app.page.view.view import View
+from app.recordings.contents import contents_of
+from app.recordings.contents_route import contents_router
+from app.recordings.routes import recordings_router
+from app.ros2.rosbridge.rosbridge import Rosbridge
+from app.settings.config import FRONTEND
+
+STALE_S = 2.0
+"""Without a tick for so long [s], the engine is said to hang."""
+
+
+def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
+    """The application around a program; the engine's thread runs while the application does."""
+    view = View(program.field, program.robot.spec, program.engine.latest)
+    keeper = PoseKeeper(
+        program.pose_file,
+        program.config.start_pose.save_pose_rate,
+        program.field,
+        program.engine.latest,
+    )
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        thread.start()
+        try:
+            async with anyio.create_task_group() as tasks:
+                tasks.start_soon(view.follow)
+                tasks.start_soon(keeper.follow)
+                yield
+                tasks.cancel_scope.cancel()
+        finally:
+            thread.stop()
+            keeper.save()
+            view.close()
+
+    # FastAPI's own page of documentation fetches its scripts from the internet.
+    app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
+    config = program.config
+    names, origins = own_names(config.host), config.allowed_origins
+    app.add_middleware(SameOriginOnly, names=names, origins=origins)
+    _add_page(app)
+    _add_state(app, program, thread, (view, keeper), outlets)
+    _add_field(app, program)
+    _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
+    _add_rosbridge(app, outlets.rosbridge)
+    app.include_router(recordings_router(program.config.recording.path))
+    app.include_router(contents_router(lambda: contents_of(program)))
+    return app
+
+
+def _add_page(app: FastAPI) -> None:
+    @app.get("/", include_in_schema=False)
+    def index() -> FileResponse:
+        # A page of another site must not hold ours in a frame and lead clicks and keys to it.
+        framing = "frame-ancestors 'self'"
+        headers = {"Cache-Control": "no-cache", "Content-Security-Policy": framing}
+        return FileResponse(FRONTEND / "index.html", headers=headers)
+
+    @app.get("/docs", include_in_schema=False)
+    def docs() -> HTMLResponse:
+        return HTMLResponse(docs_page(app.openapi()))
+
+    app.mount("/static", _Revalidated(directory=FRONTEND), name="static")
+
+
+class _Revalidated(StaticFiles):
+    """Files that a browser keeps but asks about, so that a new version shows at once."""
+
+    def file_response(
+        self,
+        full_path: str | os.PathLike[str],
+        stat_result: os.stat_result,
+        scope: Scope,
+        status_code: int = 200,
+    ) -> Response:
+        response: Response = super().file_response(full_path, stat_result, scope, status_code)
+        response.headers["Cache-Control"] = "no-cache"
+        part = scope["method"] != "GET" or "range" in Headers(scope=scope)
+        if not isinstance(response, FileResponse) or part:
+            return response
+        # Ours are small: to open, read and close one on another thread takes longer than to do it.
+        del response.headers["content-length"]
+        return Response(Path(full_path).read_bytes(), status_code, response.headers)
+
+
+def _add_state(
+    app: FastAPI,
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
+) -> None:
+    engine = program.engine
+    live = Live(program, outlets)
+    started = time.monotonic()
+
+    @app.get("/api/health")
+    def health(response: Response) -> HealthMessage:
+        """Whether the program does its job; 503 when it has failed."""
+        status, detail = _health(program, thread, followers, outlets)
+        if status == "failed":
+            response.status_code = 503
+        latest = engine.latest.get()
+        return HealthMessage.model_validate(
+            {
+                "status": status,
+                "detail": detail,
+                "robot": program.robot.name,
+                "uptime_s": time.monotonic() - started,
+                "step_hz": latest.loop.step_hz if latest else 0.0,
+            }
+        )
+
+    @app.get("/api/state", responses={503: {"description": "before the first tick"}})
+    def state() -> TelemetryMessage:
+        """The newest telemetry."""
+        latest = engine.latest.get()
+        if latest is None:
+            raise HTTPException(503, engine.failure or "The robot has not answered yet.")
+        return TelemetryMessage.model_validate_json(live.text(latest))
+
+    @app.get("/api/problems")
+    def problems() -> ProblemsMessage:
+        """What went wrong since the start."""
+        latest = engine.latest.get()
+        record = latest.record if latest else ()
+        return ProblemsMessage(
+            problems=[ProblemMessage(stamp=p.stamp, message=p.message) for p in record]
+        )
+
+    @app.websocket("/api/live")
+    async def follow(socket: WebSocket) -> None:
+        await live.serve(socket)
+
+
+def _health(
+    program: Program,
+    thread: EngineThread,
+    followers: tuple[View, PoseKeeper],
+    outlets: Outlets,
+) -> tuple[str, str]:
+    latest = program.engine.latest.get()
+    if program.engine.failure is not None:
+        return "failed", program.engine.failure
+    if not thread.alive:
+        return "failed", "The engine does not run."
+    if latest is None:
+        return "degraded", "The robot has not answered yet."
+    silent = time.monotonic() - latest.published
+    if silent > STALE_S:
+        where = running(thread.ident)
+        return "degraded", f"No tick for {silent:.1f} s." + (f" {where}" if where else "")
+    failures = [one.failure for one in followers if one.failure]
+    problems = [*latest.problems, *failures, *outlets.failures]
+    if problems:
+        return "degraded", " ".join(problems)
+    return "ok", "All is well."
+
+
+def _add_field(app: FastAPI, program: Program) -> None:
+    drive = program.config.drive
+    limits = np.array([drive.max_velocity, drive.max_angular_velocity])
+    field = field_message(program.field, program.robot, program.scanner, limits)
+    _, picture = cv2.imencode(".png", program.field.floor.image)
+    png = picture.tobytes()
+
+    @app.get("/api/field")
+    def get_field() -> FieldMessage:
+        """The field and the robot on it."""
+        return field
+
+    @app.get("/api/field.png", response_class=Response)
+    def field_picture() -> Response:
+        """The floor from above."""
+        return Response(png, media_type="image/png", headers={"Cache-Control": "no-cache"})
+
+    @app.get("/api/parameters")
+    def parameters() -> list[ParameterMessage]:
+        """The filter's parameters, with their meanings."""
+        latest = program.engine.latest.get()
+        configured = program.config.localization
+        given = program.given
+        if latest is None:
+            return parameter_messages(configured, configured, given, given)
+        return parameter_messages(latest.parameters, configured, latest.own, given)
+
+    @app.get("/api/ray/{ray}")
+    def ray_profile(ray: int) -> ProfileMessage:
+        """What the scanner saw along one ray of the newest picture, and why it counted or not."""
+        latest = program.engine.latest.get()
+        if latest is None or latest.line_scan is None:
+            raise HTTPException(503, "The camera has sent no picture yet.")
+        try:
+            return profile(program.scanner, latest.line_scan, ray)
+        except IndexError as error:
+            raise HTTPException(404, str(error)) from error
+
+
+def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
+    @app.get("/camera.jpg", response_class=Response)
+    async def picture() -> Response:
+        """One picture of the robot's camera."""
+        return await camera.picture()
+
+    @app.get("/camera.mjpg", response_class=Response)
+    async def motion_jpeg() -> Response:
+        """The robot's camera, live."""
+        return camera.motion_jpeg()
+
+    @app.websocket("/api/camera")
+    async def follow_camera(socket: WebSocket) -> None:
+        await camera.serve(socket)
+
+    @app.get("/view/", include_in_schema=False)
+    def view_page(request: Request) -> Response:
+        return view.page(request)
+
+    @app.websocket("/view")
+    async def follow_view(socket: WebSocket) -> None:
+        await view.serve(socket)
+
+
+def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
+    # roslibpy's Ros(host, port) cannot be told a path.
+    @app.websocket("/")
+    @app.websocket("/rosbridge")
+    async def follow_topics(socket: WebSocket) -> None:
+        await rosbridge.serve(socket)

@@ -1,0 +1,116 @@
+"""Runs the web application on a socket, until told to stop."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import sys
+from contextlib import ExitStack
+from types import FrameType
+
+import uvicorn
+
+from app.engine.build import Program
+from app.engine.engine_thread import EngineThread
+from app.page.outlets import Outlets
+from app.page.server import create_app
+from app.page.view.view import SMALL_BUFFER
+
+HAND_OVER_S = 0.001
+"""Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
+
+
+class PortError(OSError):
+    """The port cannot be listened on; the message says what to do."""
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """A socket that listens.
+
+    Raises:
+        PortError: the address is not of this machine, or the port is taken or not allowed.
+    """
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
+        family, kind, protocol, _, address = found[0]
+        with ExitStack() as unless_it_listens:
+            # Only where the protocol is said does asyncio send each part at once; else the second
+            # part of an answer waits until the first is acknowledged: 40 ms.
+            listening = socket.socket(family, kind, protocol)
+            unless_it_listens.callback(listening.close)
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            # What waits in a large buffer is old by the time that a slow viewer gets it.
+            listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
+            listening.bind(address)
+            listening.listen(128)
+            unless_it_listens.pop_all()
+    except OSError as error:
+        raise PortError(
+            f"cannot listen on {host} port {port}: {error.strerror or error}; "
+            "another port is chosen by --port (or PORT=9000 make run)"
+        ) from error
+    return listening
+
+
+class Server:
+    """The web application of one program, with the engine's thread."""
+
+    def __init__(self, program: Program) -> None:
+        self._thread = EngineThread(program.engine, program.loop)
+        self._outlets = Outlets(program)
+        config = uvicorn.Config(
+            create_app(program, self._thread, self._outlets),
+            log_level="warning",
+            ws="websockets-sansio",
+            # Compression costs ten times the rest on arrays of particles, and gains little.
+            ws_per_message_deflate=False,
+            ws_max_size=2 * 1024 * 1024,
+            ws_ping_interval=5,
+            ws_ping_timeout=5,
+            timeout_graceful_shutdown=1,
+        )
+        self._uvicorn = _StopsTheRobotFirst(config, self._thread)
+
+    def run(self, sockets: list[socket.socket]) -> None:
+        """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
+        sys.setswitchinterval(HAND_OVER_S)
+        self._outlets.start()
+        try:
+            self._uvicorn.run(sockets=sockets)
+        finally:
+            self._thread.stopping.set()
+            self._outlets.close()
+
+    def stop(self) -> None:
+        """Ask the server to end; from any thread, and from a signal's handler.
+
+        So it takes no lock: a second signal would wait for ever for what the first one holds.
+        """
+        self._uvicorn.should_exit = True
+
+
+def serve(program: Program, listening: socket.socket) -> None:
+    """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
+    try:
+        server = Server(program)
+        # Until uvicorn listens to signals, and when it raises them again at its end.
+        for name in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(name, lambda number, frame: server.stop())
+        server.run([listening])
+    finally:
+        # The engine has done so, unless it never began.
+        program.robot.close()
+
+
+class _StopsTheRobotFirst(uvicorn.Server):
+    def __init__(self, config: uvicorn.Config, thread: EngineThread) -> None:
+        super().__init__(config)
+        self._thread = thread
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        # Within a tenth of a second ``shutdown`` follows. A second signal asks for the same.
+        self.should_exit = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        self._thread.stopping.set()
+        await super().shutdown(sockets)

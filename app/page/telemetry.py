@@ -1,0 +1,203 @@
+"""From a snapshot to the messages that describe it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from app.engine.build import Program
+from app.engine.own_models.own_models import OwnChoice
+from app.engine.replay_state import ReplayState
+from app.engine.snapshot import LAYERS, Snapshot
+from app.messages.answers import FieldMessage, ParameterMessage
+from app.messages.telemetry import (
+    LoopMessage,
+    PoseMessage,
+    ReplayMessage,
+    RobotMessage,
+    ScanMessage,
+    TelemetryMessage,
+    TwistMessage,
+)
+from app.page.belief import (
+    estimate_message,
+    filter_message,
+    integrity_message,
+    particles_message,
+)
+from app.page.outlets import Outlets
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.interface import Placeable, Robot
+from robot.localization.parameters import LocalizationParameters
+from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.tape_edges import Verdict
+from robot.settings import Setting, describe
+
+
+class TelemetryWriter:
+    """Knows what does not change: the field, the robot and the scanner; and who records."""
+
+    def __init__(self, program: Program, outlets: Outlets) -> None:
+        self._field = program.field
+        self._robot = program.robot
+        self._scanner = program.scanner
+        self._outlets = outlets
+
+    def message(self, snapshot: Snapshot) -> TelemetryMessage:
+        """The telemetry of one tick."""
+        return TelemetryMessage(
+            stamp=snapshot.stamp,
+            map=self._field.name,
+            truth=pose_message(snapshot.truth),
+            odometry=pose_message(snapshot.odometry),
+            estimate=estimate_message(snapshot),
+            integrity=integrity_message(snapshot.integrity),
+            twist=TwistMessage(v=snapshot.twist.v, omega=snapshot.twist.omega),
+            mode=snapshot.mode,
+            particles=particles_message(snapshot, self._field.extent),
+            scan=self._scan(snapshot),
+            robot=RobotMessage(
+                name=self._robot.name,
+                connected=snapshot.connected,
+                battery_v=snapshot.battery_v,
+                can_be_placed=isinstance(self._robot, Placeable),
+            ),
+            loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
+            filter=filter_message(snapshot),
+            problems=[*snapshot.problems, *self._outlets.failures],
+            error_count=snapshot.problem_count,
+            recording=self._outlets.recorder.status,
+            replay=_replay_message(snapshot.replay),
+            hidden_layers=sorted(LAYERS - snapshot.layers),
+        )
+
+    def _scan(self, snapshot: Snapshot) -> ScanMessage:
+        found = snapshot.line_scan
+        table = self._scanner.table
+        if found is None:
+            rays = len(table.bearings)
+            return ScanMessage(
+                stamp=0.0,
+                bearings=_rounded(table.bearings, 5),
+                ranges=[None] * rays,
+                robot_from_scan=PoseMessage(x=table.centre[0], y=table.centre[1], theta=0.0),
+                robot=None,
+                entry_px=[None] * rays,
+                exit_px=[None] * rays,
+                tape_width=None,
+            )
+        counted = found.verdicts == Verdict.COUNTED
+        start = found.scan.robot_from_scan
+        return ScanMessage(
+            stamp=found.scan.stamp,
+            bearings=_rounded(found.scan.bearings, 5),
+            ranges=[None if math.isinf(r) else round(r, 5) for r in found.scan.ranges.tolist()],
+            robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
+            robot=pose_message(snapshot.scan_pose),
+            entry_px=self._pixels(found, 0, counted),
+            exit_px=self._pixels(found, 1, counted),
+            tape_width=None if math.isnan(found.tape_width) else found.tape_width,
+        )
+
+    def _pixels(
+        self, found: LineScan, which: int, counted: np.ndarray
+    ) -> list[tuple[float, float] | None]:
+        pixels = self._scanner.pixels(found.edges[:, which]).tolist()
+        return [
+            (round(u, 1), round(v, 1)) if shown else None
+            for (u, v), shown in zip(pixels, counted.tolist(), strict=True)
+        ]
+
+
+def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
+    if state is None:
+        return None
+    return ReplayMessage(
+        file=state.file,
+        position_s=state.position_s,
+        duration_s=state.duration_s,
+        speed=state.speed,
+        paused=state.paused,
+        catching_up=state.catching_up,
+        estimate_then=pose_message(state.estimate_then),
+    )
+
+
+def pose_message(pose: Pose2 | None) -> PoseMessage | None:
+    """A pose for the wire."""
+    return None if pose is None else PoseMessage(x=pose.x, y=pose.y, theta=pose.theta)
+
+
+def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Array) -> FieldMessage:
+    """What a view needs once; ``limits`` (2,) are the greatest v [m/s] and omega [rad/s]."""
+    lines = scanner.table.lines(9).round(1).tolist()
+    return FieldMessage(
+        name=field.name,
+        extent=list(field.floor.extent),
+        start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
+        robot_outline=[(x, y) for x, y in robot.spec.outline.round(4).tolist()],
+        max_v=float(limits[0]),
+        max_omega=float(limits[1]),
+        image_width=robot.spec.lens.width,
+        image_height=robot.spec.lens.height,
+        tape_width=scanner.settings.tape_width,
+        rays_px=[[(u, v) for u, v in line] for line in lines],
+    )
+
+
+def parameter_messages(
+    now: LocalizationParameters, default: LocalizationParameters, own: OwnChoice, given: OwnChoice
+) -> list[ParameterMessage]:
+    """Every parameter of the filter, with its meaning; models of the user's own are choices, too.
+
+    Args:
+        now: the parameters that hold.
+        default: those of the start.
+        own: models of the user's own, in use and on offer.
+        given: those of the start.
+    """
+    found = []
+    models = {
+        "laser_model_type": (own.sensor, given.sensor, own.sensors),
+        "robot_model_type": (own.motion, given.motion, own.motions),
+    }
+    for group in dataclasses.fields(now):
+        values, defaults = getattr(now, group.name), getattr(default, group.name)
+        for name, known in describe(values).items():
+            chosen, first, offered = models.get(name, ("", "", ()))
+            value = chosen or getattr(values, name)
+            standard = first or getattr(defaults, name)
+            found.append(_parameter(group.name, name, known, value, standard, offered))
+    return found
+
+
+def _parameter(
+    group: str,
+    name: str,
+    known: Setting,
+    value: object,
+    default: object,
+    more_choices: tuple[str, ...],
+) -> ParameterMessage:
+    return ParameterMessage.model_validate(
+        {
+            "name": name,
+            "group": group,
+            "value": value,
+            "default": default,
+            "meaning": known.meaning,
+            "unit": known.unit,
+            "low": known.low if math.isfinite(known.low) else None,
+            "high": known.high if math.isfinite(known.high) else None,
+            "choices": [*known.choices, *more_choices],
+            "integer": isinstance(default, int) and not isinstance(default, bool),
+        }
+    )
+
+
+def _rounded(values: Array, digits: int) -> list[float]:
+    rounded: list[float] = values.round(digits).tolist()
+    return rounded

@@ -1,0 +1,265 @@
+"""The 3D view: floor, robot, particles, rays and paths, drawn by viser.
+
+Only shows; everything that acts is on our own page. Nodes are made once and their arrays replaced:
+that costs the server a millisecond, whatever the number of viewers.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import Any
+
+import cv2
+import numpy as np
+import viser
+import yourdfpy
+from numpy.typing import NDArray
+
+from app.engine.snapshot import Snapshot
+from app.page.view.paths import Path
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2, heading_vectors
+from robot.scanning.line_scanner import LineScan
+
+TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
+RAY, HIT = (184, 116, 0), (200, 16, 46)
+HEADINGS = 150
+"""Particles that are drawn with their heading."""
+LIKELY = 0.05
+"""Hypotheses that weigh less are not drawn."""
+FAR_AWAY = -100.0
+"""Where what is not to be seen is put [m]."""
+LARGEST_FLOOR_PX = 1536
+"""Longer side of the floor's texture: larger ones take a viewer long to load."""
+RAY_STEP = 3
+"""Of so many rays one is drawn: all of them would hide the floor."""
+LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "estimate": 0.006}
+"""Heights above the floor [m], so that nothing flickers through."""
+
+
+class Scene:
+    """One viser server's scene."""
+
+    def __init__(self, server: viser.ViserServer, field: Field, spec: RobotSpec) -> None:
+        self._server = server
+        self._spec = spec
+        self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
+        self._ticks = 0
+        self._layers: frozenset[str] | None = None
+        self._shown: LineScan | None = None
+        scene = server.scene
+        scene.set_up_direction("+z")
+        self._floor(field)
+        self._robot = scene.add_frame("/robot", show_axes=False)
+        # One mesh: a hundred nodes of the description would cost each viewer a hundred draw calls.
+        description = yourdfpy.URDF.load(io.StringIO(spec.urdf), load_meshes=False)
+        scene.add_mesh_trimesh("/robot/body", description.scene.to_geometry())
+        self._nodes = self._add_nodes(scene)
+
+    def update(self, snapshot: Snapshot) -> None:
+        """Show a snapshot."""
+        self._ticks += 1
+        self._paths["truth"].add(snapshot.truth)
+        self._paths["odometry"].add(snapshot.odometry)
+        self._paths["estimate"].add(snapshot.pose)
+        with self._server.atomic():
+            self._show_layers(snapshot)
+            self._show_robot(snapshot)
+            # A new measurement only comes with a new picture.
+            if self._shown is not snapshot.line_scan:
+                self._shown = snapshot.line_scan
+                self._show_cloud(snapshot)
+                self._show_scan(snapshot)
+            if self._ticks % 5 == 0:
+                self._show_paths()
+        self._server.flush()
+
+    def _floor(self, field: Field) -> None:
+        xmin, ymin, xmax, ymax = field.floor.extent
+        shrink = min(1.0, LARGEST_FLOOR_PX / max(field.floor.image.shape))
+        grey = cv2.resize(
+            field.floor.image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA
+        )
+        self._server.scene.add_image(
+            "/floor",
+            np.repeat(grey[:, :, None], 3, axis=2),
+            xmax - xmin,
+            ymax - ymin,
+            format="jpeg",
+            jpeg_quality=85,
+            cast_shadow=False,
+            receive_shadow=False,
+            # viser's pictures lie with their rows along +y; the floor's run along -y.
+            wxyz=(0.0, 1.0, 0.0, 0.0),
+            position=((xmin + xmax) / 2, (ymin + ymax) / 2, -0.001),
+        )
+
+    def _add_nodes(self, scene: viser.SceneApi) -> dict[str, Any]:
+        nothing = np.zeros((1, 2, 3))
+        point = np.zeros((1, 3))
+
+        def lines(name: str, colour: tuple[int, int, int], width: float) -> Any:
+            return scene.add_line_segments(
+                name, nothing, colour, thickness=width, thickness_units="world"
+            )
+
+        return {
+            "particles": scene.add_point_cloud(
+                "/particles", point, ESTIMATE, point_size=0.004, point_shape="circle",
+                point_shading="flat",
+            ),
+            "headings": scene.add_batched_meshes_simple(
+                "/headings", *_arrow(), np.array([[1.0, 0, 0, 0]]), point,
+                batched_colors=ESTIMATE, lod="off", side="double", cast_shadow=False,
+                receive_shadow=False,
+            ),
+            "rays": lines("/rays", RAY, 0.0012),
+            "hits": scene.add_point_cloud(
+                "/hits", point, HIT, point_size=0.009, point_shape="circle", point_shading="flat"
+            ),
+            "covariance": lines("/covariance", ESTIMATE, 0.003),
+            "estimate": lines("/estimate", ESTIMATE, 0.004),
+            "path_truth": lines("/path_truth", TRUTH, 0.005),
+            "path_odometry": lines("/path_odometry", ODOMETRY, 0.004),
+            "path_estimate": lines("/path_estimate", ESTIMATE, 0.003),
+            "label_truth": scene.add_label("/label_truth", "truth", font_screen_scale=0.8),
+            "label_odometry": scene.add_label("/label_odometry", "odometry", font_screen_scale=0.8),
+            "label_estimate": scene.add_label("/label_estimate", "estimate", font_screen_scale=0.8),
+        }  # fmt: skip
+
+    def _show_layers(self, snapshot: Snapshot) -> None:
+        if snapshot.layers == self._layers:
+            return
+        self._layers = snapshot.layers
+        truth = "truth" in snapshot.layers and snapshot.truth is not None
+        paths = "paths" in snapshot.layers
+        visible = {
+            "hits": "rays" in snapshot.layers,
+            "estimate": True,
+            "path_truth": paths and truth,
+            "path_odometry": paths,
+            "path_estimate": paths,
+            "label_truth": truth,
+            "label_odometry": paths,
+            "label_estimate": True,
+        }
+        for name, node in self._nodes.items():
+            node.visible = visible.get(name, name in snapshot.layers)
+
+    def _show_robot(self, snapshot: Snapshot) -> None:
+        believed = snapshot.pose or snapshot.odometry
+        show_truth = snapshot.truth is not None and "truth" in snapshot.layers
+        where = snapshot.truth if show_truth and snapshot.truth else believed
+        self._robot.position = (where.x, where.y, 0.0)
+        self._robot.wxyz = tuple(_quaternions(np.array([where.theta]))[0])
+        if snapshot.pose is not None:
+            corners = snapshot.pose.apply(self._spec.outline)
+            outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+            self._nodes["estimate"].points = _lifted(outline, LIFT["estimate"])
+        else:
+            self._nodes["estimate"].points = np.full((1, 2, 3), FAR_AWAY)
+            self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
+        if self._ticks % 5 == 0:
+            for name, pose in (
+                ("truth", snapshot.truth),
+                ("odometry", snapshot.odometry),
+                ("estimate", snapshot.pose),
+            ):
+                if pose is not None:
+                    self._nodes[f"label_{name}"].position = (pose.x, pose.y, _LABEL_HEIGHT[name])
+
+    def _show_cloud(self, snapshot: Snapshot) -> None:
+        poses, weights = snapshot.cloud.poses, snapshot.cloud.weights
+        if not len(poses):
+            # A filter that knows nothing has none, and nodes without points are not drawn anew.
+            poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
+        particles = self._nodes["particles"]
+        particles.points = _lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
+        particles.colors = _by_weight(weights)
+        few = poses[:: max(1, len(poses) // HEADINGS)]
+        headings = self._nodes["headings"]
+        headings.batched_positions = _lifted(few[:, :2], LIFT["headings"])
+        headings.batched_wxyzs = _quaternions(few[:, 2])
+        self._show_hypotheses(snapshot)
+
+    def _show_hypotheses(self, snapshot: Snapshot) -> None:
+        """An ellipse for each place where the robot may be, the likeliest with full colour."""
+        found = snapshot.estimate.hypotheses if snapshot.estimate is not None else ()
+        shown = [one for one in found if one.weight >= LIKELY]
+        node = self._nodes["covariance"]
+        if not shown:
+            node.points = np.full((1, 2, 3), FAR_AWAY)
+            node.colors = np.zeros((1, 2, 3), dtype=np.uint8)
+            return
+        marks = [hypothesis_mark(one.pose, one.covariance) for one in shown]
+        node.points = _lifted(np.concatenate(marks), LIFT["estimate"])
+        parts = np.repeat([one.weight for one in shown], [len(mark) for mark in marks])
+        node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
+
+    def _show_scan(self, snapshot: Snapshot) -> None:
+        if snapshot.line_scan is None or snapshot.scan_pose is None:
+            # Nobody knows from where they would start.
+            self._nodes["rays"].points = np.full((1, 2, 3), FAR_AWAY)
+            self._nodes["hits"].points = np.full((1, 3), FAR_AWAY, dtype=np.float32)
+            return
+        scan = snapshot.line_scan.scan
+        ends = snapshot.scan_pose.apply(scan.points())
+        if len(ends) == 0:
+            ends = np.array([[snapshot.scan_pose.x, snapshot.scan_pose.y]])
+        start = snapshot.scan_pose @ scan.robot_from_scan
+        starts = np.broadcast_to((start.x, start.y), ends.shape)
+        rays = np.stack([starts, ends], axis=1)[::RAY_STEP]
+        self._nodes["rays"].points = _lifted(rays, LIFT["rays"])
+        self._nodes["hits"].points = _lifted(ends, LIFT["rays"]).astype(np.float32)
+
+    def _show_paths(self) -> None:
+        for name, path in self._paths.items():
+            segments = path.segments(every=2 if name == "odometry" else 1)
+            if len(segments):
+                self._nodes[f"path_{name}"].points = _lifted(segments, LIFT["paths"])
+
+
+_LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}
+
+
+def covariance_ellipse(pose: Pose2, covariance: Array, points: int = 40) -> Array:
+    """The ellipse (points, 2, 2) [m] that holds 95 % of a normal distribution in x and y."""
+    values, axes = np.linalg.eigh(covariance[:2, :2])
+    circle = heading_vectors(np.linspace(0, 2 * math.pi, points + 1))
+    # 5.991 is the 95 % quantile of chi-square with two degrees of freedom.
+    ring = circle * np.sqrt(5.991 * np.maximum(values, 0)) @ axes.T + (pose.x, pose.y)
+    return np.stack([ring[:-1], ring[1:]], axis=1)
+
+
+def hypothesis_mark(pose: Pose2, covariance: Array) -> Array:
+    """Lines (n, 2, 2) [m]: the ellipse, and a stroke from its middle along the heading."""
+    ahead = pose.apply(np.array([[0.0, 0.0], [0.08, 0.0]]))
+    return np.concatenate([covariance_ellipse(pose, covariance), ahead[None]])
+
+
+def _lifted(points: Array, height: float) -> Array:
+    """Floor points (..., 2) as points in space (..., 3)."""
+    return np.concatenate([points, np.full((*points.shape[:-1], 1), height)], axis=-1)
+
+
+def _quaternions(headings: Array) -> Array:
+    """Turns about z (n, 4) in the order w, x, y, z."""
+    half = heading_vectors(headings / 2)
+    nothing = np.zeros(len(headings))
+    return np.column_stack([half[:, 0], nothing, nothing, half[:, 1]])
+
+
+def _by_weight(weights: Array) -> NDArray[np.uint8]:
+    """Colours (n, 3): from pale, which weighs little, to the estimate's blue."""
+    part = (weights / weights.max())[:, None]
+    pale = np.array([190, 205, 220])
+    colours: NDArray[np.uint8] = (pale + part * (np.array(ESTIMATE) - pale)).astype(np.uint8)
+    return colours
+
+
+def _arrow() -> tuple[Array, NDArray[np.uint32]]:
+    """A thin triangle along +x, 15 mm long."""
+    vertices = np.array([[0.015, 0.0, 0.0], [0.0, 0.0025, 0.0], [0.0, -0.0025, 0.0]])
+    return vertices, np.array([[0, 1, 2]], dtype=np.uint32)

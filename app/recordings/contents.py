@@ -1,0 +1,99 @@
+"""Gathers what a recording begins with, from a program."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import yaml
+
+from app.engine.build import Program
+from app.engine.own_models.own_models import OwnChoice
+from app.recordings.attachments import SETTINGS, URDF, VERSIONS, Attachment, Contents
+from app.recordings.replay.recorded.robot import RecordedRobot
+from app.recordings.settings_file import as_toml
+from app.settings.config import MAPS, Config
+from app.settings.provenance import versions
+from robot.description.spec import SPIKE, RobotSpec
+from robot.description.urdf import parse_xml
+from robot.fields.map_files import read_map_yaml
+
+
+def contents_of(program: Program) -> Contents:
+    """What a recording of a program begins with.
+
+    Raises:
+        OSError, ValueError: a file is not there any more.
+    """
+    latest = program.engine.latest.get()
+    config = program.config
+    if latest is not None:
+        config = replace(config, localization=latest.parameters)
+    known = versions()
+    map_files = list(_map_files(config.map) if config.map else _replayed(program, "map/"))
+    facts = {
+        "robot": program.robot.name,
+        "robot_kind": config.robot,
+        "map": program.field.name,
+        "map_file": map_files[0].name if map_files else "",
+        "seed": str(config.seed),
+        # Else the filter knew something already, and a replay begins with what it said first.
+        "from_start": "true" if latest is None else "false",
+        "version": known["brickpose"],
+        "code": known["code"],
+    }
+    attachments = (
+        Attachment(SETTINGS, as_toml(config).encode()),
+        *map_files,
+        *(_replayed(program, "robot/") or _robot_files(program.robot.spec)),
+        *_model_files(config, latest.own if latest else program.given),
+        Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
+    )
+    return Contents(facts, attachments)
+
+
+def _replayed(program: Program, folder: str) -> list[Attachment]:
+    """What a recording that is replayed brought with it; the map's file is the first."""
+    if not isinstance(program.robot, RecordedRobot):
+        return []
+    reader = program.robot.reader
+    first = reader.metadata.get("brickpose", {}).get("map_file", "")
+    names = sorted(
+        (n for n in reader.attachments if n.startswith(folder)), key=lambda n: n != first
+    )
+    return [Attachment(name, reader.attachments[name]) for name in names]
+
+
+def _map_files(name: str) -> Iterator[Attachment]:
+    """The map's file first, then what it names."""
+    path = Path(name)
+    if path.name == name and not path.suffix:
+        path = MAPS / f"{name}.svg"
+    if path.suffix.lower() == ".svg":
+        yield Attachment(f"map/{path.name}", path.read_bytes())
+        return
+    content = read_map_yaml(path)
+    picture = path.parent / content.text("image")
+    # The picture may lie anywhere; in the recording it lies beside the map.
+    told = yaml.safe_dump({**content.content, "image": picture.name}, sort_keys=False)
+    yield Attachment(f"map/{path.name}", told.encode())
+    yield Attachment(f"map/{picture.name}", picture.read_bytes())
+
+
+def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
+    yield Attachment(URDF, spec.urdf.encode())
+    for one in parse_xml(spec.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
+        lens = Path((one.text or "").strip())
+        yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
+
+
+def _model_files(config: Config, own: OwnChoice) -> Iterator[Attachment]:
+    """The files of the models in use; ``own`` names them as ``my_model.py:MyModel``."""
+    given = [Path(one.rpartition(":")[0]) for one in (config.sensor_model, config.motion_model)]
+    names = {one.rpartition(":")[0] for one in (own.sensor, own.motion) if one}
+    for name in sorted(names):
+        places = [one for one in given if one.name == name]
+        path = places[0] if places else Path(config.models) / name
+        yield Attachment(f"models/{name}", path.read_bytes())

@@ -1,0 +1,179 @@
+"""A robot on another machine, or in another program, as its rosbridge shows it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+from urllib.error import URLError
+from urllib.parse import urlsplit
+from urllib.request import urlopen
+
+import cbor2
+from websockets.exceptions import InvalidHandshake, WebSocketException
+from websockets.sync.client import ClientConnection, connect
+
+from app.recordings.attachments import Contents
+from app.recordings.contents_route import ContentsMessage
+from robot.settings import SettingError
+
+ANSWER_S = 10.0
+LARGEST = 64_000_000
+"""A message of a topic is smaller [bytes]."""
+
+QUEUE = 10_000
+"""Messages that may wait there while we are slow."""
+
+_NO_MESSAGE = (
+    cbor2.CBORError, EOFError, RecursionError, ValueError, KeyError, TypeError, AttributeError,
+)  # fmt: skip
+"""What looking into anything for a message may end in."""
+
+
+class DistantRobotError(RuntimeError):
+    """It does not answer, or not as rosbridge does; the message says what would."""
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """One message, as it came."""
+
+    topic: str
+    log_time_ns: int
+    cdr: bytes
+
+
+class DistantRobot:
+    """A connection to ``/rosbridge``; one thread."""
+
+    def __init__(self, address: str) -> None:
+        """Connect.
+
+        Args:
+            address: ``host``, ``host:port``, or a whole one of http or ws.
+
+        Raises:
+            SettingError: the address is none.
+            DistantRobotError: nobody answers there.
+        """
+        self.place = place_of(address)
+        try:
+            self._socket: ClientConnection = connect(
+                f"ws://{self.place}/rosbridge", open_timeout=ANSWER_S, max_size=LARGEST
+            )
+        except (OSError, ValueError, InvalidHandshake, WebSocketException) as error:
+            raise DistantRobotError(
+                f"no program can be recorded at {self.place}: {error}; valid is the address that "
+                "`brickpose run` tells, as robot.local:8080"
+            ) from error
+
+    def topics(self) -> dict[str, str]:
+        """The type of each topic by its name.
+
+        Raises:
+            DistantRobotError: the answer is none.
+        """
+        request = {"op": "call_service", "service": "/rosapi/topics", "id": "topics"}
+        self._socket.send(json.dumps(request))
+        try:
+            values = self._answer("topics")
+            return dict(zip(values["topics"], values["types"], strict=True))
+        except (TimeoutError, WebSocketException, ValueError, KeyError, TypeError) as error:
+            raise DistantRobotError(f"{self.place} does not tell its topics: {error}") from error
+
+    def contents(self) -> Contents:
+        """What its recordings begin with; nothing if it is a robot of another kind.
+
+        Raises:
+            DistantRobotError: the answer is none.
+        """
+        try:
+            with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
+                told = answer.read(LARGEST)
+            return ContentsMessage.model_validate_json(told).contents()
+        except URLError:
+            return Contents({})
+        except (OSError, ValueError) as error:
+            raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
+
+    def follow(self, topic: str, type_name: str, period: float) -> None:
+        """Ask for all messages of a topic, at most one in so many seconds."""
+        self._socket.send(
+            json.dumps(
+                {
+                    "op": "subscribe",
+                    "id": f"record {topic}",
+                    "topic": topic,
+                    "type": type_name,
+                    "compression": "cbor-raw",
+                    "queue_length": QUEUE,
+                    "throttle_rate": round(1000 * period),
+                    "every": True,  # of ours; others do not know it
+                }
+            )
+        )
+
+    def receive(self, timeout: float) -> Received | None:
+        """The next message; None if none comes within the time [s].
+
+        Raises:
+            DistantRobotError: the connection is lost, or what comes is no message.
+        """
+        try:
+            data = self._socket.recv(timeout=timeout)
+        except TimeoutError:
+            return None
+        except WebSocketException as error:
+            raise DistantRobotError(f"the connection to {self.place} was lost: {error}") from error
+        try:
+            return _received(data)
+        except _NO_MESSAGE as error:
+            raise DistantRobotError(f"{self.place} sent what is no message: {error}") from error
+
+    def close(self) -> None:
+        """Leave."""
+        self._socket.close()
+
+    def _answer(self, request_id: str) -> dict[str, Any]:
+        for message in self._texts():
+            if message.get("id") == request_id and message.get("op") == "service_response":
+                if not message["result"]:
+                    raise ValueError(str(message["values"]))
+                return dict(message["values"])
+        raise ValueError("no answer")
+
+    def _texts(self) -> Iterator[dict[str, Any]]:
+        for _ in range(100):
+            yield dict(json.loads(self._socket.recv(timeout=ANSWER_S)))
+
+
+def _received(data: str | bytes) -> Received | None:
+    if isinstance(data, str):
+        told = json.loads(data)
+        if told.get("op") == "status":
+            raise ValueError(str(told.get("msg"))[:300])
+        return None
+    told = cbor2.loads(data)
+    message = told["msg"]
+    stamp = int(message["secs"]) * 1_000_000_000 + int(message["nsecs"])
+    if not 0 <= stamp < 1 << 63:
+        raise ValueError(f"{stamp} ns is no time")
+    return Received(str(told["topic"]), stamp, bytes(message["bytes"]))
+
+
+def place_of(address: str) -> str:
+    """Host and port of an address; the port is 8080 if none is told.
+
+    Raises:
+        SettingError: it is none.
+    """
+    whole = address if "//" in address else f"//{address}"
+    try:
+        parts = urlsplit(whole)
+        host, port = parts.hostname, parts.port or 8080
+    except ValueError:
+        host, port = None, 0
+    if not host:
+        raise SettingError(f"{address!r} is no address; valid is HOST or HOST:PORT")
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -1,0 +1,85 @@
+"""The recordings in a folder."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from app.recordings.files.mcap_records import MAGIC
+from app.recordings.files.recorded import RecordingError
+from app.recordings.files.recording_file import METADATA_FILE
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
+"""Of a recording: nothing that could lead out of the folder."""
+
+LARGEST_METADATA = 1_000_000
+"""A larger file is none of ours [bytes]."""
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """One recording."""
+
+    name: str
+    file: Path
+    size_bytes: int
+    duration_s: float | None
+    """As far as ``metadata.yaml`` tells; None if it does not."""
+    unfinished: bool
+    """Being made, or cut off."""
+    changed: float
+    """When it was written last [s since 1970]."""
+
+
+def listed(parent: Path) -> list[Listed]:
+    """All recordings in a folder, newest first; none if there is no such folder."""
+    if not parent.is_dir():
+        return []
+    found = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
+    return sorted((one for one in found if one), key=lambda one: -one.changed)
+
+
+def find(parent: Path, name: str) -> Listed:
+    """A recording by its name.
+
+    Raises:
+        RecordingError: there is none; lists some that are.
+    """
+    found = _look(parent / name) if NAME.fullmatch(name) else None
+    if found is None:
+        some = ", ".join(one.name for one in listed(parent)[:5]) or "none yet"
+        raise RecordingError(f"there is no recording {name!r}; valid are {some}")
+    return found
+
+
+def _look(folder: Path) -> Listed | None:
+    """The recording in a folder; a link is none, for it could lead anywhere."""
+    path = folder / f"{folder.name}_0.mcap"
+    try:
+        if folder.is_symlink() or path.is_symlink() or not path.is_file():
+            return None
+        status = path.stat()
+        with path.open("rb") as file:
+            file.seek(max(0, status.st_size - len(MAGIC)))
+            unfinished = status.st_size <= len(MAGIC) or file.read() != MAGIC
+    except OSError:
+        return None  # deleted meanwhile, or another user's
+    duration = _duration(folder / METADATA_FILE)
+    return Listed(folder.name, path, status.st_size, duration, unfinished, status.st_mtime)
+
+
+def _duration(path: Path) -> float | None:
+    try:
+        if path.stat().st_size > LARGEST_METADATA:
+            return None
+        content = yaml.load(path.read_bytes(), _Loader)
+        nanoseconds = content["rosbag2_bagfile_information"]["duration"]["nanoseconds"]
+        return int(nanoseconds) / 1e9
+    except (OSError, yaml.YAMLError, LookupError, TypeError, ValueError):
+        return None

@@ -1,0 +1,188 @@
+"""``brickpose record``: records a program that runs, into a file here."""
+
+from __future__ import annotations
+
+import signal
+import struct
+import sys
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from app.console import say
+from app.recordings.distant_robot import DistantRobot, DistantRobotError, Received
+from app.recordings.files.recording_file import RecordingFile, free_folder
+from app.ros2.message_types import MessageError, message_class
+from app.ros2.topic import Quality
+from app.ros2.topics import TOPICS
+from app.settings.recording import RecordingSettings
+from robot.settings import SettingError
+
+LOOK_S = 0.2
+"""Between two looks at whether to end, while nothing comes [s]."""
+
+PROGRESS_S = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What is recorded of a topic."""
+
+    name: str
+    """In the recording: without the robot's namespace, if it is one of ours."""
+    type: str
+    quality: Quality
+    period: float
+    """Between two messages, at least [s]."""
+
+
+Kinds = dict[str, Kind]
+"""By the topic's name there."""
+
+
+def record(
+    address: str, out: Path, seconds: float | None = None, names: Sequence[str] = ()
+) -> Path:
+    """Record until Ctrl-C, or for a time; returns the recording's folder.
+
+    Args:
+        address: of the program.
+        out: the recording becomes a folder in this one.
+        seconds: how long [s]; None is until Ctrl-C.
+        names: of topics; none is all.
+
+    Raises:
+        DistantRobotError: it does not answer, or was lost; what came before is kept.
+        SettingError: the address is none, or a topic is not there; lists those that are.
+        OSError: the file cannot be written; what was written before remains.
+    """
+    with closing(DistantRobot(address)) as robot, _interrupts() as stop:
+        kinds = _chosen(robot.topics(), names)
+        contents = robot.contents()
+        folder = _new_folder(out)
+        file = RecordingFile(folder, contents.facts)
+        try:
+            for one in contents.attachments:
+                file.attach(one.name, one.data, one.media_type)
+            say(f"Recording {robot.place} to {folder} (Ctrl-C ends it)")
+            _record(robot, file, kinds, _Until(stop, seconds))
+        except DistantRobotError as error:
+            file.close()
+            raise DistantRobotError(f"{error}; {_kept(file)}") from error
+        except BaseException:
+            file.abandon()
+            raise
+        file.close()
+        say(f"{_kept(file)[0].upper()}{_kept(file)[1:]}")
+    return folder
+
+
+def _record(robot: DistantRobot, file: RecordingFile, kinds: Kinds, until: _Until) -> None:
+    for name, kind in kinds.items():
+        robot.follow(name, kind.type, kind.period)
+    progress = _Progress(file)
+    while not until.over():
+        received = robot.receive(LOOK_S)
+        if received is not None and received.topic in kinds:
+            kind = kinds[received.topic]
+            now, when = received.log_time_ns, stamp_ns(received, kind.type)
+            file.write(kind.name, kind.type, kind.quality, now, when, received.cdr)
+        progress.show()
+    progress.end()
+
+
+def _chosen(types: dict[str, str], names: Sequence[str]) -> Kinds:
+    """What is recorded: what was asked for, of the types that we know."""
+    wanted = [name if name.startswith("/") else f"/{name}" for name in names]
+    for name in wanted:
+        if name not in types:
+            raise SettingError(f"{name} is no topic there; valid are {', '.join(types)}")
+    kinds: Kinds = {}
+    for name in wanted or types:
+        try:
+            message_class(types[name])
+        except MessageError as error:
+            say(f"{name} is not recorded: {error}")
+            continue
+        kinds[name] = _kind(name, types[name])
+    return kinds
+
+
+def _kind(name: str, type_name: str) -> Kind:
+    for ours in TOPICS:
+        if ours.type == type_name and name.endswith(f"/{ours.name}"):
+            period = RecordingSettings().period(ours.name, ours.rate)
+            return Kind(f"/{ours.name}", type_name, ours.quality, period)
+    return Kind(name, type_name, Quality(), 0.0)
+
+
+def stamp_ns(received: Received, type_name: str) -> int:
+    """When a message's content is of: its header's stamp, or when it was sent."""
+    fields = message_class(type_name).__annotations__
+    first = next(iter(fields.values()), "")
+    if str(first).endswith("std_msgs__msg__Header") and len(received.cdr) >= 12:
+        sec, nanosec = struct.unpack_from("<iI", received.cdr, 4)
+        if sec > 0:
+            return int(sec * 1_000_000_000 + nanosec)
+    return received.log_time_ns
+
+
+def _new_folder(out: Path) -> Path:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        return free_folder(out, f"brickpose_{datetime.now():%Y_%m_%d-%H_%M_%S}")
+    except OSError as error:
+        raise type(error)(
+            f"nothing can be recorded to {out}: {error.strerror}; valid is a folder"
+        ) from error
+
+
+def _kept(file: RecordingFile) -> str:
+    return f"{file.duration:.1f} s, {file.size / 1e6:.1f} MB are in {file.folder}"
+
+
+@contextmanager
+def _interrupts() -> Iterator[threading.Event]:
+    """Set by Ctrl-C and SIGTERM: a file must not be left in the middle of a message."""
+    stop = threading.Event()
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
+    try:
+        yield stop
+    finally:
+        for number, handler in zip(numbers, before, strict=True):
+            signal.signal(number, handler)
+
+
+class _Until:
+    def __init__(self, stop: threading.Event, seconds: float | None) -> None:
+        self._stop = stop
+        self._end = None if seconds is None else time.monotonic() + seconds
+
+    def over(self) -> bool:
+        return self._stop.is_set() or (self._end is not None and time.monotonic() >= self._end)
+
+
+class _Progress:
+    """On a terminal: how much there is."""
+
+    def __init__(self, file: RecordingFile) -> None:
+        self._file = file
+        self._next = time.monotonic()
+        self._shown = sys.stderr.isatty()
+
+    def show(self) -> None:
+        now = time.monotonic()
+        if self._shown and now >= self._next:
+            self._next = now + PROGRESS_S
+            told = f"\r{self._file.duration:7.1f} s  {self._file.size / 1e6:8.1f} MB"
+            sys.stderr.write(told)
+            sys.stderr.flush()
+
+    def end(self) -> None:
+        if self._shown:
+            sys.stderr.write("\n")

@@ -1,0 +1,239 @@
+"""The filter's way through a recording: on by ticks, back by checkpoints.
+
+What it is at a time depends on the recording, the settings, the seed and the time alone, however
+often somebody went back and forth before.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, cast
+
+from app.engine.checkpoint import CheckpointError, Keeper
+from app.engine.snapshot import Snapshot
+from app.messages.commands import (
+    Command,
+    PauseCommand,
+    ResetCommand,
+    ResumeCommand,
+    ScatterCommand,
+    SetParametersCommand,
+    SetParticlesCommand,
+    SetPoseCommand,
+    UpdateCommand,
+)
+from app.recordings.replay.checkpoints import Checkpoints
+from app.recordings.replay.recorded.glimpse import Glimpse, glimpse, picture_before
+from app.recordings.replay.recorded.place import Place
+from app.recordings.replay.recorded.robot import RecordedRobot
+from app.recordings.replay.replay_engine import EngineState, ReplayEngine
+from app.recordings.replay.settings import ReplaySettings, refused
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.localization.models.entry_field import EntryField
+
+NEAR_NS = 2_000_000_000
+"""To go on so far needs no checkpoint."""
+
+LONGEST_STEP_NS = 2_000_000_000
+"""A step from picture to picture is no longer than this."""
+
+SETTLING = (SetParametersCommand, ResetCommand)
+"""Commands that hold for the whole replay."""
+
+PASSING = (
+    SetPoseCommand,
+    SetParticlesCommand,
+    ScatterCommand,
+    PauseCommand,
+    ResumeCommand,
+    UpdateCommand,
+)
+"""Commands that act until somebody goes elsewhere."""
+
+Then = tuple[Pose2, Pose2]
+"""What was estimated then, and dead reckoning at its stamp."""
+
+
+class Course:
+    """Owns the engine's state; one thread."""
+
+    def __init__(
+        self,
+        engine: ReplayEngine,
+        robot: RecordedRobot,
+        field: Field,
+        settings: ReplaySettings,
+        begin: Callable[[dict[str, Any], EntryField | None], EngineState],
+    ) -> None:
+        """At the beginning, before the first tick.
+
+        Args:
+            engine: in its first state.
+            robot: the recording.
+            field: the map.
+            settings: of the filter.
+            begin: a first state with some parameters changed; the table of the field, if there is
+                one already, saves some seconds.
+        """
+        self.engine = engine
+        self.robot = robot
+        self.checkpoints = Checkpoints()
+        self._field = field
+        self._settings = settings
+        self._begin = begin
+        self._then: Then | None = None
+        self._pure = True
+        """Whether the state depends on nothing but the recording, the settings and the time."""
+        self._can_keep = True
+        own, scanner = engine.localization.own, engine.localization.scanner
+        self._saves = own.saves
+        self._keeper = Keeper([field, field.edges, scanner, engine.odometry.drive, own])
+
+    @property
+    def log_ns(self) -> int:
+        """Time of the last tick [ns since 1970]."""
+        return self.robot.at.log_ns
+
+    @property
+    def pure(self) -> bool:
+        """Whether the state is that of the recording, the settings and the time alone."""
+        return self._pure
+
+    def estimate_then(self, snapshot: Snapshot) -> Pose2 | None:
+        """What was estimated then, carried forward by the wheels."""
+        if self._then is None:
+            return None
+        pose, odom_then = self._then
+        return pose @ (odom_then.inverse() @ snapshot.odom_from_robot)
+
+    def tick(self, commands: tuple[Command, ...] = ()) -> Snapshot:
+        """The next tick; there must be one.
+
+        Args:
+            commands: what somebody tells the filter now, besides what it was told then.
+        """
+        recorded = [one for told in self.robot.commands() for one in self._again(told)]
+        self._note(commands)
+        snapshot = self.engine.advance((*recorded, *commands))
+        if self.robot.then is not None:
+            self._then = self._then_of(*self.robot.then)
+        self._mind_own_models()
+        self._keep()
+        return snapshot
+
+    def linger(self, commands: tuple[Command, ...]) -> Snapshot:
+        """Tell the filter something between two ticks."""
+        self._note(commands)
+        snapshot = self.engine.linger(commands)
+        self._mind_own_models()
+        return snapshot
+
+    def forget(self) -> None:
+        """Other settings hold: what is next gone to is worked out from the beginning."""
+        self.checkpoints.clear()
+        self._pure = False
+
+    def change(self, command: SetParametersCommand | ResetCommand) -> None:
+        """Let other settings hold from the next ``go_near`` on."""
+        self._settings.change(command)
+        self.forget()
+
+    def look(self, log_ns: int) -> Glimpse | None:
+        """What was recorded at a time."""
+        lens = self.robot.spec.lens
+        size = lens.height, lens.width
+        return glimpse(self.robot.reader, self.robot.topics, log_ns, size)
+
+    def go_near(self, log_ns: int) -> Glimpse | None:
+        """Get to the nearest state before a time that is known; ticks up to it are the rest.
+
+        Returns what was recorded at that time, if it had to be looked up.
+        """
+        ahead = log_ns - self.log_ns
+        if self._pure and 0 <= ahead < NEAR_NS:
+            return None
+        there = self.look(log_ns)
+        picture_ns = there.picture_log_ns if there else None
+        # At least one picture has to come in between: a checkpoint has none.
+        kept = self.checkpoints.before(picture_ns if picture_ns is not None else -1)
+        if self._pure and ahead >= 0 and (kept is None or kept.log_ns <= self.log_ns):
+            return there
+        if kept is None:
+            self._start_anew()
+        else:
+            more = cast("tuple[Place, Then | None]", self.engine.bring_back(kept.checkpoint))
+            place, self._then = more
+            self.robot.go_to(place)
+        self._pure = True
+        return there
+
+    def ticks_up_to(self, log_ns: int) -> Iterator[Snapshot]:
+        """The ticks from here to a time."""
+        while (following := self.robot.next_ns) is not None and following <= log_ns:
+            yield self.tick()
+
+    def ticks_with_pictures(self, pictures: int) -> Iterator[Snapshot]:
+        """The ticks from here to the one with the last of so many more pictures."""
+        quiet_ns = self.log_ns
+        while pictures > 0 and (following := self.robot.next_ns) is not None:
+            # Where no picture comes for long, that is a step, too.
+            if following - quiet_ns > LONGEST_STEP_NS and quiet_ns != self.log_ns:
+                return
+            snapshot = self.tick()
+            if snapshot.reading.frame is not None:
+                pictures -= 1
+                quiet_ns = self.log_ns
+            yield snapshot
+
+    def picture_before(self, pictures: int) -> int:
+        """Time of the tick with the picture so many before the last one [ns since 1970]."""
+        robot = self.robot
+        return picture_before(
+            robot.reader, robot.topics, robot.at.picture_log_ns, pictures, robot.start_ns
+        )
+
+    def _start_anew(self) -> None:
+        engine = self.engine
+        self.robot.go_to(Place())
+        engine.state = self._begin(self._settings.changed, engine.localization.entries)
+        self._then = None
+
+    def _again(self, command: Command) -> tuple[Command, ...]:
+        why = refused(command, self._field)
+        if why is not None:
+            self.engine.note(why)
+            return ()
+        return self._settings.again(command)
+
+    def _note(self, commands: tuple[Command, ...]) -> None:
+        for one in commands:
+            if isinstance(one, SETTLING):
+                self.change(one)
+            if isinstance(one, PASSING):
+                self._pure = False
+
+    def _then_of(self, stamp: float, pose: Pose2) -> Then | None:
+        try:
+            return pose, self.engine.odometry.at(stamp).odom_from_robot
+        except LookupError:
+            return self._then  # older than what is remembered of the wheels
+
+    def _mind_own_models(self) -> None:
+        """A model of the user's own that was saved is another setting."""
+        saves = self.engine.localization.own.saves
+        if saves != self._saves:
+            self._saves = saves
+            self.forget()
+
+    def _keep(self) -> None:
+        log_ns = self.log_ns
+        if not (self._pure and self._can_keep and self.checkpoints.due(log_ns)):
+            return
+        try:
+            kept = self.engine.keep(self._keeper, (self.robot.at, self._then))
+        except CheckpointError as error:
+            self._can_keep = False
+            self.engine.note(f"To go back takes long: {error}.")
+        else:
+            self.checkpoints.add(log_ns, kept)

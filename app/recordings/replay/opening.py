@@ -1,0 +1,232 @@
+"""A program on a recording: the same parts as with a robot, put together of what it has."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.engine.build import Program, odometry_start, own_models
+from app.engine.driving import Driving
+from app.engine.localization import Localization, changed_with_own
+from app.engine.own_models.own_models import OwnModels
+from app.engine.start_pose.start import Start, start
+from app.recordings.files.mcap_reader import RecordingReader, open_recording
+from app.recordings.files.recorded import RecordingError
+from app.recordings.replay.course import Course
+from app.recordings.replay.filter_config import with_filter_config
+from app.recordings.replay.recorded.first_estimate import first_estimate
+from app.recordings.replay.recorded.parts import RecordedParts
+from app.recordings.replay.recorded.robot import RecordedRobot
+from app.recordings.replay.recorded.topics import RecordedTopics
+from app.recordings.replay.replay import Replay
+from app.recordings.replay.replay_engine import EngineState, ReplayEngine
+from app.recordings.replay.settings import ReplaySettings
+from app.settings.config import MAPS, Config
+from robot.driving.differential_drive import DifferentialDrive
+from robot.driving.drive_controller import DriveController
+from robot.driving.odometry import Odometry
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.localization.models.entry_field import EntryField
+from robot.scanning.line_scanner import LineScanner
+from robot.settings import SettingError
+
+
+@dataclass(frozen=True)
+class ReplayOptions:
+    """What may be otherwise than in the recording; None is as it was then."""
+
+    map: str | None = None
+    """A field by name, or a file."""
+    filter_config: Path | None = None
+    """Settings over those of then."""
+    sensor_model: str = ""
+    """A model of the user's own, as FILE.py:CLASS."""
+    motion_model: str = ""
+    models: str = ""
+    """A folder of such."""
+    seed: int | None = None
+    speed: float = 1.0
+    paused: bool = False
+    host: str = Config().host
+    port: int = Config().port
+
+
+@dataclass(frozen=True)
+class ReplayProgram(Program):
+    """A program whose robot is a recording."""
+
+    replay: Replay = dataclasses.field(kw_only=True)
+    """Its loop."""
+
+
+def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
+    """A program that replays a recording.
+
+    Raises:
+        RecordingError: the file cannot be used; says what it is and has.
+        SettingError, FieldError, SpecError: a setting, the map or the robot cannot be used.
+    """
+    reader = open_recording(path)
+    topics = RecordedTopics.of(reader.topics)
+    parts = RecordedParts.of(reader)
+    config, given = _configured(parts.config, options)
+    field = _field(parts, options, reader)
+    drive = DifferentialDrive(parts.spec, config.drive.multipliers)
+    robot = RecordedRobot(reader, topics, parts.spec, drive, f"Recording {_name(path)}")
+    own = own_models(config, field)
+    begin = _Begin(
+        config,
+        field,
+        drive,
+        LineScanner(parts.spec.floor_view, config.scanner),
+        own,
+        _start(config, parts, field, robot),
+        robot,
+    )
+    engine = begin.engine()
+    settings = ReplaySettings(given)
+    course = Course(engine, robot, field, settings, begin)
+    for words in _remarks(reader, parts, options):
+        engine.note(words)
+    replay = Replay(
+        course, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
+    )
+    # It is never written: the robot is elsewhere by now.
+    pose_file = path.absolute()
+    return ReplayProgram(
+        engine,
+        robot,
+        field,
+        begin.scanner,
+        config,
+        pose_file,
+        own.choice,
+        replay.run,
+        replay=replay,
+    )
+
+
+@dataclass(frozen=True)
+class _Begin:
+    """Makes the state before the first tick, as often as it is needed."""
+
+    config: Config
+    field: Field
+    drive: DifferentialDrive
+    scanner: LineScanner
+    own: OwnModels
+    start: Start
+    robot: RecordedRobot
+
+    def __call__(self, changed: dict[str, Any], entries: EntryField | None) -> EngineState:
+        """With some parameters changed, by name; those that cannot be any more are left out."""
+        config, own = self.config, self.own
+        own.reset()
+        parameters = config.localization
+        for name, value in changed.items():
+            try:
+                parameters, choice = changed_with_own(parameters, own.choice, {name: value})
+            except SettingError:
+                continue  # a model's file is gone; the page shows which is in use
+            own.choose(choice)
+        # As a robot's program spawns it, so that the same seed is the same luck.
+        _, rng = np.random.default_rng(config.seed).spawn(2)
+        localization = Localization(self.scanner, self.field, parameters, rng, own, entries)
+        localization.configured = config.localization
+        localization.start = self.start.hypotheses
+        if self.start.hypotheses:
+            localization.begin()
+        odometry = Odometry(self.drive, config.odometry)
+        return EngineState(
+            odometry, localization, odometry_start(self.start, self.robot, self.field)
+        )
+
+    def engine(self) -> ReplayEngine:
+        """A new one, before the first tick."""
+        first, drive = self({}, None), self.config.drive
+        controller = DriveController(self.drive, drive)
+        driving = Driving(controller, drive.cmd_vel_timeout, self.config.figure_eight)
+        return ReplayEngine(
+            self.robot, first.odometry, first.localization, driving, first.map_from_odom
+        )
+
+
+def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozenset[str]]:
+    """The settings of the replay, and the names of the filter's that were chosen for it."""
+    given: frozenset[str] = frozenset()
+    if options.filter_config is not None:
+        config, given = with_filter_config(config, options.filter_config)
+    config = replace(
+        config,
+        map=options.map or "",  # else it is the recording's own
+        host=options.host,
+        port=options.port,
+        seed=config.seed if options.seed is None else options.seed,
+        sensor_model=options.sensor_model,
+        motion_model=options.motion_model,
+        models=options.models,
+        # What is replayed is not where the robot is now.
+        start_pose=replace(config.start_pose, save_pose_rate=-1.0, pose_file=""),
+    )
+    if options.sensor_model:
+        given |= {"laser_model_type"}
+    if options.motion_model:
+        given |= {"robot_model_type"}
+    return config, given
+
+
+def _field(parts: RecordedParts, options: ReplayOptions, reader: RecordingReader) -> Field:
+    if options.map is not None:
+        return load_field(options.map, MAPS)
+    if parts.field is None:
+        raise RecordingError(
+            f"the recording {reader.path} has no map with it; --map says on which it was made"
+        )
+    return parts.field
+
+
+def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRobot) -> Start:
+    """Where the filter began then, as far as that can be known."""
+    wanted = config.start_pose
+    as_configured = parts.told and parts.from_start and not wanted.restore_pose
+    if not as_configured:
+        found = first_estimate(robot.reader, robot.topics, robot.start_ns)
+        if found is not None and field.contains(found.pose):
+            return Start((found,))
+    return start(replace(wanted, restore_pose=False), Path(), field)
+
+
+def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptions) -> list[str]:
+    found = []
+    if reader.unfinished:
+        found.append(f"The recording was cut off: {reader.damage or 'it was not finished'}.")
+    if parts.models and not (options.sensor_model or options.motion_model):
+        found.append(
+            f"It was recorded with models of somebody's own ({', '.join(parts.models)}); they are "
+            "not run unless --sensor-model or --motion-model says so."
+        )
+    return found
+
+
+def _duration(reader: RecordingReader, robot: RecordedRobot) -> float:
+    """From the first to the last tick [s]."""
+    last = robot.start_ns
+    for back in (2_000_000_000, 60_000_000_000, reader.end_ns):
+        try:
+            for one in reader.messages((robot.topics.joint_states,), max(reader.end_ns - back, 0)):
+                last = max(last, one.log_time_ns)
+        except RecordingError:
+            last = max(last, reader.end_ns)
+        if last > robot.start_ns:
+            break
+    return (last - robot.start_ns) / 1e9
+
+
+def _name(path: Path) -> str:
+    """A recording's folder or file; the folder's file has only a number more."""
+    return path.absolute().stem if path.suffix == ".mcap" else path.absolute().name

@@ -1,0 +1,183 @@
+"""From recorded messages to what they tell; a recording may hold anything."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from app.messages.commands import COMMAND, Command, SetPoseCommand
+from app.recordings.replay.recorded.picture_size import size_of
+from app.ros2.making.frames import SECOND_NS, heading_of
+from app.ros2.message_types import from_cdr
+from robot.covariance import by_rows
+from robot.geometry import Array, Pose2, Twist2
+
+
+class ContentError(ValueError):
+    """A message that tells nothing that can be used; says why."""
+
+
+def stamp_ns(message: Any) -> int:
+    """The stamp of a message's header."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * SECOND_NS + int(stamp.nanosec)
+
+
+def joints_of(cdr: bytes, names: Sequence[str]) -> tuple[int, Array, Array | None]:
+    """Stamp, positions and velocities (j,) of the named joints; velocities may be missing.
+
+    Raises:
+        MessageError, ContentError: a joint is missing, or its position is no number.
+    """
+    message = from_cdr(cdr, "sensor_msgs/msg/JointState")
+    has = list(message.name)
+    missing = [name for name in names if name not in has]
+    if missing:
+        raise ContentError(
+            f"joint_states has the joints {', '.join(has) or 'none'}; "
+            f"this robot's are {', '.join(names)}"
+        )
+    places = [has.index(name) for name in names]
+    positions = _numbers(message.position, places)
+    if positions is None:
+        raise ContentError("joint_states has positions that are missing or no numbers")
+    return stamp_ns(message), positions, _numbers(message.velocity, places)
+
+
+def _numbers(values: Any, places: list[int]) -> Array | None:
+    found = np.asarray(values, dtype=np.float64)
+    if len(found) <= max(places) or not np.isfinite(found[places]).all():
+        return None
+    return found[places]
+
+
+def picture_of(cdr: bytes, size: tuple[int, int]) -> tuple[int, NDArray[np.uint8]]:
+    """Stamp and picture of a CompressedImage, grey or BGR.
+
+    Raises:
+        MessageError, ContentError: it is damaged, or of another size (height, width).
+    """
+    message = from_cdr(cdr, "sensor_msgs/msg/CompressedImage")
+    data = np.asarray(message.data, dtype=np.uint8)
+    unreadable = f"a picture of format {message.format!r} cannot be read; valid is JPEG"
+    # A few bytes may stand for gigabytes of pixels: they are not made before this.
+    _check_size(size_of(data.tobytes()), size, unreadable)
+    try:
+        image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR)
+    except cv2.error as error:
+        raise ContentError(f"a picture cannot be read: {error.err}") from error
+    if image is None:
+        raise ContentError(unreadable)
+    _check_size(image.shape[:2], size, unreadable)
+    return stamp_ns(message), np.asarray(image, dtype=np.uint8)
+
+
+def _check_size(found: Sequence[int] | None, size: tuple[int, int], unreadable: str) -> None:
+    if found is None:
+        raise ContentError(unreadable)
+    if tuple(found) != size:
+        raise ContentError(
+            f"a picture has {found[1]} x {found[0]} pixels; this robot's camera has "
+            f"{size[1]} x {size[0]}"
+        )
+
+
+def pose_of(pose: Any) -> Pose2:
+    """A geometry_msgs/Pose on the floor.
+
+    Raises:
+        ContentError: it has numbers that are none.
+    """
+    at, turn = pose.position, pose.orientation
+    found = Pose2(float(at.x), float(at.y), heading_of(turn))
+    if not found.is_finite():
+        raise ContentError("a pose has numbers that are not finite")
+    return found
+
+
+def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
+    """Stamp, pose and covariance (3, 3) [m, m, rad] of a PoseWithCovarianceStamped.
+
+    Raises:
+        MessageError, ContentError: it has numbers that are none.
+    """
+    message = from_cdr(cdr, "geometry_msgs/msg/PoseWithCovarianceStamped")
+    whole = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
+    flat = whole[np.ix_([0, 1, 5], [0, 1, 5])]
+    if not np.isfinite(flat).all():
+        raise ContentError("a covariance has numbers that are not finite")
+    return stamp_ns(message), pose_of(message.pose.pose), (flat + flat.T) / 2
+
+
+def truth_of(cdr: bytes) -> tuple[int, Pose2]:
+    """Stamp and pose of a PoseStamped.
+
+    Raises:
+        MessageError, ContentError: it has numbers that are none.
+    """
+    message = from_cdr(cdr, "geometry_msgs/msg/PoseStamped")
+    return stamp_ns(message), pose_of(message.pose)
+
+
+def twist_of(cdr: bytes) -> Twist2 | None:
+    """The velocity of a TwistStamped; None if it is none."""
+    twist = from_cdr(cdr, "geometry_msgs/msg/TwistStamped").twist
+    found = Twist2(float(twist.linear.x), float(twist.angular.z))
+    return found if math.isfinite(found.v) and math.isfinite(found.omega) else None
+
+
+def volts_of(cdr: bytes) -> float | None:
+    """The voltage of a BatteryState; None if it is not known."""
+    volts = float(from_cdr(cdr, "sensor_msgs/msg/BatteryState").voltage)
+    return volts if math.isfinite(volts) else None
+
+
+def health_of(cdr: bytes) -> tuple[bool, tuple[str, ...]] | None:
+    """Whether the robot was connected, and its faults, of our DiagnosticArray; None of another."""
+    message = from_cdr(cdr, "diagnostic_msgs/msg/DiagnosticArray")
+    status = {one.name: one for one in message.status}
+    program, robot = status.get("brickpose: program"), status.get("brickpose: robot")
+    if program is None or robot is None:
+        return None
+    figures = {one.key: one.value for one in program.values}
+    # The level is a byte, which some readers give as such.
+    bad = robot.level not in (0, b"\0")
+    return figures.get("connected") != "false", (str(robot.message),) if bad else ()
+
+
+def commands_of(cdr: bytes) -> tuple[Command, ...]:
+    """The commands of a String with a JSON list of them, or with one.
+
+    Raises:
+        MessageError, ContentError: it is none.
+    """
+    text = from_cdr(cdr, "std_msgs/msg/String").data
+    try:
+        content = json.loads(text)
+        told = content if isinstance(content, list) else [content]
+        return tuple(COMMAND.validate_json(json.dumps(one)) for one in told)
+    except (ValidationError, ValueError, RecursionError) as error:
+        raise ContentError(f"a recorded command cannot be read: {str(error)[:200]}") from error
+
+
+def told_pose_of(cdr: bytes) -> Command:
+    """What an initialpose tells the filter.
+
+    Raises:
+        MessageError, ContentError: it has numbers that are none.
+    """
+    _, pose, covariance = believed_of(cdr)
+    return SetPoseCommand(
+        type="set_pose",
+        x=pose.x,
+        y=pose.y,
+        theta=pose.theta,
+        covariance=by_rows(covariance) if covariance.any() else None,
+    )

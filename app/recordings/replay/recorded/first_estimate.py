@@ -1,0 +1,44 @@
+"""What was estimated when a recording began."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.recordings.files.mcap_reader import RecordingReader
+from app.recordings.files.recorded import RecordingError
+from app.recordings.replay.recorded.decoding import ContentError, believed_of
+from app.recordings.replay.recorded.topics import RecordedTopics
+from app.ros2.message_types import MessageError
+from robot.localization.estimate import Hypothesis
+
+SOON_NS = 10_000_000_000
+"""An estimate that comes later tells nothing of the beginning."""
+
+SINCE = np.diag(np.square([0.01, 0.01, 0.03]))
+"""How far the robot may have moved since it was estimated [m², m², rad²]."""
+
+
+def first_estimate(
+    reader: RecordingReader, topics: RecordedTopics, start_ns: int
+) -> Hypothesis | None:
+    """What is told within the first seconds, if anything is.
+
+    Args:
+        reader: the recording.
+        topics: of it.
+        start_ns: time of the first tick.
+    """
+    if not topics.amcl_pose:
+        return None
+    try:
+        for one in reader.messages((topics.amcl_pose,)):
+            if one.log_time_ns > start_ns + SOON_NS:
+                return None
+            _, pose, covariance = believed_of(one.cdr)
+            spread = covariance + SINCE
+            if np.linalg.eigvalsh(spread)[0] <= 0:
+                continue
+            return Hypothesis(1.0, pose, spread)
+    except (RecordingError, MessageError, ContentError):
+        return None
+    return None

@@ -1,0 +1,135 @@
+"""What a recording holds at a time, without the filter."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+from app.recordings.files.mcap_reader import RecordingReader
+from app.recordings.files.recorded import RecordingError
+from app.recordings.replay.recorded.decoding import ContentError, believed_of, picture_of, truth_of
+from app.recordings.replay.recorded.ticks import RecordedTick, ticks
+from app.recordings.replay.recorded.topics import RecordedTopics
+from app.ros2.message_types import MessageError
+from robot.geometry import Pose2
+from robot.interface import Frame
+
+LOOKED_BACK_NS = (2_000_000_000, 20_000_000_000)
+"""Where the last picture is looked for, before all of the recording is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Glimpse:
+    """The last of everything up to a time."""
+
+    log_ns: int
+    """Of the tick."""
+    picture_log_ns: int | None
+    """Of the tick that handed out the last picture; None if there is none."""
+    frame: Frame | None
+    """That picture, with its stamp as recorded [s]."""
+    then: Pose2 | None
+    """What was estimated then."""
+    truth: Pose2 | None
+
+
+def glimpse(
+    reader: RecordingReader, topics: RecordedTopics, log_ns: int, size: tuple[int, int]
+) -> Glimpse | None:
+    """What was recorded last up to a time; None if there is nothing.
+
+    Args:
+        reader: the recording.
+        topics: of it.
+        log_ns: the time [ns since 1970].
+        size: height and width of the pictures.
+    """
+    found = None
+    for back in (*LOOKED_BACK_NS, log_ns):
+        found = _found(reader, topics, max(log_ns - back, 0), log_ns, size) or found
+        if (found and found.picture_log_ns is not None) or log_ns - back <= reader.start_ns:
+            break
+    return found
+
+
+def picture_before(
+    reader: RecordingReader, topics: RecordedTopics, log_ns: int, count: int, start_ns: int
+) -> int:
+    """Time of the tick with the picture so many before the one at a time; the start, at most.
+
+    Args:
+        reader: the recording.
+        topics: of it.
+        log_ns: time of a tick with a picture [ns since 1970].
+        count: of pictures.
+        start_ns: time of the first tick.
+    """
+    names = topics.joint_states, topics.picture
+    for back in (*LOOKED_BACK_NS, max(log_ns, 0)):
+        found: list[int] = []
+        with contextlib.suppress(RecordingError):
+            for one in ticks(reader.messages(names, max(log_ns - back, 0)), topics):
+                if one.log_ns >= log_ns:
+                    break
+                if topics.picture in one.newest:
+                    found.append(one.log_ns)
+        if len(found) >= count:
+            return found[-count]
+        if log_ns - back <= start_ns:
+            break
+    return start_ns
+
+
+def _found(
+    reader: RecordingReader,
+    topics: RecordedTopics,
+    start_ns: int,
+    log_ns: int,
+    size: tuple[int, int],
+) -> Glimpse | None:
+    newest: dict[str, bytes] = {}
+    tick: RecordedTick | None = None
+    picture_log_ns = None
+    # A recording that is damaged ends there.
+    with contextlib.suppress(RecordingError):
+        for one in ticks(reader.messages(topics.names, start_ns), topics):
+            if one.log_ns > log_ns:
+                break
+            tick = one
+            newest |= one.newest
+            if topics.picture in one.newest:
+                picture_log_ns = one.log_ns
+    if tick is None:
+        return None
+    return Glimpse(
+        tick.log_ns,
+        picture_log_ns,
+        _frame(newest.get(topics.picture), size),
+        _then(newest.get(topics.amcl_pose)),
+        _truth(newest.get(topics.truth)),
+    )
+
+
+def _frame(cdr: bytes | None, size: tuple[int, int]) -> Frame | None:
+    if cdr is None:
+        return None
+    with contextlib.suppress(MessageError, ContentError):
+        stamp, image = picture_of(cdr, size)
+        return Frame(stamp / 1e9, image)
+    return None
+
+
+def _then(cdr: bytes | None) -> Pose2 | None:
+    if cdr is None:
+        return None
+    with contextlib.suppress(MessageError, ContentError):
+        return believed_of(cdr)[1]
+    return None
+
+
+def _truth(cdr: bytes | None) -> Pose2 | None:
+    if cdr is None:
+        return None
+    with contextlib.suppress(MessageError, ContentError):
+        return truth_of(cdr)[1]
+    return None

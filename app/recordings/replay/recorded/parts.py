@@ -1,0 +1,88 @@
+"""What a recording brings along: settings, map and robot, so that nothing else is needed."""
+
+from __future__ import annotations
+
+import tempfile
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from app.recordings.attachments import SETTINGS, URDF
+from app.recordings.files.mcap_reader import RecordingReader
+from app.recordings.files.recorded import RecordingError
+from app.settings.config import MAPS, Config, from_table
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.settings import SettingError
+
+TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
+"""Settings that are those of then; where to listen, or what to publish, is not."""
+
+FOLDERS = ("map", "robot")
+"""Attachments that are read: what a recording brings is not run."""
+
+MODELS = "models/"
+
+
+@dataclass(frozen=True)
+class RecordedParts:
+    """Of one recording, as far as it has them."""
+
+    config: Config
+    """Settings of then; the program's own where they are not told."""
+    spec: RobotSpec
+    field: Field | None
+    """None if the map is not in it."""
+    told: bool
+    """Whether the settings are those of then."""
+    from_start: bool
+    """Whether the recording began with the run: before the filter knew anything."""
+    models: tuple[str, ...] = ()
+    """Files of models of somebody's own that were in use."""
+
+    @classmethod
+    def of(cls, reader: RecordingReader) -> RecordedParts:
+        """Read them.
+
+        Raises:
+            RecordingError, SettingError, FieldError, SpecError: one of them cannot be used.
+        """
+        with tempfile.TemporaryDirectory(prefix="brickpose-") as made:
+            folder = Path(made)
+            names = _unpacked(reader, folder)
+            facts = reader.metadata.get("brickpose", {})
+            map_file = facts.get("map_file", "")
+            return cls(
+                _config(reader),
+                RobotSpec.load(folder / URDF) if URDF in names else RobotSpec.load(),
+                load_field(str(folder / map_file), MAPS) if map_file in names else None,
+                SETTINGS in reader.attachments,
+                facts.get("from_start") == "true",
+                tuple(n.removeprefix(MODELS) for n in reader.attachments if n.startswith(MODELS)),
+            )
+
+
+def _unpacked(reader: RecordingReader, folder: Path) -> list[str]:
+    """Write what may be read to a folder; its names."""
+    names = []
+    for name in reader.attachments:
+        path = PurePosixPath(name)
+        # A name must not lead out of the folder.
+        if len(path.parts) == 2 and path.parts[0] in FOLDERS and ".." not in path.parts:
+            target = folder / path
+            target.parent.mkdir(exist_ok=True)
+            target.write_bytes(reader.attachments[name])
+            names.append(name)
+    return names
+
+
+def _config(reader: RecordingReader) -> Config:
+    if SETTINGS not in reader.attachments:
+        return Config()
+    try:
+        content: dict[str, Any] = tomllib.loads(reader.attachments[SETTINGS].decode())
+        return from_table(Config, {name: content[name] for name in TAKEN if name in content})
+    except (SettingError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordingError(f"the settings in {reader.path} cannot be used: {error}") from error

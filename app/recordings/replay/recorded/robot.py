@@ -1,0 +1,230 @@
+"""A recording as a robot: it reads what was read then, and obeys nobody."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Generator
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from app.messages.commands import Command
+from app.recordings.files.mcap_reader import RecordingReader
+from app.recordings.files.recorded import RecordingError
+from app.recordings.replay.recorded.decoding import (
+    ContentError,
+    believed_of,
+    commands_of,
+    joints_of,
+    picture_of,
+    told_pose_of,
+    truth_of,
+    twist_of,
+)
+from app.recordings.replay.recorded.place import NextTick, Place
+from app.recordings.replay.recorded.ticks import RecordedTick, joined, ticks
+from app.recordings.replay.recorded.topics import RecordedTopics
+from app.ros2.message_types import MessageError
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.geometry import Array, Pose2
+from robot.interface import Frame, Reading, RobotError
+
+T = TypeVar("T")
+
+BAD = (MessageError, ContentError, ValueError, TypeError, AttributeError)
+"""What a message raises that is not what its type says."""
+
+
+class RecordedRobot:
+    """Satisfies ``Robot``; may be put at any place of the recording where it has been before."""
+
+    def __init__(
+        self,
+        reader: RecordingReader,
+        topics: RecordedTopics,
+        spec: RobotSpec,
+        drive: DifferentialDrive,
+        name: str,
+    ) -> None:
+        """At the beginning.
+
+        Raises:
+            RecordingError: no message of the joints can be used; says why.
+        """
+        self.name = name
+        self.spec = spec
+        self.reader = reader
+        self.topics = topics
+        self.at = Place()
+        """How far it was read. (What has a ``place`` could be put elsewhere.)"""
+        self.then: tuple[float, Pose2] | None = None
+        """What was estimated then, if that is told by the last tick: at which stamp, and what."""
+        self.damage = ""
+        """Why the recording ends where it does, if it should go on."""
+        self._drive = drive
+        self._names = [joint.name for joint in spec.joints]
+        self._applied = np.zeros(len(spec.joints))
+        self._messages = self._from(0)
+        self._next = self._fetched()
+        if self._next is None:
+            raise RecordingError(f"{reader.path} has no joint_states that can be used{self._why()}")
+        self.start_ns = self._next.tick.log_ns
+        """Time of the first tick."""
+
+    @property
+    def next_ns(self) -> int | None:
+        """Time of the next tick; None at the end."""
+        return None if self._next is None else self._next.tick.log_ns
+
+    def go_to(self, place: Place) -> None:
+        """Go on from where it was before."""
+        if place.log_ns == self.at.log_ns:
+            return
+        self._messages.close()
+        self.at = place
+        self.damage = ""
+        self._messages = self._from(place.log_ns + 1)
+        self._next = self._fetched()
+
+    def commands(self) -> tuple[Command, ...]:
+        """What was told in the tick that comes next."""
+        if self._next is None:
+            return ()
+        found: list[Command] = []
+        for topic, cdr in self._next.tick.told:
+            # What cannot be read is named by ``read``.
+            with contextlib.suppress(*BAD):
+                if topic == self.topics.command:
+                    found.extend(commands_of(cdr))
+                else:
+                    found.append(told_pose_of(cdr))
+        return tuple(found)
+
+    def read(self) -> Reading:
+        """The next tick.
+
+        Raises:
+            RobotError: the recording is over.
+        """
+        if self._next is None:
+            raise RobotError(f"the recording is over{self._why()}")
+        one, self._next = self._next, None
+        reading = self._reading(one)
+        self._next = self._fetched()
+        if self._next is None and self.damage:
+            over = f"The recording is over here: {self.damage}."
+            return replace(reading, faults=(*reading.faults, over))
+        return reading
+
+    def write(self, velocities: Array) -> Array:
+        """Command nothing; returns the joint velocities (j,) [rad/s] that were applied then."""
+        return self._applied.copy()
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._messages.close()
+        self._next = None
+        self._applied = np.zeros(len(self._names))
+
+    def _from(self, start_ns: int) -> Generator[RecordedTick, None, None]:
+        return ticks(self.reader.messages(self.topics.names, start_ns), self.topics)
+
+    def _why(self) -> str:
+        return f": {self.damage}" if self.damage else ""
+
+    def _fetched(self) -> NextTick | None:
+        """The next tick that can be used; what came with those between is not lost."""
+        before: list[RecordedTick] = []
+        trouble = ""
+        try:
+            for tick in self._messages:
+                try:
+                    stamp, positions, velocities = joints_of(tick.joints, self._names)
+                except BAD as error:
+                    self.damage = trouble = str(error)
+                    before.append(tick)
+                    continue
+                if self.at.log_ns >= 0 and stamp + self.at.shift_ns == self.at.now_ns:
+                    before.append(tick)  # the same joints once more
+                    continue
+                self.damage = ""
+                return NextTick(joined(before, tick), stamp, positions, velocities, trouble)
+        except RecordingError as error:
+            self.damage = str(error)
+        return None
+
+    def _reading(self, one: NextTick) -> Reading:
+        before, place = self.at, self.at.after(one)
+        turned = before.turned(one, place)
+        measured = one.velocities
+        if measured is None:
+            measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
+        told = _Told(one)
+        place = place.moved(self._drive.moved(turned)).told(told, self.topics)
+        place = self._with_truth(told, before, place, turned)
+        frame = self._frame(told, place.shift_ns)
+        if frame is not None:
+            place = replace(place, picture_log_ns=one.tick.log_ns)
+        self._tell_then(told, place.shift_ns)
+        self._tell_applied(told, measured)
+        if told.trouble:
+            place = place.troubled(f"In the recording, {told.trouble}.")
+        self.at = place
+        return Reading(
+            place.now_ns / 1e9,
+            one.positions + place.ahead,
+            measured,
+            frame,
+            place.battery_v,
+            place.truth,
+            place.connected,
+            (*place.faults, *place.troubles),
+        )
+
+    def _with_truth(self, told: _Told, before: Place, place: Place, turned: Array) -> Place:
+        found = told.of(self.topics.truth, truth_of)
+        if found is None:
+            return place
+        # It may have come a moment late, and be of the tick before: the wheels carry it on.
+        late = place.now_ns - found[0] - place.shift_ns
+        part = min(max(late / max(place.now_ns - before.now_ns, 1), 0.0), 2.0)
+        truth = found[1] @ self._drive.moved(part * turned)
+        return replace(place, truth=truth, truth_ns=place.now_ns)
+
+    def _frame(self, told: _Told, shift_ns: int) -> Frame | None:
+        lens = self.spec.lens
+        found = told.of(self.topics.picture, lambda cdr: picture_of(cdr, (lens.height, lens.width)))
+        return None if found is None else Frame((found[0] + shift_ns) / 1e9, found[1])
+
+    def _tell_then(self, told: _Told, shift_ns: int) -> None:
+        found = told.of(self.topics.amcl_pose, believed_of)
+        self.then = None if found is None else ((found[0] + shift_ns) / 1e9, found[1])
+
+    def _tell_applied(self, told: _Told, measured: Array) -> None:
+        twist = told.of(self.topics.cmd_vel, twist_of)
+        self._applied = measured if twist is None else self._drive.wheels(twist)
+        for topic, cdr in told.tick.told:
+            told.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
+
+
+class _Told:
+    """What came with a tick; what cannot be read is told in words, and is as if it had not come."""
+
+    def __init__(self, one: NextTick) -> None:
+        self.tick = one.tick
+        self.trouble = one.trouble
+
+    def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
+        """What the newest message of a topic tells; None if there is none."""
+        cdr = self.tick.newest.get(topic)
+        return None if cdr is None else self.read(read, cdr)
+
+    def read(self, read: Callable[[bytes], T], cdr: bytes) -> T | None:
+        """What a message tells."""
+        try:
+            return read(cdr)
+        except BAD as error:
+            self.trouble = str(error)
+            return None

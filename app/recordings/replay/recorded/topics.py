@@ -1,0 +1,70 @@
+"""Which topics of a recording a replay takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from app.recordings.files.recorded import RecordingError
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedTopics:
+    """Names as the recording has them, with slash and namespace; empty where it has none."""
+
+    joint_states: str
+    picture: str
+    cmd_vel: str = ""
+    battery_state: str = ""
+    diagnostics: str = ""
+    truth: str = ""
+    amcl_pose: str = ""
+    command: str = ""
+    initialpose: str = ""
+
+    WANTED: ClassVar[dict[str, tuple[str, str]]] = {
+        "joint_states": ("joint_states", "sensor_msgs/msg/JointState"),
+        "picture": ("camera/image/compressed", "sensor_msgs/msg/CompressedImage"),
+        "cmd_vel": ("cmd_vel", "geometry_msgs/msg/TwistStamped"),
+        "battery_state": ("battery_state", "sensor_msgs/msg/BatteryState"),
+        "diagnostics": ("diagnostics", "diagnostic_msgs/msg/DiagnosticArray"),
+        "truth": ("truth", "geometry_msgs/msg/PoseStamped"),
+        "amcl_pose": ("amcl_pose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+        "command": ("command", "std_msgs/msg/String"),
+        "initialpose": ("initialpose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+    }
+
+    @classmethod
+    def of(cls, types: Mapping[str, str]) -> RecordedTopics:
+        """Those of a recording with such types by topic.
+
+        Raises:
+            RecordingError: wheels or pictures are missing; lists what there is.
+        """
+        found = {role: _find(types, *wanted) for role, wanted in cls.WANTED.items()}
+        missing = [
+            "{} ({})".format(*cls.WANTED[role])
+            for role in ("joint_states", "picture")
+            if not found[role]
+        ]
+        if missing:
+            has = ", ".join(f"{name} ({kind})" for name, kind in sorted(types.items()))
+            raise RecordingError(
+                f"the recording has no {' and no '.join(missing)}, which a replay needs; "
+                f"it has {has or 'nothing'}"
+            )
+        if found["command"]:
+            found["initialpose"] = ""  # it is among the commands
+        return cls(**found)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All that there are."""
+        return tuple(name for role in self.WANTED if (name := getattr(self, role)))
+
+
+def _find(types: Mapping[str, str], name: str, kind: str) -> str:
+    """The topic of a name, in whatever namespace; the shortest if there are several."""
+    fitting = [one for one, its in types.items() if its == kind and f"/{one}".endswith(f"/{name}")]
+    return min(fitting, key=len, default="")

@@ -1,0 +1,269 @@
+"""A replay as it runs: pause, scrub, step by picture, slower and faster.
+
+Takes the place of the engine's own loop, in the engine's thread.
+"""
+
+from __future__ import annotations
+
+import gc
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.engine.problems import LOG
+from app.engine.replay_state import ReplayState
+from app.engine.snapshot import Snapshot
+from app.messages.commands import Command, ResetCommand, SetParametersCommand
+from app.recordings.replay.asked import Asked
+from app.recordings.replay.course import SETTLING, Course
+from app.recordings.replay.recorded.glimpse import Glimpse
+from robot.interface import Frame
+from robot.localization.filter import Cloud
+
+STANDING_S = 0.1
+"""While it stands, everybody is told so often that it does."""
+
+PIECE_S = 0.03
+"""Of hurrying, between two looks at what is asked."""
+
+TOLD_S = 0.1
+"""Between two words on how far it has got."""
+
+LONGEST_GAP_S = 2.0
+"""A gap in the recording is waited for no longer [s of the recording]."""
+
+SHORT_S = 0.002
+"""Not worth waiting for again."""
+
+BEHIND_S = 0.1
+"""When it is later than this, it does not try to make up for it."""
+
+LOADED = 500
+"""Ticks after which compiled code has been loaded, as in the engine's own loop."""
+
+NOTHING = Cloud(np.empty((0, 3)), np.empty(0))
+"""Shown while the filter has not got there."""
+
+
+@dataclass(slots=True)
+class _Way:
+    """To where somebody wanted to be."""
+
+    from_ns: int
+    to_ns: int | None
+    """None is a step: wherever the pictures are."""
+    ticks: Iterator[Snapshot]
+    there: Snapshot | None
+    """What was recorded there, to be shown meanwhile."""
+    said: float = 0.0
+    """When its progress was last told, on the computer's clock [s]."""
+
+
+class Replay:
+    """Owns the pace; ``asked`` from any thread, all else from the engine's."""
+
+    def __init__(
+        self,
+        course: Course,
+        file: str,
+        duration_s: float,
+        *,
+        paused: bool = False,
+        speed: float = 1,
+    ) -> None:
+        self.course = course
+        self.asked = Asked()
+        self._file = file
+        self.duration_s = duration_s
+        """From the first to the last tick [s]."""
+        self._paused = paused
+        self._speed = speed
+        self._way: _Way | None = None
+        self._later: list[Command] = []
+        """What the filter is told when it has got there."""
+        self._shown: Snapshot | None = None
+        self._ticks = 0
+        self._zero: float | None = None
+        """When the recording began, as played at this speed without a stop [s]."""
+
+    def run(self, stop: threading.Event) -> None:
+        """Replay until told to stop; the file is closed whatever happens."""
+        engine = self.course.engine
+        try:
+            self._show(self._tick())
+            while not stop.is_set():
+                self._take_wishes()
+                if self._way is not None:
+                    self._hurry(self._way)
+                elif self._paused:
+                    self._stand()
+                else:
+                    self._play()
+        except Exception as error:
+            LOG.exception("the replay stopped")
+            engine.fail(f"The replay stopped: {error}")
+        finally:
+            engine.robot.close()
+
+    def _take_wishes(self) -> None:
+        wishes = self.asked.take()
+        over = self.course.robot.next_ns is None
+        if wishes.speed is not None:
+            self._speed, self._zero = wishes.speed, None
+        if wishes.paused is not None:
+            self._paused, self._zero = wishes.paused, None
+            if over and not wishes.paused and wishes.position_s is None and self._way is None:
+                wishes.position_s = 0.0
+        if wishes.position_s is not None:
+            self._go_to(self._start_ns + round(1e9 * wishes.position_s))
+        if wishes.steps and self._way is not None:
+            self.asked.ask(step=wishes.steps)  # when it has got there
+        elif wishes.steps:
+            self._paused = True
+            self._step(wishes.steps)
+
+    @property
+    def _start_ns(self) -> int:
+        return self.course.robot.start_ns
+
+    def _play(self) -> None:
+        """Wait for the next tick's time, and let it come."""
+        following = self.course.robot.next_ns
+        if following is None:
+            self._paused = True
+            return
+        now = time.monotonic()
+        last_s, next_s = ((t - self._start_ns) / 1e9 for t in (self.course.log_ns, following))
+        if self._zero is None or next_s - last_s > LONGEST_GAP_S:
+            self._zero = now - last_s / self._speed
+            if next_s - last_s > LONGEST_GAP_S:
+                self._zero -= (next_s - last_s - LONGEST_GAP_S) / self._speed
+        due = self._zero + next_s / self._speed
+        if due > now and self.asked.wait(min(due - now, STANDING_S)):
+            return
+        if due > time.monotonic() + SHORT_S:
+            self._show(self.course.linger(self.course.engine.commands.take()))
+            return
+        if now - due > BEHIND_S:
+            self._zero += now - due
+        self._show(self._tick(self.course.engine.commands.take()))
+
+    def _stand(self) -> None:
+        """Say that it stands, and take what is told meanwhile."""
+        self._show(self.course.linger(self.course.engine.commands.take()))
+        self.asked.wait(STANDING_S)
+
+    def _step(self, pictures: int) -> None:
+        """On by pictures, or back."""
+        if pictures < 0:
+            self._go_to(self.course.picture_before(-pictures))
+        else:
+            on = self.course.ticks_with_pictures(pictures)
+            self._way = _Way(self.course.log_ns, None, on, None, time.monotonic())
+
+    def _go_to(self, log_ns: int) -> None:
+        """Set out for a time; the first tick is the nearest to anything before it."""
+        log_ns = max(log_ns, self._start_ns)
+        there = self.course.go_near(log_ns)
+        self._zero = None
+        self._later = []
+        self._way = _Way(
+            max(self.course.log_ns, self._start_ns),
+            log_ns,
+            self.course.ticks_up_to(log_ns),
+            self._glimpsed(there),
+            time.monotonic(),
+        )
+
+    def _hurry(self, way: _Way) -> None:
+        """Go on towards where somebody wanted to be, as fast as it goes, for a moment."""
+        until = time.monotonic() + PIECE_S
+        while time.monotonic() < until:
+            snapshot = next(way.ticks, None)
+            if snapshot is None:
+                self._arrive()
+                return
+            self._shown = snapshot
+            self._count()
+        if not self._change_on_the_way(way) and until - way.said > TOLD_S and self._shown:
+            way.said = until
+            self._show(replace(way.there or self._shown, published=time.monotonic()))
+
+    def _arrive(self) -> None:
+        self._way = None
+        commands, self._later = tuple(self._later), []
+        self._show(self.course.linger(commands))
+
+    def _change_on_the_way(self, way: _Way) -> bool:
+        """Whether other settings are wanted, so that the way begins anew."""
+        told = self.course.engine.commands.take()
+        if way.to_ns is None:
+            self._later += told
+            return False
+        changes = [one for one in told if isinstance(one, SETTLING)]
+        self._later += [one for one in told if one not in changes]
+        for one in changes:
+            assert isinstance(one, SetParametersCommand | ResetCommand)
+            self.course.change(one)
+        if self.course.pure and not changes:
+            return False
+        later = self._later
+        self._go_to(way.to_ns)
+        self._later = later
+        return True
+
+    def _tick(self, commands: tuple[Command, ...] = ()) -> Snapshot:
+        snapshot = self.course.tick(commands)
+        self._count()
+        return snapshot
+
+    def _count(self) -> None:
+        self._ticks += 1
+        if self._ticks == LOADED:
+            gc.freeze()
+
+    def _show(self, snapshot: Snapshot) -> None:
+        """Let everybody see a tick, and where the replay stands."""
+        self._shown = snapshot
+        self.course.engine.publish(replace(snapshot, replay=self._state(snapshot)))
+
+    def _state(self, snapshot: Snapshot) -> ReplayState:
+        way, progress = self._way, None
+        then = self.course.estimate_then(snapshot)
+        log_ns = self.course.log_ns
+        if way is not None and way.to_ns is not None:
+            progress = (log_ns - way.from_ns) / max(way.to_ns - way.from_ns, 1)
+            log_ns, then = way.to_ns, snapshot.scan_pose
+        return ReplayState(
+            self._file,
+            min((log_ns - self._start_ns) / 1e9, self.duration_s),
+            self.duration_s,
+            self._speed,
+            self._paused,
+            None if progress is None else min(max(progress, 0.0), 1.0),
+            then,
+        )
+
+    def _glimpsed(self, there: Glimpse | None) -> Snapshot | None:
+        """The last tick with what was recorded elsewhere: picture, scan, and what was estimated."""
+        last = self._shown
+        if there is None or last is None:
+            return None
+        scanner = self.course.engine.localization.scanner
+        # The stamp as if none had jumped; only shown while the filter is on its way.
+        stamp = (there.log_ns - self._start_ns) / 1e9
+        frame = there.frame and Frame(stamp, there.frame.image)
+        return replace(
+            last,
+            stamp=stamp,
+            frame=frame,
+            line_scan=scanner.scan(frame) if frame else None,
+            scan_pose=there.then,
+            truth=there.truth,
+            pose=None,
+            estimate=None,
+            cloud=NOTHING,
+        )

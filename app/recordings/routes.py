@@ -1,0 +1,77 @@
+"""``/api/recordings``: what was recorded, to look at and to take away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from fastapi import APIRouter, HTTPException, Response
+from fastapi.responses import FileResponse, StreamingResponse
+
+from app.messages.message import Message
+from app.recordings.files.recorded import RecordingError
+from app.recordings.listing import Listed, find, listed
+
+MEDIA_TYPE = "application/octet-stream"
+BLOCK = 1 << 20
+"""Read at once of a file that is still written [bytes]."""
+
+
+class RecordingEntry(Message):
+    """One recording."""
+
+    name: str
+    """``/api/recordings/NAME`` is the file."""
+    size_bytes: int
+    duration_s: float | None
+    """As far as is known."""
+    unfinished: bool
+    """Being made, or cut off by a full disk or the end of the program; it can be read."""
+
+
+def recordings_router(folder: Callable[[], Path]) -> APIRouter:
+    """Lists and hands out the recordings of the folder that is asked for at each request."""
+    router = APIRouter()
+
+    @router.get("/api/recordings")
+    def recordings() -> list[RecordingEntry]:
+        """All recordings, newest first."""
+        return [
+            RecordingEntry(
+                name=one.name,
+                size_bytes=one.size_bytes,
+                duration_s=one.duration_s,
+                unfinished=one.unfinished,
+            )
+            for one in listed(folder())
+        ]
+
+    @router.get("/api/recordings/{name}", response_class=Response)
+    def recording(name: str) -> Response:
+        """A recording as one MCAP file; of one that is being made, what there is of it."""
+        try:
+            found = find(folder(), name)
+        except RecordingError as error:
+            raise HTTPException(404, str(error)) from error
+        if found.unfinished:
+            return _so_far(found)
+        return FileResponse(found.file, media_type=MEDIA_TYPE, filename=f"{name}.mcap")
+
+    return router
+
+
+def _so_far(found: Listed) -> Response:
+    """What was written until now: a length that is told must not change meanwhile."""
+    headers = {
+        "Content-Length": str(found.size_bytes),
+        "Content-Disposition": f'attachment; filename="{found.name}.mcap"',
+    }
+    return StreamingResponse(_blocks(found), media_type=MEDIA_TYPE, headers=headers)
+
+
+def _blocks(found: Listed) -> Iterator[bytes]:
+    left = found.size_bytes
+    with found.file.open("rb") as file:
+        while left and (block := file.read(min(left, BLOCK))):
+            left -= len(block)
+            yield block

@@ -1,0 +1,162 @@
+"""One recording while it is made: a route for messages, and the thread that writes them."""
+
+from __future__ import annotations
+
+import errno
+import threading
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+
+from app.engine.problems import LOG
+from app.recordings.attachments import Contents
+from app.recordings.files.recording_file import RecordingFile
+from app.ros2.message_types import MessageError
+from app.ros2.published import Published
+from app.ros2.publisher import TopicPublisher
+from app.ros2.route import Pace, Route
+from app.ros2.topic import Topic
+from app.settings.recording import RecordingSettings
+
+MOST_WAITING = 2000
+"""Messages: about ten seconds of them, while the disk does not answer."""
+
+PERIOD_S = 0.15
+"""Between two looks at what waits: each message of its own would cost a change of threads."""
+
+JOIN_S = 5.0
+
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+
+
+class RecordingRun(Route):
+    """From the button to the finished file; the thread ends with it."""
+
+    name = "recording"
+    patience = PERIOD_S
+    """While nobody else listens, ticks may come several at a time."""
+
+    def __init__(
+        self,
+        folder: Path,
+        publisher: TopicPublisher,
+        settings: RecordingSettings,
+        contents: Callable[[], Contents],
+    ) -> None:
+        """Begin to record into a new folder."""
+        self.folder = folder
+        self.failure: str | None = None
+        """Why it ended by itself."""
+        self.duration = 0.0
+        self.size = 0
+        self._publisher = publisher
+        self._contents = contents
+        self._pace = Pace(lambda topic: settings.period(topic.name, topic.rate))
+        self._waiting: deque[Published] = deque()
+        self._lost = 0
+        self._ticks_lost_before = publisher.lost
+        self._unfit: dict[str, str] = {}
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
+        publisher.source.clock.hold()
+        self._thread.start()
+
+    @property
+    def running(self) -> bool:
+        """Until the file is finished."""
+        return self._thread.is_alive()
+
+    @property
+    def missing(self) -> str | None:
+        """What is not in it, in words."""
+        parts = [f"{name} is not recorded: {why}." for name, why in dict(self._unfit).items()]
+        ticks = max(0, self._publisher.lost - self._ticks_lost_before)
+        if self._lost or ticks:
+            parts.append(
+                f"{self._lost} messages and {ticks} ticks are missing: the disk or the computer "
+                "is too slow."
+            )
+        return " ".join(parts) or None
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """All topics, each at its rate."""
+        return topic.name not in self._unfit and self._pace.due(topic, stamp)
+
+    def take(self, published: Published) -> None:
+        """Leave a message for the thread; one that finds no room is lost, and counted."""
+        if len(self._waiting) < MOST_WAITING:
+            self._waiting.append(published)
+        else:
+            self._lost += 1
+
+    def stop(self) -> None:
+        """Ask it to finish; from any thread."""
+        self._stop.set()
+
+    def join(self) -> None:
+        """Wait until the file is finished."""
+        self._thread.join(JOIN_S)
+        if self._thread.is_alive():
+            LOG.error("the recording's thread did not end within %g s", JOIN_S)
+
+    def _run(self) -> None:
+        try:
+            self._record()
+        except OSError as error:
+            self._end(error.strerror or str(error), full=error.errno in FULL)
+        except Exception as error:
+            LOG.exception("the recording failed")
+            self._end(str(error), full=False)
+        finally:
+            self._publisher.remove(self)
+            self._publisher.source.clock.let_go()
+
+    def _record(self) -> None:
+        contents = self._contents()
+        file = RecordingFile(self.folder, contents.facts)
+        try:
+            for one in contents.attachments:
+                file.attach(one.name, one.data, one.media_type)
+            self._publisher.add(self)
+            while not self._stop.wait(PERIOD_S):
+                self._write_waiting(file)
+            self._publisher.remove(self)
+            self._write_waiting(file)
+            if self.missing:
+                file.note("missing", {"messages": self.missing})
+            file.close()
+        except BaseException:
+            file.abandon()
+            raise
+        finally:
+            self.size, self.duration = file.size, file.duration
+
+    def _write_waiting(self, file: RecordingFile) -> None:
+        if not self._waiting:
+            file.flush()  # the robot has stopped answering: what there is may be what matters
+        while self._waiting:
+            self._write(file, self._waiting.popleft())
+        self.size, self.duration = file.size, file.duration
+
+    def _write(self, file: RecordingFile, published: Published) -> None:
+        topic = published.topic
+        try:
+            cdr = published.cdr
+        except MessageError as error:
+            LOG.warning("%s is not recorded: %s", topic.name, error)
+            self._unfit[topic.name] = str(error)
+            return
+        file.write(
+            f"/{topic.name}",
+            topic.type,
+            topic.quality,
+            published.log_time_ns,
+            published.time_ns,
+            cdr,
+        )
+
+    def _end(self, why: str, *, full: bool) -> None:
+        reason = "The disk is full" if full else f"The recording cannot be written ({why})"
+        kept = "; it is kept" if self.folder.exists() else ""
+        self.failure = f"{reason}: the recording ended after {self.duration:.0f} s{kept}."
+        LOG.warning(self.failure)

@@ -1,0 +1,124 @@
+"""Conditions by name: what is worse than usual with a simulated robot, its camera or its floor.
+
+Each is a table of settings by their path (docs/configuration.md). A condition only makes worse:
+where the configuration is worse already, it stays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from app.settings.config import Config, with_settings
+from app.settings.provenance import settings_of
+from robot.settings import SettingError
+
+Preset = Mapping[str, Any]
+
+
+def _late(seconds: float) -> Preset:
+    # Handed over later, too: a picture is not stamped with a time that has not come.
+    return {"camera.stamp_error": seconds, "camera.delay": 0.005 + seconds}
+
+
+_AS_REAL: Preset = {
+    "imperfections.slip_sd": 0.04,
+    "imperfections.camera_angle_sd": 0.3,
+    "imperfections.camera_position_sd": 0.001,
+    "camera.uneven_light": 0.5,
+    "camera.clutter": "shadow",
+    **_late(0.020),
+}
+
+CONDITIONS: Mapping[str, Preset] = MappingProxyType(
+    {
+        "default": {},
+        "noisy": {"camera.noise": 40.0},
+        "dark": {"camera.light": 0.3},
+        "uneven": {"camera.uneven_light": 0.9},
+        "cluttered": {"camera.clutter": "all", "camera.glare": 150.0},
+        "fast": {"figure_eight.speed": 0.3, "camera.exposure": 0.030},
+        "askew": {"imperfections.camera_angle_sd": 0.5},
+        "late": _late(0.030),
+        "worn": {"imperfections.wheel_radius_sd": 0.05},
+        "slippery": {"imperfections.slip_sd": 0.2},
+        "stretched": {"camera.floor_scale": 1.02},
+        "sparse": {"camera.frame_rate": 3.0},
+        "gaps": {"camera.lost_share": 0.9, "camera.lost_burst": 0.33, "camera.gap": 4.0},
+        "all-at-once": {
+            "imperfections.camera_angle_sd": 0.5,
+            "imperfections.slip_sd": 0.1,
+            "imperfections.wheel_radius_sd": 0.03,
+            "camera.noise": 15.0,
+            "camera.clutter": "all",
+            **_late(0.030),
+        },
+        "as-real": _AS_REAL,
+        "hand-built": {
+            **_AS_REAL,
+            "imperfections.camera_angle_sd": 1.5,
+            "imperfections.camera_position_sd": 0.005,
+            "imperfections.focal_length_sd": 0.02,
+            "imperfections.wheel_radius_sd": 0.03,
+            "imperfections.track_sd": 0.05,
+            **_late(0.040),
+        },
+    }
+)
+"""What each sets. ``as-real`` stands where a robot would that nobody has calibrated; ``hand-built``
+where one would that was put together by hand at the first try."""
+
+LESS_IS_WORSE = ("camera.light", "camera.frame_rate")
+
+
+def condition_names() -> str:
+    """All of them, as messages and help list them."""
+    return ", ".join(CONDITIONS)
+
+
+def require_condition(name: str) -> None:
+    """Refuse a name that is none.
+
+    Raises:
+        SettingError: lists those that are valid.
+    """
+    if name not in CONDITIONS:
+        raise SettingError(f"no condition {name!r}; valid are {condition_names()}")
+
+
+def require_effect(robot: str, name: str) -> None:
+    """Refuse a condition of wheels or mounting for a robot that is always as drawn.
+
+    Raises:
+        SettingError: lists those that are valid.
+    """
+    valid = [
+        each
+        for each, preset in CONDITIONS.items()
+        if not any(path.startswith("imperfections.") for path in preset)
+    ]
+    if robot == "kinematic" and name not in valid:
+        raise SettingError(
+            f"condition {name} is of wheels or of the camera's mounting, and the kinematic robot "
+            f"has perfect ones; valid are {', '.join(valid)}"
+        )
+
+
+def in_condition(config: Config, name: str) -> Config:
+    """A configuration under a condition.
+
+    Raises:
+        SettingError: there is no such condition, or the robot does not have it; lists those that
+            are valid.
+    """
+    require_condition(name)
+    require_effect(config.robot, name)
+    preset, known = CONDITIONS[name], settings_of(config)
+    return with_settings(config, {path: _worse(path, known[path], preset[path]) for path in preset})
+
+
+def _worse(path: str, known: Any, preset: Any) -> Any:
+    if isinstance(preset, str):
+        return preset if known == "none" else known
+    return min(known, preset) if path in LESS_IS_WORSE else max(known, preset)

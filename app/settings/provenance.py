@@ -1,0 +1,61 @@
+"""What made a result: code, libraries and settings."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import hashlib
+import platform
+from importlib import metadata
+from typing import Any
+
+from app.settings.config import ROOT, Config
+
+LIBRARIES = ("numpy", "scipy", "numba", "opencv-python-headless", "pybullet")
+SOURCES = ("robot", "sim", "app")
+
+
+@functools.cache
+def code_version() -> str:
+    """A short digest of all that decides what a run does: sources, descriptions, maps' drawings."""
+    digest = hashlib.sha256()
+    for folder in (*SOURCES, "maps"):
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in (".py", ".urdf", ".yaml", ".svg", ".pgm", ".png"):
+                digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0")
+                digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def versions() -> dict[str, str]:
+    """Of the program and of what it computes with."""
+    found = {"python": platform.python_version(), "brickpose": metadata.version("brickpose")}
+    for name in LIBRARIES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found | {"code": code_version()}
+
+
+def settings_of(group: Any, path: str = "") -> dict[str, Any]:
+    """All settings of a tree of dataclasses, by their path as in a TOML file."""
+    found: dict[str, Any] = {}
+    for field in dataclasses.fields(group):
+        value = getattr(group, field.name)
+        if dataclasses.is_dataclass(value):
+            found |= settings_of(value, f"{path}{field.name}.")
+        else:
+            found[f"{path}{field.name}"] = value
+    return found
+
+
+def changed_settings(config: Config) -> dict[str, Any]:
+    """Those that are not as they are by default, but for which robot, where it is served and so."""
+    default = settings_of(Config())
+    elsewhere = ("robot", "host", "port", "seed")
+    return {
+        path: value
+        for path, value in settings_of(config).items()
+        if value != default[path] and path not in elsewhere
+    }

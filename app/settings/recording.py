@@ -1,0 +1,52 @@
+"""Settings of recordings."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from robot.settings import check_settings, setting
+
+EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
+"""What the robot answered and what it was told: a replay needs all of it."""
+
+
+@dataclass(frozen=True)
+class RecordingSettings:
+    """Where recordings go, and how much is in them."""
+
+    record: bool = setting(False, "Record from the start (--record DIR)")
+    folder: str = setting("", "Where recordings are made; else in the user's data folder")
+    picture_rate: float = setting(
+        15.0, "Pictures at most so often; 0 is every one", unit="Hz", low=0, high=1000
+    )
+    cloud_rate: float = setting(
+        2.0, "Clouds of particles at most so often", unit="Hz", low=0.1, high=100
+    )
+    publish_rate: float = setting(
+        20.0, "odom, tf and truth at most so often", unit="Hz", low=0.1, high=1000
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+
+    def period(self, topic: str, rate: str | None) -> float:
+        """Seconds between two messages of a topic; 0 is as they come.
+
+        Args:
+            topic: its name, without slash and namespace.
+            rate: the setting that limits it; None does not.
+        """
+        if rate is None or topic in EVERY_TICK:
+            return 0.0
+        frequency = float(getattr(self, rate))
+        return 1.0 / frequency if frequency else 0.0
+
+    def path(self) -> Path:
+        """Where recordings are made."""
+        if self.folder:
+            return Path(self.folder).absolute()
+        data = os.environ.get("XDG_DATA_HOME", "")
+        home = Path(data) if Path(data).is_absolute() else Path.home() / ".local" / "share"
+        return home / "brickpose" / "recordings"

@@ -1,0 +1,180 @@
+"""Checks of the Build HAT and its motors by talking to them; nothing turns."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+from app.tools.doctor.finding import Finding, ok, problem, sentence, warning
+from robot.description.wiring import Wiring
+from robot.hat.board import Board, BoardState
+from robot.hat.motor import Motor
+from robot.hat.serial_link import SerialLink
+from robot.hat.serial_port import PortError, SerialPort
+from robot.hat.settings import BuildHatSettings
+from robot.hat.start.bring_up import BringUp
+from robot.hat.start.firmware_image import FirmwareImage, FirmwareImageError
+from robot.hat.start.reset_line import GpioResetLine
+from robot.hat.start.stage import Stage
+from robot.hat.supply import Supply
+
+LONGEST_S = 25.0
+"""An upload (5 s on the wire), the firmware's start and the motors' connection take 16 to 18 s."""
+
+WELL_S = 1.2
+LOST_S = 1.0
+SILENT_S = 2.0
+PLUGGED_S = 3.0
+CONNECTING_S = 12.0
+"""How long it is waited for news [s]: when all is well (a power fault is told once a second), of a
+port that cannot be had, of a board that does not answer, of a motor on a board that ran already,
+of a motor after an upload."""
+
+WARM_S = 2.5
+"""A board that takes longer to answer was started just now [s]."""
+
+LOOK_S = 0.05
+
+WEAK_V, STRONG_V = 7.0, 9.0
+"""The board is made for 8 V, 10 % more or less [V]."""
+
+
+def firmware_image() -> Finding:
+    """Whether the firmware that the board needs is on this computer."""
+    try:
+        image = FirmwareImage.installed()
+    except FirmwareImageError as error:
+        return problem(sentence(str(error)))
+    return ok(f"Firmware {image.version} for the Build HAT is installed")
+
+
+def check_board(
+    device: str,
+    wirings: tuple[Wiring, ...],
+    settings: BuildHatSettings,
+    tell: Callable[[str], None],
+    reset: Callable[[], None] | None = None,
+) -> list[Finding]:
+    """Start the board, as a robot does that is not told to move, and look at it.
+
+    Args:
+        device: its serial port.
+        wirings: the joints that should be there.
+        settings: the robot's.
+        tell: takes what it waits for.
+        reset: pulls the board's pin; None for this Pi's.
+    """
+    try:
+        SerialPort(device).close()
+    except PortError as error:
+        return [problem(sentence(str(error)))]
+    board = Board(wirings, settings, BringUp(FirmwareImage.installed))
+    link = SerialLink(device, board, reset or GpioResetLine().pulse)
+    link.start()
+    try:
+        state = _settled(board, link, tell)
+        return list(judged(board, state, settings, time.monotonic()))
+    finally:
+        link.close()
+
+
+def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> BoardState:
+    """Wait until all is well, or what is not will not change any more."""
+    begin = since = now = time.monotonic()
+    answered_after = LONGEST_S
+    news = progress = ""
+    while now - begin < LONGEST_S and link.failure is None:
+        state = board.state(now)
+        if state.supply_v is not None:
+            answered_after = min(answered_after, now - begin)
+        if news != (news := _news(board, state)):
+            since = now
+            if progress != (progress := _progress(board, state)):
+                tell(progress)
+        if now - since > _patience(board, state, answered_after):
+            break
+        time.sleep(LOOK_S)
+        now = time.monotonic()
+    return board.state(now)
+
+
+def _news(board: Board, state: BoardState) -> str:
+    """What makes it worth while to go on waiting, when it changes."""
+    return f"{board.bring_up.stage} {board.bring_up.trouble} {state.ready} {state.faults}"
+
+
+def _progress(board: Board, state: BoardState) -> str:
+    """What is waited for, in plain words; empty if for nothing."""
+    if board.bring_up.ready:
+        return "" if state.ready else "waiting for the motors"
+    return board.bring_up.stage.value
+
+
+def _patience(board: Board, state: BoardState, answered_after: float) -> float:
+    """How long to wait for something new [s]."""
+    if state.supply_v is not None:
+        if state.ready:
+            return WELL_S
+        return PLUGGED_S if answered_after < WARM_S else CONNECTING_S
+    if board.bring_up.ready:
+        return LOST_S
+    stuck = board.bring_up.trouble and board.bring_up.stage in (Stage.ASKING, Stage.FAILED)
+    return SILENT_S if stuck else LONGEST_S
+
+
+def judged(
+    board: Board, state: BoardState, settings: BuildHatSettings, now: float
+) -> Iterator[Finding]:
+    """What the state of a board means.
+
+    Args:
+        board: it, still at work.
+        state: its state.
+        settings: the robot's.
+        now: the clock of the board [s].
+    """
+    if state.supply_v is None:
+        yield problem(sentence("; ".join(state.faults)) or "The Build HAT does not answer")
+        return
+    yield ok(f"The Build HAT answers, with firmware {board.bring_up.version}")
+    low = _complaints(state.supply_v, settings.low_supply, now)
+    yield supply(state.supply_v, low)
+    faults = {motor.fault(now) for motor in board.motors}
+    yield from (motor_line(motor, now) for motor in board.motors)
+    yield from (
+        problem(sentence(fault)) for fault in state.faults if fault not in faults | set(low)
+    )
+
+
+def supply(volts: float, complaints: list[str]) -> Finding:
+    """What the motors are driven with [V], and what the driver has against it."""
+    told = f"The Build HAT's supply is {volts:.2f} V"
+    if complaints:
+        return problem(f"{told}. {' '.join(complaints)}")
+    if volts < WEAK_V:
+        return warning(f"{told}: weak", "charge the battery")
+    if volts > STRONG_V:
+        return warning(f"{told}: too much", "take a supply of 8 V")
+    return ok(told)
+
+
+def motor_line(motor: Motor, now: float) -> Finding:
+    """Whether a joint's motor can be used."""
+    fault = motor.fault(now)
+    if fault is not None:
+        return problem(fault)
+    where = f"Port {motor.wiring.port} ({motor.wiring.name})"
+    if not motor.is_ready(now):
+        return problem(
+            f"{where}: the motor does not tell its position", "pull its plug, wait, plug"
+        )
+    kind = f"{motor.wiring.motor} motor" if motor.wiring.motor else "motor with an encoder"
+    return ok(f"{where}: {kind}, tells its position")
+
+
+def _complaints(volts: float, low_v: float, now: float) -> list[str]:
+    """What the driver would say to a voltage that stays."""
+    judge = Supply(low_v)
+    judge.told(volts)
+    judge.told(volts)
+    return judge.complaints(now)

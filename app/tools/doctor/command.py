@@ -1,0 +1,60 @@
+"""``brickpose doctor``: all checks one after another, and the verdict."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+
+from app.console import say
+from app.settings.config import Config
+from app.tools.doctor import pi, wire
+from app.tools.doctor.board import check_board, firmware_image
+from app.tools.doctor.computer import check_computer
+from app.tools.doctor.eye import check_camera
+from app.tools.doctor.finding import PROBLEM, WARNING, Finding
+from app.tools.doctor.machine import Machine
+from robot.description.spec import RobotSpec
+
+
+def doctor(config: Config, machine: Machine | None = None) -> int:
+    """Check the machine, and with the robot ``buildhat`` that robot; returns 1 on a problem."""
+    found = []
+    for finding in _findings(config, machine or Machine()):
+        say(str(finding))
+        found.append(finding)
+    say(_verdict([one.level for one in found]))
+    return int(any(one.level == PROBLEM for one in found))
+
+
+def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
+    yield from check_computer(config)
+    if config.robot != "buildhat":
+        return
+    yield from pi.check_pi(machine)
+    yield from pi.clock(machine)
+    yield firmware_image()
+    of_wire = list(wire.check_wire(machine, config.build_hat.serial_port))
+    yield from of_wire
+    spec = RobotSpec.load()
+    if wire.usable(of_wire):
+        device = wire.device_of(machine, config.build_hat.serial_port)
+        yield from check_board(device, spec.joints, config.build_hat, _tell)
+    yield from check_camera(config.camera_source, spec.lens, config.pictures)
+
+
+def _tell(what: str) -> None:
+    """What is waited for, beside the report."""
+    if what:
+        sys.stderr.write(f"         ... {what}\n")
+        sys.stderr.flush()
+
+
+def _verdict(levels: list[str]) -> str:
+    problems, warnings = levels.count(PROBLEM), levels.count(WARNING)
+    if problems:
+        return f"{_number(problems, PROBLEM)} to solve, {_number(warnings, WARNING)}"
+    return f"No problem, {_number(warnings, WARNING)}"
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"

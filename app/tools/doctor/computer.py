@@ -1,0 +1,126 @@
+"""Checks of any computer: Python, packages, compiled code, the web port."""
+
+from __future__ import annotations
+
+import os
+import re
+import socket
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+
+from app.settings.config import ROOT, Config
+from app.tools.doctor.finding import Finding, ok, problem, warning
+from sim.bullet import BulletMissingError, load_pybullet
+
+OLDEST = (3, 11)
+CONSTRAINTS = ROOT / "constraints.txt"
+REQUIREMENT = re.compile(r"^([\w.-]+)[^;]*(;.*)?$")
+
+
+def check_computer(config: Config) -> Iterator[Finding]:
+    """What every robot needs."""
+    yield python_version(sys.version_info[:3])
+    yield packages(tested_versions(CONSTRAINTS))
+    yield simulator(config.robot)
+    yield compiled_code(os.environ.get("NUMBA_CACHE_DIR"))
+    yield web_port(config.host, config.port)
+
+
+def python_version(version: tuple[int, ...]) -> Finding:
+    """Whether Python is new enough."""
+    text = ".".join(map(str, version))
+    if version[:2] < OLDEST:
+        return problem(
+            f"Python {text} is too old", "install Python 3.11 or newer, then make install"
+        )
+    return ok(f"Python {text}")
+
+
+def tested_versions(constraints: Path) -> dict[str, str]:
+    """The versions that the program was tested with; none where it was installed without them."""
+    if not constraints.is_file():
+        return {}
+    lines = constraints.read_text(encoding="utf-8").split()
+    return {_plain(name): version for name, _, version in (line.partition("==") for line in lines)}
+
+
+def packages(tested: dict[str, str]) -> Finding:
+    """Whether what the program imports is there, in the versions it was tested with."""
+    missing, other = [], []
+    for name, optional in _requirements():
+        try:
+            version = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            if not optional:
+                missing.append(name)
+            continue
+        if version != tested.get(_plain(name), version):
+            other.append(f"{name} {version} ({tested[_plain(name)]})")
+    if missing:
+        return problem(f"Packages are missing: {', '.join(missing)}", "run make install")
+    if other:
+        return warning(
+            f"Packages are not of the versions that were tested: {', '.join(other)}",
+            "remove .venv, then make install",
+        )
+    return ok(f"Packages: numpy {metadata.version('numpy')}, {_opencv()}")
+
+
+def simulator(robot: str) -> Finding:
+    """Whether there is physics; only the robot named sim cannot do without."""
+    if robot in ("kinematic", "buildhat"):
+        return ok(f"pybullet is not needed by the robot {robot}")
+    try:
+        load_pybullet()
+    except BulletMissingError as error:
+        if robot == "sim":
+            return problem(str(error))
+        return warning(f"The kinematic robot drives, with perfect wheels: {error}")
+    return ok(f"pybullet {metadata.version('pybullet')}: the simulated robot has physics")
+
+
+def compiled_code(folder: str | None) -> Finding:
+    """Whether the first start is quick."""
+    if folder and any(Path(folder).rglob("*.nbi")):
+        return ok("Compiled code is there")
+    return warning(
+        "Compiled code is missing: the first start compiles for minutes",
+        f"run {sys.executable} -m app.tools.warm_up once",
+    )
+
+
+def web_port(host: str, port: int) -> Finding:
+    """Whether the dashboard's port is free."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        socket.create_server(address[:2], family=family).close()
+    except OSError as error:
+        return warning(
+            f"The dashboard cannot have port {port} of {host}: {error.strerror}",
+            "end the program that has it, or choose another with brickpose run --port",
+        )
+    return ok(f"Port {port} is free for the dashboard")
+
+
+def _requirements() -> Iterator[tuple[str, bool]]:
+    """Names of packages that the program needs, and whether it does only on some machines."""
+    try:
+        lines = metadata.requires("brickpose") or []
+    except metadata.PackageNotFoundError:
+        return
+    for line in lines:
+        found = REQUIREMENT.match(line)
+        if found and "extra ==" not in line:
+            yield found[1], found[2] is not None
+
+
+def _opencv() -> str:
+    import cv2  # noqa: PLC0415 - where it is missing, that was told before
+
+    return f"OpenCV {cv2.__version__}"
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()

@@ -1,0 +1,142 @@
+"""Checks of the serial port between Pi and Build HAT, without a word to the board."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from app.tools.doctor.finding import PROBLEM, Finding, ok, problem
+from app.tools.doctor.machine import Machine
+from app.tools.doctor.pi import MODEL, model
+from robot.hat.serial_port import find_device
+
+ON = "sudo raspi-config nonint do_serial_hw 0; then sudo reboot"
+CONSOLE_OFF = "sudo raspi-config nonint do_serial_cons 1; then sudo reboot"
+ONE_WIRE_OFF = "sudo raspi-config nonint do_onewire 1; then sudo reboot"
+PERMISSION = "sudo usermod -aG dialout $USER; then log in again"
+
+BOOT = ("/boot/firmware/config.txt", "/boot/config.txt")
+"""Where the Pi's configuration is, since Bookworm and before."""
+
+RESET_GPIO = "4"
+"""The pin that resets the Build HAT, and that 1-Wire takes if it is not told another."""
+
+HEADER_PORTS = {"serial0", "ttyS0", "ttyAMA0"}
+"""Names of the serial port at the header, where it is not there to be looked at."""
+
+
+def check_wire(machine: Machine, setting: str) -> Iterator[Finding]:
+    """Whether the port is there and ours.
+
+    Args:
+        machine: where.
+        setting: the device asked for, or ``auto``.
+    """
+    device = device_of(machine, setting)
+    yield from _port(machine, device, device_of(machine, "auto"))
+    if model(machine):
+        yield console(machine, device)
+        yield one_wire(machine)
+
+
+def device_of(machine: Machine, setting: str) -> str:
+    """The device that a setting stands for."""
+    return find_device(machine.at(MODEL)) if setting == "auto" else setting
+
+
+def usable(findings: list[Finding]) -> bool:
+    """Whether it is worth while to open the port."""
+    return all(one.level != PROBLEM or one.cure == CONSOLE_OFF for one in findings)
+
+
+def _port(machine: Machine, device: str, right: str) -> Iterator[Finding]:
+    path = machine.at(device)
+    if not path.exists():
+        yield problem(f"There is no serial port {device}", _cure_of_no_port(machine, device, right))
+        return
+    if _leads_to_another(machine, device, right):
+        yield problem(
+            f"{device} is another connector of this {model(machine)}", f"use {right}, or none"
+        )
+        return
+    if not machine.may_use(path):
+        yield problem(f"No permission to open {device}", PERMISSION)
+        return
+    users = list(users_of(machine, path))
+    if users:
+        yield problem(
+            f"{device} is in use by {', '.join(users)}",
+            "end that program; if it is brickpose as a service: sudo systemctl stop brickpose",
+        )
+        return
+    yield ok(f"Serial port {device}")
+
+
+def _cure_of_no_port(machine: Machine, device: str, right: str) -> str:
+    if not model(machine):
+        return "on a Raspberry Pi it comes with the Build HAT; else --serial-port names it"
+    if device != right:
+        return f"use {right}, or none"
+    return ON
+
+
+def _leads_to_another(machine: Machine, device: str, right: str) -> bool:
+    """Whether a Pi 5 is told its debug connector, which is what /dev/serial0 is there."""
+    if not model(machine) or right != "/dev/ttyAMA0":
+        return False
+    return machine.at(device).resolve().name == "ttyAMA10"
+
+
+def users_of(machine: Machine, path: Path) -> Iterator[str]:
+    """Names of other programs that have a device open, as far as this user may know."""
+    device = path.resolve()
+    for process in machine.processes():
+        try:
+            open_files = [link.resolve() for link in (process / "fd").iterdir()]
+        except OSError:
+            continue  # another user's, or it has just ended
+        # Who makes a pseudo-terminal holds both its ends: that is the emulator.
+        if device in open_files and not any(file.name == "ptmx" for file in open_files):
+            name = machine.text(f"/proc/{process.name}/comm") or "a program"
+            yield f"{name} (process {process.name})"
+
+
+def console(machine: Machine, device: str) -> Finding:
+    """Whether the kernel or a login shell talks on the port too."""
+    names = _names(machine, device)
+    told = set(re.findall(r"console=(\w+)", machine.text("/proc/cmdline")))
+    if told & names or _has_login_shell(machine, names):
+        return problem(f"A login console talks on {device}, into the Build HAT", CONSOLE_OFF)
+    return ok("No console on the serial port")
+
+
+def _names(machine: Machine, device: str) -> set[str]:
+    """All names of the port."""
+    path = machine.at(device)
+    if not path.exists():
+        return HEADER_PORTS
+    names = {Path(device).name, path.resolve().name}
+    main = machine.at("/dev/serial0")
+    if main.exists() and main.resolve() == path.resolve():
+        names.add("serial0")
+    return names
+
+
+def _has_login_shell(machine: Machine, names: set[str]) -> bool:
+    """Whether an agetty waits at the port; root's, so only its command line can be seen."""
+    for process in machine.processes():
+        words = machine.text(f"/proc/{process.name}/cmdline").split("\0")
+        if words[0].endswith("agetty") and names & {word.removeprefix("/dev/") for word in words}:
+            return True
+    return False
+
+
+def one_wire(machine: Machine) -> Finding:
+    """Whether 1-Wire has taken the pin that resets the Build HAT."""
+    lines = "\n".join(machine.text(path) for path in BOOT)
+    for options in re.findall(r"^\s*dtoverlay=w1-gpio(?:-pullup|-pi5)?(\S*)", lines, re.MULTILINE):
+        pin = re.search(r"gpiopin=(\d+)", options)
+        if pin is None or pin[1] == RESET_GPIO:
+            return problem("1-Wire has taken the Build HAT's reset pin (GPIO 4)", ONE_WIRE_OFF)
+    return ok("1-Wire is off")

@@ -1,0 +1,162 @@
+"""``brickpose emulate-hat``: puts board, surroundings, sockets and the clock together."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from collections.abc import Mapping
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.console import say
+from app.settings.config import MAPS, Config, load_config
+from robot.description.spec import RobotSpec
+from robot.description.wiring import PORTS
+from robot.fields.field import Field
+from robot.fields.field_loading import load_field
+from robot.geometry import Twist2
+from robot.settings import SettingError
+from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.floor_camera import FloorCamera
+from sim.hat.devices.motor_figures import KindError, MotorFigures, figures_described, figures_named
+from sim.hat_emulator.control import Control
+from sim.hat_emulator.emulator import Beginning, Emulator
+from sim.hat_emulator.line_server import LineServer, TypedLines
+from sim.hat_emulator.picture_server import PictureServer
+from sim.hat_emulator.pseudo_terminal import PseudoTerminal
+from sim.hat_emulator.surroundings import RobotOnField, Surroundings, Table
+from sim.imperfections import draw
+
+SWITCH_INTERVAL = 0.0005
+"""How long one thread may keep the others waiting [s]: the board's ticks are 1 ms."""
+
+STANDARD_INPUT = 0
+
+
+def emulate_hat(options: Mapping[str, Any]) -> int:
+    """Emulate until Ctrl-C or SIGTERM; returns 0 then.
+
+    Raises:
+        SettingError: an option that cannot be, or that has no effect.
+        FieldError: the map cannot be used.
+        OSError: the serial port or a socket cannot be made.
+        BulletMissingError: the robot's world was asked for and pybullet is not installed.
+    """
+    config = _config(options)
+    spec = RobotSpec.load()
+    world = _world(options)
+    motors = _motors(options.get("motors"), spec)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    # In the background of a shell, reading what is typed there would stop the program.
+    signal.signal(signal.SIGTTIN, signal.SIG_IGN)
+    with ExitStack() as stack:
+        try:
+            _run(stack, options, config, spec, world, motors)
+        except KeyboardInterrupt:
+            return 0
+    return 0
+
+
+def _run(
+    stack: ExitStack,
+    options: Mapping[str, Any],
+    config: Config,
+    spec: RobotSpec,
+    world: str,
+    motors: Mapping[int, MotorFigures],
+) -> None:
+    around: Surroundings
+    if world == "sim":
+        field = load_field(config.map, MAPS)
+        true, rng = _true_robot(config, spec)
+        around = RobotOnField(BulletWorld(true, field.start, settings=config.physics), true, motors)
+    else:
+        around = Table(motors)
+    stack.callback(around.close)
+    terminal = PseudoTerminal(options.get("link"))
+    stack.callback(terminal.close)
+    beginning = Beginning(warm="bootloader" not in options, seed=config.seed)
+    if "firmware" in options:
+        beginning = replace(beginning, version=options["firmware"])
+    emulator = Emulator(around, motors, terminal, beginning)
+    stack.callback(emulator.loop.close)
+    if "pictures" in options and isinstance(around, RobotOnField):
+        _show_pictures(stack, options["pictures"], emulator, around, config, true, field, rng)
+    control = Control(emulator)
+    if "control" in options:
+        stack.callback(LineServer(options["control"], control.answer, emulator.loop).close)
+    TypedLines(STANDARD_INPUT, control.answer, emulator.loop, say)
+    say(f"Build HAT at {terminal.name}")
+    emulator.loop.run()
+
+
+def _true_robot(config: Config, spec: RobotSpec) -> tuple[RobotSpec, np.random.Generator]:
+    """The same robot as ``run --robot sim`` has, and its luck."""
+    rng = np.random.default_rng(config.seed).spawn(2)[0]
+    return draw(spec, config.imperfections, rng), rng
+
+
+def _show_pictures(
+    stack: ExitStack,
+    path: Path,
+    emulator: Emulator,
+    around: RobotOnField,
+    config: Config,
+    true: RobotSpec,
+    field: Field,
+    rng: np.random.Generator,
+) -> None:
+    camera = FloorCamera(true.floor_view, field.floor, config.camera, rng)
+    # The first one takes long: compiled code is loaded, and the board would stall meanwhile.
+    camera.picture(around.truth, Twist2(0.0, 0.0))
+    server = PictureServer(path, camera)
+    stack.callback(server.close)
+    around.has_camera(config.camera, true.lens.readout, emulator.wall, server.take)
+    server.start()
+
+
+def _config(options: Mapping[str, Any]) -> Config:
+    config = load_config(options["config"]) if "config" in options else Config()
+    return replace(config, **{name: options[name] for name in ("map", "seed") if name in options})
+
+
+def _world(options: Mapping[str, Any]) -> str:
+    """Which world, and whether the other options go with it."""
+    world = options.get("world") or _usual_world()
+    if world == "sim":
+        load_pybullet()
+    if world == "free":
+        for name in ("pictures", "map"):
+            if name in options:
+                raise SettingError(f"--{name} has no effect with --world free; valid is sim")
+    if "firmware" in options and "bootloader" in options:
+        raise SettingError("--firmware runs or --bootloader waits; give one of them")
+    return str(world)
+
+
+def _usual_world() -> str:
+    try:
+        load_pybullet()
+    except BulletMissingError:
+        return "free"
+    return "sim"
+
+
+def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorFigures]:
+    """Kinds of motors by port, from A=large,B=large."""
+    if text is None:
+        return {PORTS.index(joint.port): figures_described(joint.motor) for joint in spec.joints}
+    motors = {}
+    for part in text.split(",") if text else ():
+        port, _, name = part.strip().partition("=")
+        if port not in PORTS:
+            raise SettingError(f"--motors: no port {port!r}; valid are {', '.join(PORTS)}")
+        try:
+            motors[PORTS.index(port)] = figures_named(name)
+        except KindError as error:
+            raise SettingError(f"--motors: {error}") from error
+    return motors

@@ -1,0 +1,71 @@
+"""``brickpose replay``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from app.console import say
+from app.lab.replay_trajectories import replay, write
+from app.page.address import address_of
+from app.page.serving import listen, serve
+from app.recordings.replay.asked import FASTEST, SLOWEST
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from robot.settings import SettingError
+
+ONLY_SERVED = ("host", "port", "speed", "paused")
+"""Options that have no effect without a dashboard."""
+
+
+def run(given: dict[str, Any]) -> int:
+    """Carry out the command with its options by name.
+
+    Raises:
+        RecordingError, SettingError, FieldError, SpecError, OSError: says what cannot be used.
+    """
+    path: Path = given.pop("file")
+    out: Path | None = given.pop("out", None)
+    _check(given, out)
+    options = ReplayOptions(**given)
+    if out is not None:
+        return _write(path, options, out)
+    with listen(options.host, options.port) as listening:
+        program = open_replay(path, options)
+        say(f"{path.name} is {program.replay.duration_s:.1f} s long")
+        say(f"BrickPose is at {address_of(listening)} (Ctrl-C ends it)")
+        serve(program, listening)
+    return 0
+
+
+def _check(given: dict[str, Any], out: Path | None) -> None:
+    """Refuse what cannot be.
+
+    Raises:
+        SettingError: names the option, and what is valid.
+    """
+    speed = given.get("speed", 1.0)
+    if not SLOWEST <= speed <= FASTEST:
+        raise SettingError(f"--speed is {speed:g}; valid is {SLOWEST:g} to {FASTEST:g}")
+    if given.get("seed", 0) not in range(2**32):
+        raise SettingError(f"--seed is {given['seed']}; valid is 0 to {2**32 - 1}")
+    if given.get("port", 0) not in range(65536):
+        raise SettingError(f"--port is {given['port']}; valid is 0 to 65535")
+    for name in ONLY_SERVED:
+        if out is not None and name in given:
+            raise SettingError(f"--{name} has no effect with --out")
+
+
+def _write(path: Path, options: ReplayOptions, out: Path) -> int:
+    told = _progress if sys.stderr.isatty() else None
+    replayed = replay(path, options, told)
+    if told is not None:
+        sys.stderr.write("\r      \r")
+    written = write(replayed, out, f"run: {path.name} of {replayed.stamps[-1]:.3f} s")
+    say(f"{', '.join(one.name for one in written)} are in {out}")
+    return 0
+
+
+def _progress(share: float) -> None:
+    sys.stderr.write(f"\r{100 * share:3.0f} %")
+    sys.stderr.flush()

@@ -1,0 +1,76 @@
+"""The command line of ``brickpose replay``; what takes long to load is loaded when it is used."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from app.options import Commands
+from app.settings.config import Config
+
+
+def add_replay(commands: Commands) -> None:
+    """Add the command."""
+    default = Config()
+    command = commands.add_parser(
+        "replay",
+        help="serve the dashboard on a recording",
+        description="Serve the dashboard on a recording. The filter runs again on what was "
+        "recorded, with other settings or models if asked, beside what was estimated then. With "
+        "--out: write the trajectories as fast as it goes, without a dashboard. Metres, radians, "
+        "seconds.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    command.add_argument("file", type=Path, metavar="FILE", help="an .mcap file, or its folder")
+    command.add_argument(
+        "--speed",
+        type=float,
+        help="seconds of the recording in one second, 0.05 to 50 (default: 1)",
+    )
+    command.add_argument("--paused", action="store_true", help="begin paused at the first tick")
+    command.add_argument(
+        "--filter-config",
+        type=Path,
+        metavar="FILE.toml",
+        help="settings over those of then: tables localization, scanner, odometry, drive, "
+        "start_pose (docs/configuration.md)",
+    )
+    for kind in ("sensor", "motion"):
+        command.add_argument(
+            f"--{kind}-model",
+            metavar="FILE.py:CLASS",
+            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
+        )
+    command.add_argument(
+        "--models", metavar="DIR", help="a folder of models of your own, which the page offers"
+    )
+    command.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        help="a field of maps/, or an .svg or .yaml file (default: that in the recording)",
+    )
+    command.add_argument(
+        "--seed", type=int, help="seed of the filter (default: that of the recording)"
+    )
+    command.add_argument("--host", help=f"address to listen on (default: {default.host})")
+    command.add_argument(
+        "--port",
+        type=int,
+        help=f"port to listen on; 0 is any free one (default: {default.port})",
+    )
+    command.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="write estimated.tum, then.tum, truth.tum and odometry.tum there instead",
+    )
+    command.set_defaults(command=_replay)
+
+
+def _replay(parsed: argparse.Namespace) -> int:
+    from app.tools.replay.command import run  # noqa: PLC0415
+
+    given: dict[str, Any] = {name: v for name, v in vars(parsed).items() if name != "command"}
+    return run(given)

@@ -1,0 +1,26 @@
+"""``python -m benchmarks`` is ``brickpose bench``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.run import run
+
+
+def main() -> int:
+    """Measure what the command line names; 2 on a name that is none."""
+    parser = argparse.ArgumentParser(prog="brickpose bench", allow_abbrev=False)
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--json", type=Path)
+    parsed = parser.parse_args()
+    try:
+        return run(parsed.names, parsed.json)
+    except (OSError, ValueError, ImportError, RuntimeError) as error:
+        sys.stderr.write(f"brickpose: {error}\n")
+        return 2 if isinstance(error, ValueError) else 1
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,1 @@
+"""Compiled code that models, particles and filters share."""
