@@ -173,7 +173,7 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is answered at once.
-    from app.engine.build import assemble, settle_robot  # noqa: PLC0415
+    from app.engine.build import build_program, settle_robot  # noqa: PLC0415
     from app.page.address import address_of  # noqa: PLC0415
     from app.page.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
@@ -183,7 +183,7 @@ def _run(parsed: argparse.Namespace) -> int:
     with listen(config.host, config.port) as listening:
         if missing:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
-        program = assemble(config, RealTime())
+        program = build_program(config, RealTime())
         say(f"BrickPose is at {address_of(listening)} (Ctrl-C ends it)")
         serve(program, listening)
     return 0

@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.page.serving import Server, listen
 from app.settings.config import ROOT, Config
 from benchmarks.result import Result
@@ -27,7 +27,7 @@ def measure() -> Result:
     the first one drives the figure-eight. Viewers run on this machine too.
     """
     pace = RealTime()
-    program = assemble(Config(robot="sim"), pace)
+    program = build_program(Config(robot="sim"), pace)
     listening = listen("127.0.0.1", 0)
     address = f"127.0.0.1:{listening.getsockname()[1]}"
     server = Server(program)

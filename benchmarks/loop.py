@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from app.engine.build import Program, assemble
+from app.engine.build import Program, build_program
 from app.messages.commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result
@@ -28,7 +28,7 @@ def measure() -> Result:
     )
     walls, cpus = [], []
     for seed in range(RUNS):
-        program = assemble(replace(config, seed=seed))
+        program = build_program(replace(config, seed=seed))
         _drive(program, 1.0)  # compiled code is loaded
         wall, cpu = time.perf_counter(), time.process_time()
         _drive(program, SECONDS)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine.build import Program, assemble
+from app.engine.build import Program, build_program
 from app.engine.snapshot import Snapshot
 from app.lab.evaluation.convergence import time_to_converge
 from app.messages.commands import FigureEightCommand, SetPoseCommand
@@ -43,7 +43,7 @@ class Recovery:
 
 def recover(seed: int) -> Recovery:
     """Tell a robot with the default imperfections a wrong pose while it drives."""
-    program = assemble(Config(robot="sim", seed=seed))
+    program = build_program(Config(robot="sim", seed=seed))
     at = _drive(program, BEFORE)[-1]
     assert at.truth is not None
     told = SetPoseCommand(

@@ -14,11 +14,15 @@ from app.settings.config import Config
 from benchmarks.accuracy import LAPS, SETTLED, TOLD, each, find_with, with_filter
 from benchmarks.result import Result
 from benchmarks.trials import setup_of, try_filter
+from robot.description.spec import RobotSpec
+from robot.geometry import Twist2
+from robot.interface import Frame
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.models.sensor_parameters import SensorParameters
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.setup import Setup
+from robot.scanning.line_scanner import LineScan, LineScanner
 
 SEEDS = range(6)
 GLOBAL_SEEDS = range(12)
@@ -57,6 +61,17 @@ def no_negative_evidence(setup: Setup) -> Setup:
     return replace(setup, evidence=replace(setup.evidence, missed=1.0))
 
 
+class Skewed(LineScanner):
+    """Leaves the rolling shutter's skew as it is."""
+
+    def __init__(self) -> None:
+        super().__init__(RobotSpec.load().floor_view, Config().scanner)
+
+    def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
+        """The ranges as of a robot that stood."""
+        return super().scan(frame)
+
+
 def late(drive: Drive) -> Drive:
     """Pictures that are taken for exposed when they arrive."""
     return Drive(drive.field, [_late(tick) for tick in drive.ticks])
@@ -65,8 +80,9 @@ def late(drive: Drive) -> Drive:
 def _late(tick: Tick) -> Tick:
     if tick.scan is None:
         return tick
-    scan = replace(tick.scan, stamp=tick.stamp)
-    return replace(tick, scan=scan, odometry_at_scan=tick.odometry)
+    assert tick.line_scan is not None
+    found = replace(tick.line_scan, scan=replace(tick.scan, stamp=tick.stamp))
+    return replace(tick, line_scan=found, odometry_at_scan=tick.odometry)
 
 
 def sensor(**changes: float) -> LocalizationParameters:
@@ -103,7 +119,7 @@ CHOICES = {
 def track(seed: int) -> dict[str, float]:
     """Errors [m] of one robot over two laps, with each choice; and with the readout's skew left."""
     drive = record(Config(robot="sim", seed=seed), LAPS)
-    skewed = record(Config(robot="sim", seed=seed), LAPS, unskew=False)
+    skewed = record(Config(robot="sim", seed=seed), LAPS, scanner=Skewed())
     found = {name: error(choice, drive, seed) for name, choice in CHOICES.items()}
     found["readout not corrected"] = error(Choice(), skewed, seed)
     return found

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from mcap_ros2._dynamic import generate_dynamic
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
 from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.route import DdsRoute
@@ -53,8 +53,8 @@ class Rig:
         self.pace = RealTime()
         config = Config(robot="kinematic", map="stub")
         config = replace(config, ros2=Ros2Settings(domain_id=domain, **settings))
-        simulated = assemble(config, self.pace).robot
-        self.program = assemble(config, self.pace, WithBattery(simulated))
+        simulated = build_program(config, self.pace).robot
+        self.program = build_program(config, self.pace, WithBattery(simulated))
         self.source = TopicSource.of(self.program)
         self.source.clock.hold()  # a busy machine changes no stamp
         self.publisher = TopicPublisher(self.source, self.program.engine.every)

@@ -1,6 +1,6 @@
 """Engines stepped without threads, faster than real time."""
 
-from app.engine.build import Program, assemble
+from app.engine.build import Program, build_program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.settings.config import Config
@@ -10,7 +10,7 @@ EIGHT = FigureEightCommand(type="figure_eight")
 
 
 def kinematic(**settings) -> Program:
-    return assemble(Config(robot="kinematic", **settings))
+    return build_program(Config(robot="kinematic", **settings))
 
 
 def run(program: Program, seconds: float, *renewed) -> list[Snapshot]:

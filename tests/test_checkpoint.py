@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.checkpoint import LARGE, CheckpointError, Keeper
 from app.engine.localization import Localization, changed
 from app.messages.commands import FigureEightCommand
@@ -16,7 +16,7 @@ FILTERS = ("particles", "hypotheses", "kalman", "grid")
 @pytest.fixture(scope="module")
 def drive():
     """A program, and the frames with odometry of some seconds of it."""
-    program = assemble(Config(robot="kinematic"))
+    program = build_program(Config(robot="kinematic"))
     frames = []
     engine = program.engine
     measure = engine._localization.measure

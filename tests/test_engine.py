@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from engine_runs import EIGHT, drive, kinematic, run
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.command_checks import MOST_WAITING, CommandError, check
 from app.engine.mailboxes.command_queue import MOST_COMMANDS
 from app.messages.commands import PingCommand, ShowCommand, StopCommand
@@ -44,7 +44,7 @@ def test_a_command_that_is_not_renewed_ends_after_half_a_second():
 
 
 def test_a_command_that_comes_while_the_robot_is_read_is_of_that_tick():
-    program = assemble(Config(robot="kinematic"), lambda stamp: commands.put(drive(v=0.2)))
+    program = build_program(Config(robot="kinematic"), lambda stamp: commands.put(drive(v=0.2)))
     commands = program.engine.commands
     assert program.engine.step().commands == (drive(v=0.2),)
 
@@ -76,7 +76,7 @@ def test_beyond_the_limits_it_is_limited_and_says_what_was_applied():
 
 def test_the_same_seed_is_the_same_run_bit_for_bit():
     def record(seed):
-        program = assemble(Config(robot="sim", seed=seed))
+        program = build_program(Config(robot="sim", seed=seed))
         shown = run(program, 3.0, EIGHT)
         program.robot.close()
         return [(s.truth, s.odometry, s.pose, s.cloud.poses.tobytes()) for s in shown]

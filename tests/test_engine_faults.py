@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.messages.commands import DriveCommand
 from app.settings.config import Config
 from robot.cameras.choice import open_camera
@@ -27,7 +27,7 @@ def engine(bricks, tmp_path):
     camera = open_camera(
         str(tmp_path), bricks.spec.lens, CameraSourceSettings(), lambda: bricks.now
     )
-    made = assemble(Config(robot="kinematic"), robot=bricks.robot(camera)).engine
+    made = build_program(Config(robot="kinematic"), robot=bricks.robot(camera)).engine
     while not made.step().connected:
         pass
     yield made

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from in_process import Here
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.files import written_whole
 from app.lab.evaluation.convergence import settled, time_to_converge
-from app.lab.evaluation.drives import record
+from app.lab.evaluation.drives import EvaluationError, record
 from app.lab.evaluation.evaluate import evaluate
 from app.lab.evaluation.experiment import Experiment
 from app.lab.evaluation.results import METHODS, condition_table, spread
-from app.lab.evaluation.runs import EvaluationError, Run, follow
+from app.lab.evaluation.runs import Run, follow
 from app.lab.evaluation.worlds import in_world
 from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.workers import LocalWorkers
@@ -50,7 +50,7 @@ def test_what_is_evaluated_is_what_the_engine_shows(filter_name):
     wrong = SetPoseCommand(type="set_pose", x=start.x - 0.1, y=start.y - 0.1, theta=start.theta)
     run = follow(drive, config, replace(start, x=wrong.x, y=wrong.y))
 
-    program = assemble(config)
+    program = build_program(config)
     program.engine.commands.put(wrong)
     shown = {}
     for tick in drive.ticks:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import carried_drive, lap_drive
 from app.lab.evaluation.integrity.measures import certain, longest, misleading, right
@@ -39,7 +39,7 @@ def test_a_known_start_is_kept_and_bounded(name: str, seed: int, laps: float, re
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_robot_that_first_stood_and_then_drives_raises_no_doubt(seed: int) -> None:
     """While it stood no scan was taken: the steps that then set its pose right told of a tear."""
-    program = assemble(Config(robot="sim", seed=seed))
+    program = build_program(Config(robot="sim", seed=seed))
     try:
         states, alerts = set(), set()
         snapshot = program.engine.step()

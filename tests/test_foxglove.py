@@ -8,7 +8,7 @@ import pytest
 from engine_runs import kinematic
 from node_peers import needs_node, start_node
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.messages.commands import DriveCommand, ScatterCommand
 from app.ros2.commands.inbox import Inbox
 from app.ros2.foxglove.route import FoxgloveMissingError, FoxglovePortError, FoxgloveRoute
@@ -34,7 +34,7 @@ class Rig:
 
     def __init__(self, **settings) -> None:
         ros2 = Ros2Settings(foxglove_port=0, **settings)
-        self.program = assemble(Config(robot="kinematic", ros2=ros2), RealTime())
+        self.program = build_program(Config(robot="kinematic", ros2=ros2), RealTime())
         self.source = TopicSource.of(self.program)
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
         inbox = Inbox(self.program, self.source)

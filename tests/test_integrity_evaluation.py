@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from app.command_line import main
+from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.claims import follow_claims
 from app.lab.evaluation.integrity.course import RADII, course_on
 from app.lab.evaluation.integrity.drives import lap_drive
@@ -15,7 +16,6 @@ from app.lab.evaluation.integrity.evaluate_integrity import evaluate_integrity
 from app.lab.evaluation.integrity.experiment import IntegrityExperiment
 from app.lab.evaluation.integrity.measures import measures, right
 from app.lab.evaluation.integrity.oracle import decided_stamp, field_decides
-from app.lab.evaluation.runs import EvaluationError
 from app.settings.config import MAPS, Config
 from robot.driving.figure_eight import FigureEight
 from robot.fields.field_loading import load_field

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.own_models.model_file import ModelFile, build, load
 from app.messages.commands import FigureEightCommand
 from app.settings.config import ROOT, Config
@@ -39,7 +39,7 @@ def test_an_example_is_short(name):
 @pytest.mark.parametrize("kind", ["sensor", "motion"])
 def test_the_example_finds_the_robot(files, kind):
     name = {"sensor": "my_model.py:MyModel", "motion": "my_motion.py:MyMotion"}[kind]
-    program = assemble(Config(robot="kinematic", **{f"{kind}_model": f"{files}/{name}"}))
+    program = build_program(Config(robot="kinematic", **{f"{kind}_model": f"{files}/{name}"}))
     shown = []
     for _ in range(round(8 / PERIOD)):
         program.engine.commands.put(EIGHT)
@@ -51,7 +51,7 @@ def test_the_example_finds_the_robot(files, kind):
 
 
 def test_the_sensor_example_prefers_the_true_pose(files):
-    program = assemble(Config(robot="kinematic"))
+    program = build_program(Config(robot="kinematic"))
     for _ in range(20):
         shown = program.engine.step()
     model = ModelFile(files / "my_model.py", "MyModel")

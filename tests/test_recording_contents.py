@@ -8,7 +8,7 @@ import pytest
 from engine_runs import kinematic
 from recordings import record
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.messages.commands import SetParametersCommand
 from app.recordings.attachments import SETTINGS, URDF, VERSIONS
 from app.recordings.contents import contents_of
@@ -100,7 +100,7 @@ def test_a_model_of_ones_own_is_in_it(tmp_path, save):
                 return np.zeros(len(poses))
         """
     )
-    program = assemble(Config(robot="kinematic", sensor_model=f"{path}:Same"))
+    program = build_program(Config(robot="kinematic", sensor_model=f"{path}:Same"))
     unpacked(program, tmp_path / "out")
     assert (tmp_path / "out" / "models" / "mine.py").read_bytes() == path.read_bytes()
 

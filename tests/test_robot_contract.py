@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.settings.config import Config
 from robot.cameras.choice import open_camera
 from robot.cameras.settings import CameraSourceSettings
@@ -44,7 +44,7 @@ def robot(request, pictures):
     if request.param == "sim":
         pytest.importorskip("pybullet")
     hat = request.param == "buildhat"
-    made = in_bricks(pictures) if hat else assemble(Config(robot=request.param)).robot
+    made = in_bricks(pictures) if hat else build_program(Config(robot=request.param)).robot
     yield made
     made.close()
 

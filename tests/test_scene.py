@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.page.view.scene import FAR_AWAY, hypothesis_mark
 from app.page.view.view import View
 from app.settings.config import Config
@@ -16,7 +16,7 @@ from robot.localization.filter import Cloud
 
 @pytest.fixture(scope="module")
 def shown():
-    program = assemble(Config(robot="kinematic"))
+    program = build_program(Config(robot="kinematic"))
     for _ in range(10):
         snapshot = program.engine.step()
     view = View(program.field, program.robot.spec, program.engine.latest)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.command_line import main
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.start_pose.keeping import PoseKeeper, saved_pose
 from app.engine.start_pose.pose_file import PoseFileError, pose_path, read, write
 from app.engine.start_pose.start import start
@@ -27,7 +27,7 @@ from robot.settings import SettingError
 
 
 def program(**settings):
-    return assemble(Config(robot="kinematic", start_pose=StartPoseSettings(**settings)))
+    return build_program(Config(robot="kinematic", start_pose=StartPoseSettings(**settings)))
 
 
 def step(run, ticks, *renewed):

@@ -1,4 +1,4 @@
-"""Puts the parts together: the only place that knows which robot there is."""
+"""Puts the parts together: the only place that seeds, wires and starts."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.hat.build_hat import BuildHat
 from robot.interface import Placeable, Robot
+from robot.localization.models.entry_field import EntryField
 from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.encoders import Encoders
@@ -51,8 +52,27 @@ class Program:
     then nobody can drive it."""
 
 
-def assemble(
-    config: Config, wait: Callable[[float], None] = no_wait, robot: Robot | None = None
+@dataclass(frozen=True, slots=True)
+class Streams:
+    """Independent streams of chance: a change in the filter's does not change the robot's."""
+
+    robot: np.random.Generator
+    filter: np.random.Generator
+
+    @classmethod
+    def of(cls, seed: int) -> Streams:
+        """Those of a seed: whatever drives, follows or replays with it has the same luck."""
+        return cls(*np.random.default_rng(seed).spawn(2))
+
+
+def build_program(
+    config: Config,
+    wait: Callable[[float], None] = no_wait,
+    *,
+    robot: Robot | None = None,
+    field: Field | None = None,
+    scanner: LineScanner | None = None,
+    entries: EntryField | None = None,
 ) -> Program:
     """Build robot and engine; a real robot is at work from here on, so close it.
 
@@ -60,42 +80,45 @@ def assemble(
         config: everything that can be set.
         wait: called with each stamp of a simulated robot; ``RealTime()`` keeps it to the clock.
         robot: to be used instead of the one that the configuration names.
+        field: the same for the map.
+        scanner: the same for what finds tape in pictures.
+        entries: the field's table of distances, if it is there already.
 
     Raises:
         ValueError: the field or the robot's description cannot be used.
         BulletMissingError: the simulator was asked for and is not installed.
     """
     config, _ = settle_robot(config)
-    field = load_field(config.map, MAPS)
+    field = field or load_field(config.map, MAPS)
     spec = RobotSpec.load()
-    # Independent streams: a change in the filter's luck does not change the robot's.
-    for_robot, for_filter = np.random.default_rng(config.seed).spawn(2)
-    kinematics = DifferentialDrive(spec, config.drive.multipliers)
-    scanner = LineScanner(spec.floor_view, config.scanner)
+    chance = Streams.of(config.seed)
+    scanner = scanner or LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
-    localization = Localization(scanner, field, config.localization, for_filter, own)
-    localization.start = begin.hypotheses
-    if begin.hypotheses:
-        localization.begin()
-    robot = robot or build_robot(config, spec, field, for_robot, wait)
+    localization = Localization(
+        scanner, field, config.localization, chance.filter, own, entries, begin.hypotheses
+    )
+    robot = robot or build_robot(config, spec, field, chance.robot, wait)
     if begin.truth is not None and isinstance(robot, Placeable):
         robot.place(begin.truth)
+    kinematics = DifferentialDrive(spec, config.drive.multipliers)
     engine = Engine(
         robot,
         Odometry(kinematics, config.odometry),
         localization,
-        Driving(
-            DriveController(kinematics, config.drive),
-            config.drive.cmd_vel_timeout,
-            config.figure_eight,
-        ),
+        driving_of(config, kinematics),
         odometry_start(begin, robot, field),
     )
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return Program(engine, robot, field, scanner, config, path, own.choice)
+
+
+def driving_of(config: Config, kinematics: DifferentialDrive) -> Driving:
+    """Who drives, as configured."""
+    controller = DriveController(kinematics, config.drive)
+    return Driving(controller, config.drive.cmd_vel_timeout, config.figure_eight)
 
 
 def odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:

@@ -69,7 +69,8 @@ class Engine:
         self.every: Broadcast[Snapshot] = Broadcast()
         self.commands = CommandQueue()
         self._odometry = odometry
-        self._localization = localization
+        self.localization = localization
+        """Scanner and filter."""
         self._driving = driving
         self._kinematics = odometry.drive
         self._map_from_odom = start
@@ -133,13 +134,13 @@ class Engine:
 
     def _mind_own_models(self, stamp: float) -> None:
         """Take the user's own models anew when they were saved, with the motors at rest."""
-        if self._localization.own.saved(stamp):
+        if self.localization.own.saved(stamp):
             self._rest()
-            self._localization.reload()
+            self.localization.reload()
 
     def _stand_while_faulty(self, reading: Reading) -> None:
         """Stand still while the robot or a model of the user's own is broken, and say where."""
-        own, stamp = self._localization.own, reading.stamp
+        own, stamp = self.localization.own, reading.stamp
         if not reading.connected:
             self._driving.stop()
         self._problems.report_all("robot", stamp, reading.faults)
@@ -171,10 +172,10 @@ class Engine:
             return
         self._problems.report("delay", now, None)
         self._odom_from_scan = then.odom_from_robot
-        self._localization.measure(frame, then)
+        self.localization.measure(frame, then)
 
     def _take(self, commands: tuple[Command, ...], stamp: float, odometry: OdometryState) -> None:
-        self._localization.note(odometry.odom_from_robot)
+        self.localization.note(odometry.odom_from_robot)
         for command in commands:
             self._drive_command(command, stamp)
             self._filter_command(command, stamp)
@@ -195,7 +196,7 @@ class Engine:
                 self._driving.stop()
 
     def _filter_command(self, command: Command, stamp: float) -> None:
-        localization = self._localization
+        localization = self.localization
         match command:
             case SetPoseCommand() | SetParticlesCommand():
                 tell(localization, command)
@@ -215,7 +216,7 @@ class Engine:
                 self._set_parameters(command, stamp)
 
     def _set_parameters(self, command: SetParametersCommand, stamp: float) -> None:
-        localization = self._localization
+        localization = self.localization
         choice = localization.own.choice
         try:
             wanted, own = changed_with_own(localization.parameters, choice, command.values)
@@ -231,7 +232,7 @@ class Engine:
 
     def _stand_if_slow(self, wanted: LocalizationParameters) -> None:
         """Stop the robot before something that takes longer than a step."""
-        if self._localization.is_slow_to_use(wanted):
+        if self.localization.is_slow_to_use(wanted):
             self._driving.stop()
             self._rest()
 
@@ -253,7 +254,7 @@ class Engine:
         odometry: OdometryState,
         applied: Twist2,
     ) -> Snapshot:
-        localization = self._localization
+        localization = self.localization
         belief = localization.belief
         scan = localization.line_scan
         scan_pose = None
@@ -276,6 +277,7 @@ class Engine:
             cloud=localization.cloud,
             frame=self._frame,
             line_scan=scan,
+            odom_from_scan=self._odom_from_scan,
             scan_pose=scan_pose,
             paused=localization.paused,
             updates=localization.updates,

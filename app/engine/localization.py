@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -44,8 +45,23 @@ class Localization:
         rng: np.random.Generator,
         own: OwnModels | None = None,
         entries: EntryField | None = None,
+        start: tuple[Hypothesis, ...] = (),
+        configured: LocalizationParameters | None = None,
     ) -> None:
-        """``entries`` are made of the field where they are not given: that takes seconds."""
+        """Begin at the start.
+
+        Args:
+            scanner: what finds tape in pictures.
+            field: the map.
+            parameters: of models and filter.
+            rng: of the filter alone.
+            own: models of the user's own; by default none.
+            entries: the table of distances; by default it is made of the field, which takes up to
+                seconds.
+            start: where the filter starts, and what ``reset`` brings back; none is the field's
+                start with the filter's own spread.
+            configured: the parameters that ``reset`` brings back; by default these.
+        """
         self.scanner = scanner
         self.own = own or OwnModels(field)
         """Models in files of the user's own."""
@@ -54,10 +70,11 @@ class Localization:
         self.paused = False
         self.belief: Belief | None = None
         self.line_scan: LineScan | None = None
-        self.start: tuple[Hypothesis, ...] = ()
-        """Where the filter starts and what ``reset`` brings back; none is the field's start."""
-        self.configured = parameters
-        """Those of the start, which ``reset`` brings back."""
+        self.configured = configured or parameters
+        """Those that ``reset`` brings back."""
+        self.seconds = 0.0
+        """Time of a processor that the last scan took in the filter [s]."""
+        self._start = start
         self._field = field
         self._rng = rng
         self._entries = entries
@@ -71,6 +88,8 @@ class Localization:
             setup.reach,
             self._monitor,
         )
+        if start:
+            self._begin()
 
     @property
     def entries(self) -> EntryField:
@@ -121,8 +140,9 @@ class Localization:
                 self._believe(self._localizer.estimate(scan.stamp), pose)
             return
         self._once = False
-        before = self._localizer.updates
+        before, began = self._localizer.updates, time.thread_time()
         estimate = self._localizer.update(pose, scan)
+        self.seconds = time.thread_time() - began
         if self._localizer.updates > before:
             self.own.note_update()
         self._believe(estimate, pose)
@@ -160,16 +180,16 @@ class Localization:
             self.own.load(self.configured)
         self.use(self.configured)
         self.paused = self._once = False
-        self.begin()
+        self._begin()
 
-    def begin(self) -> None:
+    def _begin(self) -> None:
         """Put the cloud where it starts."""
-        if not self.start:
+        if not self._start:
             self.set_pose(self._field.start, None, None)
-        elif len(self.start) == 1:
-            self.set_pose_with(self.start[0].pose, self.start[0].covariance)
+        elif len(self._start) == 1:
+            self.set_pose_with(self._start[0].pose, self._start[0].covariance)
         else:
-            self._localizer.set_hypotheses(self.start)
+            self._localizer.set_hypotheses(self._start)
             self.belief = None
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:

@@ -67,6 +67,8 @@ class Snapshot:
     """The newest picture."""
     line_scan: LineScan | None = field(repr=False)
     """What was found in it."""
+    odom_from_scan: Pose2 | None
+    """Odometry at the scan's stamp."""
     scan_pose: Pose2 | None
     """The estimate at the scan's stamp."""
     paused: bool

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.engine.build import Program, assemble
+from app.engine.build import Program, build_program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     Command,
@@ -55,7 +55,7 @@ def where(snapshot: Snapshot) -> SetPoseCommand:
 
 def warm_up() -> None:
     """Use all that is compiled at its first use."""
-    program = assemble(Config(robot="kinematic"))
+    program = build_program(Config(robot="kinematic"))
     drive(program, TICKS)
     snapshot = drive(program, SEARCH_TICKS, ScatterCommand(type="scatter"))
     for values in FIRST_USES:

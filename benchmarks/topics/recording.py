@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from app.engine.build import Program, assemble
+from app.engine.build import Program, build_program
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import FigureEightCommand
 from app.recordings.contents import contents_of
@@ -78,7 +78,7 @@ def measure() -> Result:
 
 @contextmanager
 def _driving(config: Config) -> Iterator[Program]:
-    program = assemble(config, RealTime())
+    program = build_program(config, RealTime())
     thread = EngineThread(program.engine)
     thread.start()
     try:

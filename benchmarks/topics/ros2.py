@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine.build import assemble
+from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.ros2.commands.inbox import Inbox
@@ -99,7 +99,7 @@ class Running:
             localization=replace(LocalizationParameters(), filter=particles),
             ros2=Ros2Settings(domain_id=self.domain),
         )
-        self.program = assemble(config, self._pace)
+        self.program = build_program(config, self._pace)
         self.engine = EngineThread(self.program.engine)
 
     @contextmanager

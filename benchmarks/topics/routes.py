@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine.build import Program, assemble, build_simulated
+from app.engine.build import Program, build_program, build_simulated
 from app.messages.commands import FigureEightCommand
 from app.page.serving import Server, listen
 from app.settings.config import MAPS, ROOT, Config
@@ -128,7 +128,7 @@ def _times(config: Config, watched: bool) -> Times:
     rng = np.random.default_rng(0)
     spec, on = RobotSpec.load(), load_field(config.map, MAPS)
     robot = TimedRobot(build_simulated(config, spec, on, rng, pace))
-    program = assemble(config, robot=robot)
+    program = build_program(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)
     thread = threading.Thread(target=server.run, args=([listening],), name="server")

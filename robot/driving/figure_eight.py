@@ -15,6 +15,9 @@ class FigureEight:
 
     radius: float = setting(0.19, "Of both circles", unit="m", low=0.02, high=10)
     speed: float = setting(0.15, "Speed along them", unit="m/s", low=0.01, high=2)
+    phase: float = setting(
+        0.0, "Where a drive begins on it, as the time since its middle", unit="s", low=0, high=1e6
+    )
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -26,6 +29,6 @@ class FigureEight:
 
     def twist(self, elapsed: float) -> Twist2:
         """What to command a time [s] after the start; goes on lap after lap."""
-        left = elapsed % self.lap < self.lap / 2
+        left = (elapsed + self.phase) % self.lap < self.lap / 2
         turning = self.speed / self.radius
         return Twist2(self.speed, turning if left else -turning)

@@ -4,37 +4,62 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.build import build_simulated, settle_robot
+from app.engine.build import build_program
+from app.engine.localization import Localization
+from app.engine.snapshot import Snapshot
+from app.messages.commands import FigureEightCommand, PauseCommand
 from app.settings.config import MAPS, Config
+from app.settings.start_pose import StartPoseSettings
 from robot.description.spec import RobotSpec
-from robot.driving.differential_drive import DifferentialDrive
-from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
-from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.geometry import Pose2, Twist2, interpolate
+from robot.geometry import Array, Pose2, Twist2, interpolate
+from robot.interface import Frame, Placeable, Reading, RobotError
+from robot.localization.models.entry_field import EntryField
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScanner
-from sim.simulated import no_wait
+from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
+
+NO_PICTURE = np.zeros((1, 1), np.uint8)
+"""In place of a picture that was searched already."""
+
+
+class EvaluationError(ValueError):
+    """What was asked for cannot be evaluated; the message says why and what can."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One reading of the robot."""
+    """One reading of the robot, and what was seen in its picture; the picture is not kept."""
 
-    stamp: float
-    truth: Pose2
+    reading: Reading
     odometry: Pose2
     """In the odom frame."""
-    scan: Scan | None = None
+    line_scan: LineScan | None = None
     """Of the picture that came with the reading."""
     odometry_at_scan: Pose2 | None = None
     """In the odom frame, at the scan's stamp."""
+
+    @property
+    def stamp(self) -> float:
+        """Of the reading [s]."""
+        return self.reading.stamp
+
+    @property
+    def truth(self) -> Pose2:
+        """Where the robot was."""
+        assert self.reading.truth is not None  # a simulator knows it
+        return self.reading.truth
+
+    @property
+    def scan(self) -> Scan | None:
+        """Of the picture that came with the reading."""
+        return None if self.line_scan is None else self.line_scan.scan
 
 
 @dataclass(frozen=True)
@@ -72,9 +97,9 @@ def record(
     start: Pose2 | None = None,
     elapsed: float = 0.0,
     kidnap: tuple[float, Pose2] | None = None,
-    unskew: bool = True,
+    scanner: LineScanner | None = None,
 ) -> Drive:
-    """Drive the figure-eight and keep readings and scans.
+    """Drive the figure-eight and keep readings and scans; the filter is paused meanwhile.
 
     Args:
         config: robot, map, seed and figure-eight.
@@ -82,35 +107,119 @@ def record(
         start: pose in the map; by default the field's.
         elapsed: time on the figure-eight at the start [s].
         kidnap: when [s] and where to the robot is put, unseen by itself.
-        unskew: undo the rolling shutter's skew.
+        scanner: another than the program's.
     """
-    of, spec = load_field(config.map, MAPS), RobotSpec.load()
+    field = load_field(config.map, MAPS)
     if start is not None:
-        of = replace(of, start=start)
-    chance = np.random.default_rng(config.seed).spawn(2)[0]
-    config, _ = settle_robot(config)
-    robot = build_simulated(config, spec, of, chance, no_wait)
-    kinematics = DifferentialDrive(spec, config.drive.multipliers)
-    odometry = Odometry(kinematics, config.odometry)
-    scanner = LineScanner(spec.floor_view, config.scanner)
-    controller = DriveController(kinematics, config.drive)
+        field = replace(field, start=start)
+    config = replace(config, figure_eight=replace(config.figure_eight, phase=elapsed))
+    program = build_program(simulated(config), field=field, scanner=scanner)
+    engine, robot = program.engine, program.robot
+    engine.commands.put(PauseCommand(type="pause"))
     ticks: list[Tick] = []
-    while not ticks or ticks[-1].stamp < seconds:
-        reading = robot.read()
-        assert reading.truth is not None
-        now = odometry.update(reading)
-        tick = Tick(reading.stamp, reading.truth, now.odom_from_robot)
-        if reading.frame is not None:
-            then = odometry.at(reading.frame.stamp)
-            twist = then.twist if unskew else Twist2()
-            scan = scanner.scan(reading.frame, twist).scan
-            tick = replace(tick, scan=scan, odometry_at_scan=then.odom_from_robot)
-        ticks.append(tick)
-        if kidnap is not None and reading.stamp >= kidnap[0]:
-            robot.place(kidnap[1])
-            kidnap = None
-        since = reading.stamp - ticks[0].stamp
-        controller.command(config.figure_eight.twist(elapsed + since), reading.stamp)
-        robot.write(kinematics.wheels(controller.update(reading.stamp)))
-    robot.close()
-    return Drive(of, ticks)
+    try:
+        while not ticks or ticks[-1].stamp < seconds:
+            engine.commands.put(FigureEightCommand(type="figure_eight"))
+            ticks.append(_tick(engine.step()))
+            if kidnap is not None and ticks[-1].stamp >= kidnap[0]:
+                assert isinstance(robot, Placeable)
+                robot.place(kidnap[1])
+                kidnap = None
+    finally:
+        robot.close()
+    return Drive(field, ticks)
+
+
+def simulated(config: Config) -> Config:
+    """The same with a simulated robot, where a real one is named."""
+    return replace(config, robot="auto") if config.robot == "buildhat" else config
+
+
+def _tick(snapshot: Snapshot) -> Tick:
+    reading, odometry = snapshot.reading, snapshot.odom_from_robot
+    if reading.frame is None:
+        return Tick(reading, odometry)
+    stripped = replace(reading, frame=Frame(reading.frame.stamp, NO_PICTURE))
+    return Tick(stripped, odometry, snapshot.line_scan, snapshot.odom_from_scan)
+
+
+class DrivenAgain:
+    """A robot whose readings are those of a drive; it obeys nobody."""
+
+    def __init__(self, drive: Drive) -> None:
+        self.name = "Recorded drive"
+        self.spec = RobotSpec.load()
+        self._readings = iter([tick.reading for tick in drive.ticks])
+
+    def read(self) -> Reading:
+        """The next one.
+
+        Raises:
+            RobotError: the drive is over.
+        """
+        try:
+            return next(self._readings)
+        except StopIteration:
+            raise RobotError("the drive is over") from None
+
+    def write(self, velocities: Array) -> Array:
+        """Nothing is done with them."""
+        return velocities
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+class KnownScans(LineScanner):
+    """Has searched all pictures of a drive already."""
+
+    def __init__(self, drive: Drive, settings: LineScannerSettings) -> None:
+        super().__init__(RobotSpec.load().floor_view, settings)
+        self._scans = {
+            tick.reading.frame.stamp: tick.line_scan
+            for tick in drive.ticks
+            if tick.reading.frame is not None and tick.line_scan is not None
+        }
+
+    def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
+        """What was seen in a picture, by its stamp."""
+        return self._scans[frame.stamp]
+
+
+def followed(
+    drive: Drive,
+    config: Config,
+    begin: Callable[[Localization], None],
+    *,
+    believed: Field | None = None,
+    entries: EntryField | None = None,
+) -> Iterator[tuple[Tick, Pose2, Localization]]:
+    """Let the program follow a recorded drive: the same engine as serves.
+
+    Yields each tick with a picture, the odometry at that picture, and scanner and filter after it.
+
+    Args:
+        drive: what the robot saw and where it was.
+        config: seed and localization, and models of the user's own.
+        begin: told once, before the first tick: where the filter starts.
+        believed: the field that the robot takes it for, if it is not the true one.
+        entries: that field's table of distances, if it is there already.
+
+    Raises:
+        EvaluationError: a model of the user's own is broken.
+    """
+    program = build_program(
+        replace(config, start_pose=StartPoseSettings()),
+        robot=DrivenAgain(drive),
+        field=believed or drive.field,
+        scanner=KnownScans(drive, config.scanner),
+        entries=entries,
+    )
+    localization = program.engine.localization
+    begin(localization)
+    for tick in drive.ticks:
+        program.engine.step()
+        if localization.fault:
+            raise EvaluationError(localization.fault)
+        if tick.odometry_at_scan is not None:
+            yield tick, tick.odometry_at_scan, localization

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from tqdm import tqdm
 
-from app.lab.evaluation.drives import Drive, record
-from app.lab.evaluation.runs import EvaluationError, Run, follow
+from app.lab.evaluation.drives import Drive, EvaluationError, record
+from app.lab.evaluation.runs import Run, follow
 from app.lab.evaluation.worlds import in_world, require_world
 from app.lab.workers import Workers
 from app.settings.config import Config

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from tqdm import tqdm
 
-from app.lab.evaluation.runs import EvaluationError
+from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.worlds import in_world
 from app.lab.model_fits.motion.coverage import fit_regions, usable_horizons
 from app.lab.model_fits.motion.drive_correction import DriveCorrection

@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.lab.evaluation.drives import record
-from app.lab.evaluation.runs import EvaluationError
+from app.lab.evaluation.drives import EvaluationError, record
 from app.lab.evaluation.worlds import in_world
 from app.lab.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
 from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor

@@ -7,10 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from app.engine.build import Program, odometry_start, own_models
-from app.engine.driving import Driving
+from app.engine.build import Program, Streams, driving_of, odometry_start, own_models
 from app.engine.localization import Localization, changed_with_own
 from app.engine.own_models.own_models import OwnModels
 from app.engine.start_pose.start import Start, start
@@ -27,7 +24,6 @@ from app.recordings.replay.replay_engine import EngineState, ReplayEngine
 from app.recordings.replay.settings import ReplaySettings
 from app.settings.config import MAPS, Config
 from robot.driving.differential_drive import DifferentialDrive
-from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -134,13 +130,16 @@ class _Begin:
             except SettingError:
                 continue  # a model's file is gone; the page shows which is in use
             own.choose(choice)
-        # As a robot's program spawns it, so that the same seed is the same luck.
-        _, rng = np.random.default_rng(config.seed).spawn(2)
-        localization = Localization(self.scanner, self.field, parameters, rng, own, entries)
-        localization.configured = config.localization
-        localization.start = self.start.hypotheses
-        if self.start.hypotheses:
-            localization.begin()
+        localization = Localization(
+            self.scanner,
+            self.field,
+            parameters,
+            Streams.of(config.seed).filter,
+            own,
+            entries,
+            self.start.hypotheses,
+            config.localization,
+        )
         odometry = Odometry(self.drive, config.odometry)
         return EngineState(
             odometry, localization, odometry_start(self.start, self.robot, self.field)
@@ -148,9 +147,7 @@ class _Begin:
 
     def engine(self) -> ReplayEngine:
         """A new one, before the first tick."""
-        first, drive = self({}, None), self.config.drive
-        controller = DriveController(self.drive, drive)
-        driving = Driving(controller, drive.cmd_vel_timeout, self.config.figure_eight)
+        first, driving = self({}, None), driving_of(self.config, self.drive)
         return ReplayEngine(
             self.robot, first.odometry, first.localization, driving, first.map_from_odom
         )

@@ -33,11 +33,6 @@ class ReplayEngine(Engine):
     """Steps when it is told to, with the commands that it is told."""
 
     @property
-    def localization(self) -> Localization:
-        """Scanner and filter as they are now."""
-        return self._localization
-
-    @property
     def odometry(self) -> Odometry:
         """Dead reckoning as it is now."""
         return self._odometry
@@ -47,7 +42,7 @@ class ReplayEngine(Engine):
         """What the next ticks depend on."""
         return EngineState(
             self._odometry,
-            self._localization,
+            self.localization,
             self._map_from_odom,
             self._odom_from_scan,
             None if self._frame is None else self._frame.stamp,
@@ -56,7 +51,7 @@ class ReplayEngine(Engine):
     @state.setter
     def state(self, state: EngineState) -> None:
         self._odometry = state.odometry
-        self._localization = state.localization
+        self.localization = state.localization
         self._map_from_odom = state.map_from_odom
         self._odom_from_scan = state.odom_from_scan
         stamp = state.picture_stamp
@@ -76,7 +71,7 @@ class ReplayEngine(Engine):
         """Take commands without any time going by; after the first tick."""
         reading, twist = self._stands
         self._meter.begin()
-        self._localization.own.look_again()
+        self.localization.own.look_again()
         self._mind_own_models(reading.stamp)
         odometry = self._odometry.at(reading.stamp)
         self._take(commands, reading.stamp, odometry)
@@ -101,14 +96,14 @@ class ReplayEngine(Engine):
         Raises:
             CheckpointError: a user's own model cannot be copied.
         """
-        own = self._localization.own
+        own = self.localization.own
         return keeper.keep((self.state, own.sensor, own.motion, more))
 
     def bring_back(self, checkpoint: Checkpoint) -> object:
         """Go back to a state; returns what was kept with it."""
         state, sensor, motion, more = checkpoint.restore()
         self.state = state
-        self._localization.own.put_back(sensor, motion)
+        self.localization.own.put_back(sensor, motion)
         found: object = more
         return found
 

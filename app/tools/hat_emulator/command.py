@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from app.console import say
+from app.engine.build import Streams
 from app.settings.config import MAPS, Config, load_config
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
@@ -96,7 +97,7 @@ def _run(
 
 def _true_robot(config: Config, spec: RobotSpec) -> tuple[RobotSpec, np.random.Generator]:
     """The same robot as ``run --robot sim`` has, and its luck."""
-    rng = np.random.default_rng(config.seed).spawn(2)[0]
+    rng = Streams.of(config.seed).robot
     return draw(spec, config.imperfections, rng), rng
 
 

@@ -8,19 +8,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.build import own_models
 from app.engine.localization import Localization
-from app.lab.evaluation.drives import Drive, Tick
+from app.lab.evaluation.drives import Drive, EvaluationError, Tick, followed
 from app.lab.evaluation.experiment import KNOWN, OFFSET
 from app.lab.evaluation.integrity.drives import TrialDrive
-from app.lab.evaluation.runs import EvaluationError
 from app.settings.config import Config
-from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.integrity import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
-from robot.scanning.line_scanner import LineScanner
 
 STARTS = ("known", "told-wrong", "scattered", "carried")
 """Told the true pose, give or take 1 cm and 0.03 rad; told one that is 0.14 m and 0.3 rad off; told
@@ -100,24 +96,17 @@ def follow_claims(
             pictures.
     """
     field = believed or trial.drive.field
-    localization = _localization(field, config)
-    _STARTERS[start](localization, trial.drive, config)
-    rows = [
-        _claim(localization, trial.drive, tick)
-        for tick in trial.drive.ticks
-        if _taken(localization, tick)
-    ]
+    following = followed(
+        trial.drive,
+        config,
+        lambda localization: _STARTERS[start](localization, trial.drive, config),
+        believed=field,
+        entries=entries_over(field, config),
+    )
+    rows = [_claim(localization, trial.drive, tick) for tick, _, localization in following]
     if len(rows) < 3:
         raise EvaluationError("fewer than three pictures were taken; drive for longer")
     return _claims(rows, trial.carry_stamp)
-
-
-def _localization(field: Field, config: Config) -> Localization:
-    chance = np.random.default_rng(config.seed).spawn(2)[1]
-    scanner = LineScanner(RobotSpec.load().floor_view, config.scanner)
-    own = own_models(config, field)
-    entries = entries_over(field, config)
-    return Localization(scanner, field, config.localization, chance, own, entries)
 
 
 _ENTRIES: dict[tuple[bytes, float, float], EntryField] = {}
@@ -160,17 +149,6 @@ _STARTERS: dict[str, Callable[[Localization, Drive, Config], None]] = {
 def _beside(pose: Pose2, offset: Array) -> Pose2:
     dx, dy, turn = offset.tolist()
     return replace(pose, x=pose.x + dx, y=pose.y + dy, theta=pose.theta + turn)
-
-
-def _taken(localization: Localization, tick: Tick) -> bool:
-    """Tell the localization of a tick; whether there was a picture."""
-    localization.note(tick.odometry)
-    if tick.scan is None or tick.odometry_at_scan is None:
-        return False
-    localization.take(tick.scan, tick.odometry_at_scan)
-    if localization.fault:
-        raise EvaluationError(localization.fault)
-    return True
 
 
 def _claim(localization: Localization, drive: Drive, tick: Tick) -> _Row:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from app.files import RESULTS, write_json, written_whole
+from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.experiment import (
     Failure,
     IntegrityExperiment,
@@ -18,7 +19,6 @@ from app.lab.evaluation.integrity.experiment import (
 from app.lab.evaluation.integrity.report.integrity_report import IntegrityResults, report
 from app.lab.evaluation.integrity.stanford import Stanford
 from app.lab.evaluation.integrity.summary import Row, summary_of
-from app.lab.evaluation.runs import EvaluationError
 from app.lab.workers import Workers
 from app.settings.provenance import changed_settings, versions
 
