@@ -19,12 +19,12 @@ def drive():
     program = build_program(Config(robot="kinematic"))
     frames = []
     engine = program.engine
-    measure = engine._localization.measure
-    engine._localization.measure = lambda frame, then: frames.append((frame, then))
+    measure = engine.localization.measure
+    engine.localization.measure = lambda frame, then: frames.append((frame, then))
     for _ in range(220):
         engine.commands.put(FigureEightCommand(type="figure_eight"))
         engine.step()
-    engine._localization.measure = measure
+    engine.localization.measure = measure
     return program, frames
 
 
@@ -36,7 +36,7 @@ def localization_of(program, kind, own=None):
         parameters,
         np.random.default_rng(3),
         own,
-        program.engine._localization._entries,
+        program.engine.localization._entries,
     )
 
 

@@ -183,7 +183,7 @@ def test_other_parameters_do_not_hide_a_fault(save, with_own):
     )
     program.engine.step()
     # Of this very step: the model was asked before the filter was.
-    assert program.engine._localization.fault == fault
+    assert program.engine.localization.fault == fault
     assert program.engine.latest.get().updates == 0
 
 
@@ -196,7 +196,7 @@ def test_chosen_with_other_parameters_it_is_made_once_and_its_fault_stays(save, 
             def log_likelihood(self, poses, scan):
                 return missing
     """)
-    localization = with_own(folder=tmp_path).engine._localization
+    localization = with_own(folder=tmp_path).engine.localization
     own, parameters = localization.own, localization.parameters
     other = replace(parameters, sensor=replace(parameters.sensor, sigma_hit=0.004))
     localization.choose(replace(own.choice, sensor="mine.py:Broken"), other)
@@ -215,7 +215,7 @@ def test_a_slow_model_is_told_and_goes_on(save, monkeypatch, with_own):
 def test_a_model_that_the_filter_does_not_ask_is_told(save, with_own):
     program = with_own(save(FLAT))
     # A camera over bare floor: nothing to weigh.
-    program.engine._localization.scanner = LineScanner(
+    program.engine.localization.scanner = LineScanner(
         program.robot.spec.floor_view, replace(program.config.scanner, tape_width=0.2)
     )
     shown = run(program, 3.0, EIGHT)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import worker_jobs
-from app.batch import provenance
+from app.settings import provenance
 from distributed import LocalCluster
 
 from app.lab.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
