@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
-from app.engine.build import Program, build_program
+from app.engine.build import build_program
+from app.engine.program import Program
 from app.messages.commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result

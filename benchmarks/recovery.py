@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine.build import Program, build_program
+from app.engine.build import build_program
+from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.lab.evaluation.convergence import time_to_converge
 from app.messages.commands import FigureEightCommand, SetPoseCommand

@@ -1,6 +1,7 @@
 """Engines stepped without threads, faster than real time."""
 
-from app.engine.build import Program, build_program
+from app.engine.build import build_program
+from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.settings.config import Config

@@ -5,11 +5,13 @@ from dataclasses import replace
 import engine_runs
 import numpy as np
 
-from app.engine.build import Program
+from app.engine.commands import apply
+from app.engine.controls import Controls
 from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
+from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
@@ -43,11 +45,12 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
     kinematics = DifferentialDrive(base.robot.spec)
     base.robot.place(base.field.start)
     base.robot.write(np.zeros(2))
-    engine = Engine(
+    controls = Controls(
         base.robot,
         Odometry(kinematics, base.config.odometry),
         Localization(base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
         Driving(DriveController(kinematics, base.config.drive), 0.5),
         base.field.start,
     )
+    engine = Engine(controls, apply)
     return replace(base, engine=engine, given=own.choice)

@@ -7,9 +7,10 @@ import pytest
 from engine_runs import EIGHT, drive, kinematic, run
 
 from app.engine.build import build_program
-from app.engine.command_checks import MOST_WAITING, CommandError, check
+from app.engine.commands import MOST_WAITING, check
 from app.engine.mailboxes.command_queue import MOST_COMMANDS
 from app.messages.commands import PingCommand, ShowCommand, StopCommand
+from app.messages.parsing import CommandError
 from app.settings.config import Config
 from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2

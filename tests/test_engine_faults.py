@@ -31,7 +31,7 @@ def engine(bricks, tmp_path):
     while not made.step().connected:
         pass
     yield made
-    made.robot.close()
+    made.controls.robot.close()
 
 
 def driven(engine, seconds):

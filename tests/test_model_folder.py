@@ -4,9 +4,10 @@ import pytest
 from engine_runs import EIGHT
 from own_programs import FLAT, STILL, run
 
-from app.engine.command_checks import CommandError, check
+from app.engine.commands import check
 from app.engine.own_models.own_models import OwnChoice
 from app.messages.commands import SetParametersCommand
+from app.messages.parsing import CommandError
 from app.page.telemetry import parameter_messages
 from app.settings.config import Config
 

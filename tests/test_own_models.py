@@ -7,7 +7,7 @@ import pytest
 from engine_runs import EIGHT
 from own_programs import FLAT, run
 
-from app.engine.command_checks import CommandError, check
+from app.engine.commands import check
 from app.engine.own_models import own_models
 from app.messages.commands import (
     DriveCommand,
@@ -16,6 +16,7 @@ from app.messages.commands import (
     SetParametersCommand,
     StopCommand,
 )
+from app.messages.parsing import CommandError
 from robot.scanning.line_scanner import LineScanner
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from app.engine.commands import apply
+from app.engine.controls import Controls
 from app.engine.driving import Driving
 from app.engine.engine import Engine
 from app.engine.localization import Localization
-from app.engine.own_models.own_models import OwnChoice, OwnModels
+from app.engine.own_models.own_models import OwnModels
+from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
@@ -32,24 +33,6 @@ from sim.encoders import Encoders
 from sim.imperfections import Imperfections, draw
 from sim.kinematic import KinematicWorld
 from sim.simulated import SimulatedRobot, no_wait
-
-
-@dataclass(frozen=True)
-class Program:
-    """The parts that others need to see."""
-
-    engine: Engine
-    robot: Robot
-    field: Field
-    scanner: LineScanner
-    config: Config
-    pose_file: Path
-    """Where the pose is kept for the next start."""
-    given: OwnChoice
-    """Models of the user's own at the start."""
-    loop: Callable[[threading.Event], None] | None = None
-    """Runs until the event is set, in place of the engine's own loop, if the robot is a recording;
-    then nobody can drive it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,13 +86,14 @@ def build_program(
     if begin.truth is not None and isinstance(robot, Placeable):
         robot.place(begin.truth)
     kinematics = DifferentialDrive(spec, config.drive.multipliers)
-    engine = Engine(
+    controls = Controls(
         robot,
         Odometry(kinematics, config.odometry),
         localization,
         driving_of(config, kinematics),
         odometry_start(begin, robot, field),
     )
+    engine = Engine(controls, apply)
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return Program(engine, robot, field, scanner, config, path, own.choice)

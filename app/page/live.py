@@ -9,9 +9,9 @@ from typing import Any
 import anyio
 from starlette.websockets import WebSocket
 
-from app.engine.build import Program
-from app.engine.command_checks import check, parse
+from app.engine.commands import check
 from app.engine.mailboxes.outgoing import Outgoing
+from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     AckMessage,
@@ -21,6 +21,7 @@ from app.messages.commands import (
     RecordCommand,
     ReplayCommand,
 )
+from app.messages.parsing import parse
 from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
 from app.recordings.replay.opening import ReplayProgram

@@ -7,8 +7,8 @@ from datetime import datetime
 from typing import Protocol
 
 from app.console import say
-from app.engine.build import Program
 from app.engine.drivers import Drivers
+from app.engine.program import Program
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
 from app.ros2.commands.inbox import Inbox

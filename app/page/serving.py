@@ -10,8 +10,8 @@ from types import FrameType
 
 import uvicorn
 
-from app.engine.build import Program
 from app.engine.engine_thread import EngineThread
+from app.engine.program import Program
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.view.view import SMALL_BUFFER

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from app.engine.build import Program
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.program import Program
 from app.engine.replay_state import ReplayState
 from app.engine.snapshot import LAYERS, Snapshot
 from app.messages.answers import FieldMessage, ParameterMessage

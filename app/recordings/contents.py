@@ -9,8 +9,8 @@ from pathlib import Path
 
 import yaml
 
-from app.engine.build import Program
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.program import Program
 from app.recordings.attachments import SETTINGS, URDF, VERSIONS, Attachment, Contents
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.settings_file import as_toml

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine.build import Program
+from app.engine.program import Program
 from app.ros2.clock import RosClock
 from app.ros2.links import Links
 from app.settings.ros2 import Ros2Settings

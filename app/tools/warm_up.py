@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.engine.build import Program, build_program
+from app.engine.build import build_program
+from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     Command,

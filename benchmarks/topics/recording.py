@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from app.engine.build import Program, build_program
+from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
+from app.engine.program import Program
 from app.messages.commands import FigureEightCommand
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder

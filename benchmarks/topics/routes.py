@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine.build import Program, build_program, build_simulated
+from app.engine.build import build_program, build_simulated
+from app.engine.program import Program
 from app.messages.commands import FigureEightCommand
 from app.page.serving import Server, listen
 from app.settings.config import MAPS, ROOT, Config

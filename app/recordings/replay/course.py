@@ -7,26 +7,18 @@ often somebody went back and forth before.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, cast
+from typing import Any
 
 from app.engine.checkpoint import CheckpointError, Keeper
+from app.engine.commands import RULES, Repeat
+from app.engine.controls import EngineState
+from app.engine.engine import Engine
 from app.engine.snapshot import Snapshot
-from app.messages.commands import (
-    Command,
-    PauseCommand,
-    ResetCommand,
-    ResumeCommand,
-    ScatterCommand,
-    SetParametersCommand,
-    SetParticlesCommand,
-    SetPoseCommand,
-    UpdateCommand,
-)
+from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.checkpoints import Checkpoints
 from app.recordings.replay.recorded.glimpse import Glimpse, glimpse, picture_before
 from app.recordings.replay.recorded.place import Place
 from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.replay_engine import EngineState, ReplayEngine
 from app.recordings.replay.settings import ReplaySettings, refused
 from robot.fields.field import Field
 from robot.geometry import Pose2
@@ -38,19 +30,6 @@ NEAR_NS = 2_000_000_000
 LONGEST_STEP_NS = 2_000_000_000
 """A step from picture to picture is no longer than this."""
 
-SETTLING = (SetParametersCommand, ResetCommand)
-"""Commands that hold for the whole replay."""
-
-PASSING = (
-    SetPoseCommand,
-    SetParticlesCommand,
-    ScatterCommand,
-    PauseCommand,
-    ResumeCommand,
-    UpdateCommand,
-)
-"""Commands that act until somebody goes elsewhere."""
-
 Then = tuple[Pose2, Pose2]
 """What was estimated then, and dead reckoning at its stamp."""
 
@@ -60,7 +39,7 @@ class Course:
 
     def __init__(
         self,
-        engine: ReplayEngine,
+        engine: Engine,
         robot: RecordedRobot,
         field: Field,
         settings: ReplaySettings,
@@ -88,7 +67,7 @@ class Course:
         self._can_keep = True
         own, scanner = engine.localization.own, engine.localization.scanner
         self._saves = own.saves
-        self._keeper = Keeper([field, field.edges, scanner, engine.odometry.drive, own])
+        self._keeper = Keeper([field, field.edges, scanner, engine.controls.odometry.drive, own])
 
     @property
     def log_ns(self) -> int:
@@ -162,8 +141,9 @@ class Course:
         if kept is None:
             self._start_anew()
         else:
-            more = cast("tuple[Place, Then | None]", self.engine.bring_back(kept.checkpoint))
-            place, self._then = more
+            state, sensor, motion, place, self._then = kept.checkpoint.restore()
+            self.engine.controls.restore(state)
+            self.engine.localization.own.put_back(sensor, motion)
             self.robot.go_to(place)
         self._pure = True
         return there
@@ -196,7 +176,7 @@ class Course:
     def _start_anew(self) -> None:
         engine = self.engine
         self.robot.go_to(Place())
-        engine.state = self._begin(self._settings.changed, engine.localization.entries)
+        engine.controls.restore(self._begin(self._settings.changed, engine.localization.entries))
         self._then = None
 
     def _again(self, command: Command) -> tuple[Command, ...]:
@@ -208,14 +188,14 @@ class Course:
 
     def _note(self, commands: tuple[Command, ...]) -> None:
         for one in commands:
-            if isinstance(one, SETTLING):
+            if isinstance(one, (SetParametersCommand, ResetCommand)):
                 self.change(one)
-            if isinstance(one, PASSING):
+            if RULES[type(one)].repeat is Repeat.MOMENT:
                 self._pure = False
 
     def _then_of(self, stamp: float, pose: Pose2) -> Then | None:
         try:
-            return pose, self.engine.odometry.at(stamp).odom_from_robot
+            return pose, self.engine.controls.odometry.at(stamp).odom_from_robot
         except LookupError:
             return self._then  # older than what is remembered of the wheels
 
@@ -231,7 +211,9 @@ class Course:
         if not (self._pure and self._can_keep and self.checkpoints.due(log_ns)):
             return
         try:
-            kept = self.engine.keep(self._keeper, (self.robot.at, self._then))
+            controls, own = self.engine.controls, self.engine.localization.own
+            state = controls.state, own.sensor, own.motion, self.robot.at, self._then
+            kept = self._keeper.keep(state)
         except CheckpointError as error:
             self._can_keep = False
             self.engine.note(f"To go back takes long: {error}.")

@@ -7,9 +7,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.engine.build import Program, Streams, driving_of, odometry_start, own_models
+from app.engine.build import Streams, driving_of, odometry_start, own_models
+from app.engine.commands import apply
+from app.engine.controls import Controls, EngineState
+from app.engine.engine import Engine
 from app.engine.localization import Localization, changed_with_own
 from app.engine.own_models.own_models import OwnModels
+from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
@@ -20,7 +24,6 @@ from app.recordings.replay.recorded.parts import RecordedParts
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.recordings.replay.replay import Replay
-from app.recordings.replay.replay_engine import EngineState, ReplayEngine
 from app.recordings.replay.settings import ReplaySettings
 from app.settings.config import MAPS, Config
 from robot.driving.differential_drive import DifferentialDrive
@@ -145,12 +148,13 @@ class _Begin:
             odometry, localization, odometry_start(self.start, self.robot, self.field)
         )
 
-    def engine(self) -> ReplayEngine:
+    def engine(self) -> Engine:
         """A new one, before the first tick."""
         first, driving = self({}, None), driving_of(self.config, self.drive)
-        return ReplayEngine(
+        controls = Controls(
             self.robot, first.odometry, first.localization, driving, first.map_from_odom
         )
+        return Engine(controls, apply)
 
 
 def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozenset[str]]:

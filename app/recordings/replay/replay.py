@@ -18,7 +18,7 @@ from app.engine.replay_state import ReplayState
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.asked import Asked
-from app.recordings.replay.course import SETTLING, Course
+from app.recordings.replay.course import Course
 from app.recordings.replay.recorded.glimpse import Glimpse
 from robot.interface import Frame
 from robot.localization.filter import Cloud
@@ -106,7 +106,7 @@ class Replay:
             LOG.exception("the replay stopped")
             engine.fail(f"The replay stopped: {error}")
         finally:
-            engine.robot.close()
+            engine.controls.robot.close()
 
     def _take_wishes(self) -> None:
         wishes = self.asked.take()
@@ -203,7 +203,7 @@ class Replay:
         if way.to_ns is None:
             self._later += told
             return False
-        changes = [one for one in told if isinstance(one, SETTLING)]
+        changes = [one for one in told if isinstance(one, (ResetCommand, SetParametersCommand))]
         self._later += [one for one in told if one not in changes]
         for one in changes:
             assert isinstance(one, SetParametersCommand | ResetCommand)

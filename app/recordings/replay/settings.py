@@ -5,35 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Any
 
-from app.engine.telling import BeliefError, cloud_of, covariance_of
-from app.messages.commands import (
-    Command,
-    PauseCommand,
-    PlaceCommand,
-    ResetCommand,
-    ResumeCommand,
-    ScatterCommand,
-    SetParametersCommand,
-    SetParticlesCommand,
-    SetPoseCommand,
-    UpdateCommand,
-)
-from robot.covariance import CovarianceError
+from app.engine.commands import RULES, Repeat
+from app.messages.commands import Command, ResetCommand, SetParametersCommand
+from app.messages.parsing import CommandError
 from robot.fields.field import Field
-from robot.geometry import Pose2
-
-RETOLD = (
-    SetPoseCommand,
-    SetParticlesCommand,
-    ScatterCommand,
-    PlaceCommand,
-    PauseCommand,
-    ResumeCommand,
-    UpdateCommand,
-    ResetCommand,
-    SetParametersCommand,
-)
-"""Commands that the filter gets again; the others moved a robot that moves no more."""
 
 
 class ReplaySettings:
@@ -62,25 +37,13 @@ class ReplaySettings:
             case ResetCommand() if self.changed:
                 anew = SetParametersCommand(type="set_parameters", values=dict(self.changed))
                 return command, anew
-        return (command,) if isinstance(command, RETOLD) else ()
+        return () if RULES[type(command)].repeat is Repeat.NEVER else (command,)
 
 
 def refused(command: Command, field: Field) -> str | None:
     """Why a recorded command cannot be carried out; None if it can."""
-    match command:
-        case SetPoseCommand() | PlaceCommand():
-            poses = [(command.x, command.y, command.theta)]
-        case SetParticlesCommand():
-            poses = list(command.poses)
-        case _:
-            return None
-    if not all(field.contains(Pose2(*pose)) for pose in poses):
-        return f"A recorded {command.type} is off the map."
     try:
-        if isinstance(command, SetPoseCommand):
-            covariance_of(command)
-        elif isinstance(command, SetParticlesCommand):
-            cloud_of(command)
-    except (BeliefError, CovarianceError) as error:
+        RULES[type(command)].check_field(command, field)
+    except CommandError as error:
         return f"A recorded {command.type} was not taken: {error}."
     return None

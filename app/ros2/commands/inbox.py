@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pydantic import ValidationError
 
-from app.engine.build import Program
-from app.engine.command_checks import check, in_words
+from app.engine.commands import check
+from app.engine.program import Program
 from app.messages.commands import Command, StopCommand
+from app.messages.parsing import in_words
 from app.ros2.commands.incoming import (
     INCOMING,
     SERVICES,

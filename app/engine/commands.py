@@ -1,0 +1,244 @@
+"""All commands in one table: how each is checked, carried out, and repeated in a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum, auto
+from types import MappingProxyType
+from typing import Any
+
+from app.engine.controls import Controls
+from app.engine.localization import changed_with_own
+from app.engine.own_models.own_models import OwnChoice
+from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
+from app.engine.program import Program
+from app.messages.commands import (
+    Command,
+    DriveCommand,
+    FigureEightCommand,
+    PauseCommand,
+    PingCommand,
+    PlaceCommand,
+    RecordCommand,
+    ReplayCommand,
+    ResetCommand,
+    ResumeCommand,
+    ScatterCommand,
+    SetParametersCommand,
+    SetParticlesCommand,
+    SetPoseCommand,
+    ShowCommand,
+    StopCommand,
+    UpdateCommand,
+)
+from app.messages.parsing import CommandError
+from robot.covariance import CovarianceError
+from robot.driving.odometry import OdometryState
+from robot.fields.field import Field
+from robot.geometry import Pose2, Twist2
+from robot.interface import Placeable
+
+MOST_WAITING = 1000
+"""Commands that may wait for the engine; a flood must not fill the memory of one that hangs."""
+MOST_WAITING_SETS = 20
+"""A set of poses is not taken behind so many commands: it may be large."""
+
+
+class Repeat(Enum):
+    """How a replay repeats a recorded command, and what a viewer's own does there."""
+
+    NEVER = auto()
+    """It moved a robot that moves no more, or concerns the view."""
+    RECORDED = auto()
+    """It is carried out as recorded."""
+    MOMENT = auto()
+    """The same; a viewer's own holds until somebody seeks."""
+    SETTING = auto()
+    """The same; a viewer's own holds for the whole replay, whatever was recorded."""
+
+
+def _nothing(*_: object) -> None:
+    pass
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Of one type of command."""
+
+    apply: Callable[[Any, Controls, OdometryState], None] = _nothing
+    """Carries it out in the engine's thread."""
+    repeat: Repeat = Repeat.NEVER
+    check: Callable[[Any, Program], None] = _nothing
+    """Raises a CommandError where this robot or these parameters do not allow it."""
+    check_field: Callable[[Any, Field], None] = _nothing
+    """The same where the field does not, or the numbers make no sense."""
+
+
+def check(command: Command, program: Program) -> None:
+    """Refuse what this field, this robot or these parameters do not allow.
+
+    Raises:
+        CommandError: says why.
+    """
+    engine, rule = program.engine, RULES[type(command)]
+    if not isinstance(command, PingCommand):
+        if engine.failure is not None:
+            raise CommandError(engine.failure)
+        if engine.commands.qsize() >= MOST_WAITING and not isinstance(command, StopCommand):
+            raise CommandError(
+                f"{MOST_WAITING} commands wait already; send fewer, or wait for answers"
+            )
+    rule.check(command, program)
+    rule.check_field(command, program.field)
+
+
+def apply(command: Command, controls: Controls, odometry: OdometryState) -> None:
+    """Carry out a command that was checked."""
+    RULES[type(command)].apply(command, controls, odometry)
+
+
+def _drive(command: DriveCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.drive(Twist2(command.v, command.omega), controls.stamp)
+
+
+def _figure_eight(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.figure_eight(controls.stamp)
+
+
+def _check_driving(_command: Command, program: Program) -> None:
+    if program.loop is not None:
+        raise CommandError("this is a replay; only a robot that is there can be driven")
+    latest = program.engine.latest.get()
+    if latest is not None and latest.fault is not None:
+        raise CommandError(f"the robot stands still until this is mended: {latest.fault}")
+
+
+def _stop(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.stop()
+
+
+def _set_pose(command: SetPoseCommand, controls: Controls, _odometry: OdometryState) -> None:
+    pose, covariance = Pose2(command.x, command.y, command.theta), covariance_of(command)
+    if covariance is None:
+        controls.localization.set_pose(pose, command.sd_xy, command.sd_theta)
+    else:
+        controls.localization.set_pose_with(pose, covariance)
+
+
+def _check_pose(command: SetPoseCommand, field: Field) -> None:
+    _require_inside(Pose2(command.x, command.y, command.theta), field)
+    try:
+        covariance_of(command)
+    except (HypothesisError, CovarianceError) as error:
+        raise CommandError(str(error)) from error
+
+
+def _set_particles(
+    command: SetParticlesCommand, controls: Controls, _odometry: OdometryState
+) -> None:
+    controls.localization.set_cloud(cloud_of(command))
+
+
+def _check_room(_command: SetParticlesCommand, program: Program) -> None:
+    if program.engine.commands.qsize() >= MOST_WAITING_SETS:
+        raise CommandError("commands wait already; a set of poses would fill the memory")
+
+
+def _check_particles(command: SetParticlesCommand, field: Field) -> None:
+    for pose in command.poses:
+        _require_inside(Pose2(*pose), field)
+    try:
+        cloud_of(command)
+    except HypothesisError as error:
+        raise CommandError(str(error)) from error
+
+
+def _place(command: PlaceCommand, controls: Controls, odometry: OdometryState) -> None:
+    controls.place(Pose2(command.x, command.y, command.theta), odometry)
+
+
+def _check_placeable(_command: PlaceCommand, program: Program) -> None:
+    if not isinstance(program.robot, Placeable):
+        raise CommandError(f"{program.robot.name} can only be moved by hand")
+
+
+def _check_inside(command: PlaceCommand, field: Field) -> None:
+    _require_inside(Pose2(command.x, command.y, command.theta), field)
+
+
+def _require_inside(pose: Pose2, field: Field) -> None:
+    if not field.contains(pose):
+        xmin, ymin, xmax, ymax = field.extent
+        raise CommandError(
+            f"({pose.x:g}, {pose.y:g}) m is off the map; x is {xmin:g} to {xmax:g} "
+            f"and y is {ymin:g} to {ymax:g}"
+        )
+
+
+def _scatter(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.scatter()
+
+
+def _pause(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.paused = True
+
+
+def _resume(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.paused = False
+
+
+def _update(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.update_once()
+
+
+def _reset(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.reset()
+
+
+def _set_parameters(
+    command: SetParametersCommand, controls: Controls, _odometry: OdometryState
+) -> None:
+    controls.set_parameters(command.values)
+
+
+def _check_parameters(command: SetParametersCommand, program: Program) -> None:
+    latest = program.engine.latest.get()
+    current = latest.parameters if latest else program.config.localization
+    try:
+        changed_with_own(current, latest.own if latest else OwnChoice(), command.values)
+    except ValueError as error:
+        raise CommandError(str(error)) from error
+
+
+def _show(command: ShowCommand, controls: Controls, _odometry: OdometryState) -> None:
+    shown = {command.layer} if command.visible else set()
+    controls.layers = controls.layers - {command.layer} | shown
+
+
+def _check_replay(_command: ReplayCommand, program: Program) -> None:
+    if program.loop is None:
+        raise CommandError("this is no replay; brickpose replay FILE starts one")
+
+
+RULES: Mapping[type[Command], Rule] = MappingProxyType(
+    {
+        DriveCommand: Rule(_drive, check=_check_driving),
+        FigureEightCommand: Rule(_figure_eight, check=_check_driving),
+        StopCommand: Rule(_stop),
+        SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
+        SetParticlesCommand: Rule(_set_particles, Repeat.MOMENT, _check_room, _check_particles),
+        ScatterCommand: Rule(_scatter, Repeat.MOMENT),
+        PauseCommand: Rule(_pause, Repeat.MOMENT),
+        ResumeCommand: Rule(_resume, Repeat.MOMENT),
+        UpdateCommand: Rule(_update, Repeat.MOMENT),
+        PlaceCommand: Rule(_place, Repeat.RECORDED, _check_placeable, _check_inside),
+        ResetCommand: Rule(_reset, Repeat.SETTING),
+        SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),
+        ShowCommand: Rule(_show),
+        ReplayCommand: Rule(check=_check_replay),
+        RecordCommand: Rule(),
+        PingCommand: Rule(),
+    }
+)
+"""``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never reach the engine."""

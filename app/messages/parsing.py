@@ -1,0 +1,35 @@
+"""Commands out of JSON texts, and what is wrong with a text that is none."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+
+from app.messages.commands import COMMAND, Command
+
+LONGEST = 2_000_000
+"""A longer text is no command [characters]; 20,000 poses with weights are shorter."""
+
+
+class CommandError(ValueError):
+    """A command cannot be carried out; the message says why, and what could."""
+
+
+def parse(text: str) -> Command:
+    """The command in a JSON text.
+
+    Raises:
+        CommandError: the text is no command; names what is wrong and what is valid.
+    """
+    if len(text) > LONGEST:
+        raise CommandError(f"a command has at most {LONGEST} characters; this has {len(text)}")
+    try:
+        return COMMAND.validate_json(text)
+    except ValidationError as error:
+        raise CommandError(in_words(error)) from error
+
+
+def in_words(error: ValidationError) -> str:
+    """The first mistake, and where it is."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    path = ".".join(str(part) for part in first["loc"])
+    return f"{path}: {first['msg']}" if path else first["msg"]
