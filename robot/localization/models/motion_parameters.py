@@ -71,6 +71,8 @@ class MotionParameters:
     def model(self) -> MotionModel:
         """The chosen model with these parameters."""
         match self.robot_model_type:
+            case "differential":
+                return DifferentialMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4)
             case "omni":
                 return OmniMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4, self.alpha5)
             case "velocity":
@@ -84,4 +86,4 @@ class MotionParameters:
                 )
             case "stationary":
                 return StationaryMotion(self.stationary_sd_xy, self.stationary_sd_theta)
-        return DifferentialMotion(self.alpha1, self.alpha2, self.alpha3, self.alpha4)
+        raise NotImplementedError(f"{self.robot_model_type} is listed, but has no case here")
