@@ -9,6 +9,8 @@ import pytest
 import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mcap.opcode import Opcode
+from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 from recordings import BEGIN_NS, TEXT, TICK_NS, make, text_cdr
 from rosbags.rosbag2 import StoragePlugin
@@ -30,6 +32,21 @@ def write_foreign(path, times, *, encoding="cdr", **options):
             writer.add_message(channels[count % 2], time_ns, text_cdr(f"{count}"), time_ns)
         writer.finish()
     return path
+
+
+def chunks_of(path):
+    with path.open("rb") as stream:
+        return make_reader(stream).get_summary().chunk_indexes
+
+
+def records_at(data):
+    """Opcode and end of each record, up to the end of the data section."""
+    found, end, opcode = [], 8, None
+    while opcode != Opcode.DATA_END:
+        opcode, length = data[end], int.from_bytes(data[end + 1 : end + 9], "little")
+        end += 9 + length
+        found.append((opcode, end))
+    return found
 
 
 def told(path, *arguments):
@@ -94,14 +111,72 @@ def test_what_rosbags_writes_is_read(tmp_path):
 def test_a_file_that_was_cut_off_is_read_up_to_there(tmp_path, share):
     path = make(tmp_path / "drive", ticks=1000)
     whole = told(path)
-    last = open_recording(path).files[0]._index.pieces[-1]
-    path.write_bytes(path.read_bytes()[: int((last.offset + last.length) * share)])
+    last = chunks_of(path)[-1]
+    end = last.chunk_start_offset + last.chunk_length
+    path.write_bytes(path.read_bytes()[: int(end * share)])
     reader = open_recording(path)
     assert reader.unfinished
     assert bool(reader.damage) is (share < 1)
     part = told(path)
     assert part == whole[: len(part)]
     assert len(part) >= len(whole) * (share - 0.1)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"use_chunking": False},
+        {"compression": CompressionType.NONE, "chunk_size": 200},
+        {"compression": CompressionType.NONE, "chunk_size": 200, "index_types": IndexType.NONE},
+    ],
+)
+def test_wherever_a_file_was_cut_off_all_that_is_whole_is_read(tmp_path, options):
+    path = write_foreign(tmp_path / "theirs.mcap", range(12), **options)
+    whole, data = told(path), path.read_bytes()
+    ends = [data.index(cdr) + len(cdr) for _, _, cdr in whole]
+    if "use_chunking" not in options:
+        chunks = [part for part in records_at(data) if part[0] == Opcode.CHUNK]
+        assert len(chunks) > 2
+        ends = [next(end for _, end in chunks if end >= one) for one in ends]
+    whole_ends = [end for _, end in records_at(data)]
+    for cut in range(ends[0], len(data)):
+        path.write_bytes(data[:cut])
+        assert told(path) == whole[: sum(end <= cut for end in ends)]
+        clean = cut in whole_ends or cut >= whole_ends[-1] - 4  # the data section's checksum
+        assert bool(open_recording(path).damage) is not clean
+
+
+def test_chunks_messages_outside_of_them_and_records_of_a_writer_s_own_may_be_mixed(tmp_path):
+    chunked = write_foreign(tmp_path / "chunked.mcap", range(10)).read_bytes()
+    loose = write_foreign(tmp_path / "loose.mcap", range(10, 20), use_chunking=False).read_bytes()
+    (chunk,) = chunks_of(tmp_path / "chunked.mcap")
+    end = chunk.chunk_start_offset + chunk.chunk_length
+    own = b"\x80" + (5).to_bytes(8, "little") + b"hello"
+    mixed = tmp_path / "mixed.mcap"
+    # The first record of the other, its header, is left out with the file's beginning.
+    rest = loose[8 + 9 + int.from_bytes(loose[9:17], "little") :]
+    mixed.write_bytes(chunked[:end] + own + rest)
+    assert [time_ns for time_ns, _, _ in told(mixed)] == list(range(20))
+    mixed.write_bytes(chunked[:end] + own)
+    reader = open_recording(mixed)
+    assert (reader.unfinished, reader.damage) == (True, "")
+
+
+def test_a_damaged_attachment_of_an_unfinished_file_costs_only_itself(tmp_path):
+    path = make(tmp_path / "drive", ticks=60, close=False)
+    whole = told(path)
+    path.write_bytes(path.read_bytes().replace(b"application/toml", b"application\xfftoml", 1))
+    reader = open_recording(path)
+    assert (told(path), reader.damage, list(reader.attachments)) == (whole, "", ["settings.toml"])
+    with pytest.raises(RecordingError, match="is damaged"):
+        reader.attachments["settings.toml"]
+
+
+def test_a_chunk_that_is_compressed_in_an_unknown_way_is_told(tmp_path):
+    path = write_foreign(tmp_path / "theirs.mcap", range(10))
+    path.write_bytes(path.read_bytes().replace(b"zstd", b"brot", 1))
+    with pytest.raises(RecordingError, match=r"'brot'; valid are zstd, lz4 and none"):
+        list(open_recording(path).messages())
 
 
 def test_a_file_that_ends_in_zeros_as_after_a_power_cut_is_read_up_to_there(tmp_path):
@@ -117,8 +192,8 @@ def test_a_file_that_ends_in_zeros_as_after_a_power_cut_is_read_up_to_there(tmp_
 def test_damage_in_the_middle_of_a_finished_file_is_told_when_it_is_met(tmp_path):
     path = make(tmp_path / "drive", ticks=1000)
     data = bytearray(path.read_bytes())
-    piece = open_recording(path).files[0]._index.pieces[20]
-    data[piece.offset + piece.length - 5] ^= 0xFF
+    chunk = chunks_of(path)[20]
+    data[chunk.chunk_start_offset + chunk.chunk_length - 5] ^= 0xFF
     path.write_bytes(data)
     reader = open_recording(path)
     with pytest.raises(RecordingError, match=r"drive_0.mcap is damaged: .*valid is"):
@@ -217,15 +292,14 @@ def test_any_bytes_after_the_beginning_are_answered_by_words(samples, rest):
 def test_a_chunk_that_claims_to_be_huge_takes_no_memory(tmp_path):
     # 100 MB of zeros in 10 kB: the frame's own size is another than the chunk's.
     path = make(tmp_path / "drive", ticks=30)
-    reader_of = open_recording(path).files[0]
-    piece = reader_of._index.pieces[0]
+    begin = chunks_of(path)[0].chunk_start_offset
     data = bytearray(path.read_bytes())
     bomb = zstandard.compress(bytes(100_000_000))
-    head = piece.offset + 9 + 28 + 8
+    head = begin + 9 + 28 + 8
     data[head : head + 8] = len(bomb).to_bytes(8, "little")
     old = int.from_bytes(path.read_bytes()[head : head + 8], "little")
     data[head + 8 : head + 8 + old] = bomb
-    data[piece.offset + 1 : piece.offset + 9] = (28 + 8 + 8 + len(bomb)).to_bytes(8, "little")
+    data[begin + 1 : begin + 9] = (28 + 8 + 8 + len(bomb)).to_bytes(8, "little")
     path.write_bytes(data)
     with pytest.raises(RecordingError, match="has no message"):
         open_recording(path)
@@ -248,7 +322,7 @@ def test_seeking_reads_only_what_it_needs(tmp_path):
     data = bytearray(path.read_bytes())
     reader = open_recording(path)
     # Everything before is made unreadable: who touched it would notice.
-    cut = reader.files[0]._index.pieces[-5].offset
+    cut = chunks_of(path)[-5].chunk_start_offset
     data[100:cut] = bytes(cut - 100)
     path.write_bytes(data)
     assert len(list(reader.messages({"/once"}))) == 1

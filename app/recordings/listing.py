@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from mcap.writer import MCAP0_MAGIC as MAGIC
 
-from app.recordings.files.mcap_records import MAGIC
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE
 

@@ -4,12 +4,28 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
-from app.recordings.files.mcap_file import McapFile
+from mcap.opcode import Opcode
+from mcap.records import Attachment
+from mcap.writer import MCAP0_MAGIC as MAGIC
+
+from app.recordings.files.mcap_index import index_of, read_at
+from app.recordings.files.mcap_records import HEAD, DamageError, messages_of, record_of
 from app.recordings.files.recorded import RecordedMessage, RecordingError
 
-__all__ = ["RecordedMessage", "RecordingError", "RecordingReader", "open_recording"]
+OTHERS = {
+    b"#ROSBAG V": "a ROS 1 bag",
+    b"SQLite format 3": "an SQLite database, as older ROS 2 bags are",
+    b"\x28\xb5\x2f\xfd": "compressed as a whole by zstd (unzstd unpacks it)",
+    b"\x1f\x8b": "compressed as a whole by gzip (gunzip unpacks it)",
+    b"PK\x03\x04": "a zip archive",
+}
+"""What files begin with that are taken for recordings."""
+
+CDR = "cdr"
 
 
 def open_recording(path: Path) -> RecordingReader:
@@ -24,7 +40,8 @@ def open_recording(path: Path) -> RecordingReader:
     """
     reader = RecordingReader(path, [McapFile(one) for one in _files(path)])
     if not reader.topics:
-        encodings = {name for file in reader.files for name in file.other_encodings}
+        channels = [one for file in reader.files for one in file.index.channels.values()]
+        encodings = {one.message_encoding for one in channels} - {CDR}
         holds = f"has messages in {', '.join(sorted(encodings))}" if encodings else "has no message"
         raise RecordingError(f"{path} {holds}; valid are ROS 2 messages in cdr")
     return reader
@@ -38,21 +55,19 @@ class RecordingReader:
         self.files = files
         self.topics: dict[str, str] = {}
         """Types by topic, of all that can be read as CDR, whether there are messages or not."""
-        self.definitions: dict[str, str] = {}
-        """Definitions by type, as the file has them (``ros2msg``)."""
         self.metadata: dict[str, dict[str, str]] = {}
         self.attachments: Mapping[str, bytes] = _Attachments(files)
         for file in files:
-            self.topics |= file.topics
-            self.definitions |= file.definitions
-            self.metadata |= file.metadata
-        times = [file.times_ns for file in files if file.times_ns]
-        self.start_ns = min((start for start, _ in times), default=0)
+            self.topics |= dict(file.names.values())
+            self.metadata |= file.index.metadata
+        # Empty chunks have their end before their beginning.
+        pieces = [one for file in files for one in file.pieces if one.start_ns <= one.end_ns]
+        self.start_ns = min((one.start_ns for one in pieces), default=0)
         """Log time of the first message."""
-        self.end_ns = max((end for _, end in times), default=0)
-        self.unfinished = any(file.unfinished for file in files)
+        self.end_ns = max((one.end_ns for one in pieces), default=0)
+        self.unfinished = any(not file.index.complete for file in files)
         """Whether it was cut off: the program was killed, or the disk was full."""
-        self.damage = " ".join(file.damage for file in files if file.damage)
+        self.damage = " ".join(file.index.damage for file in files if file.index.damage)
         """What is wrong where the readable part of an unfinished file ends."""
 
     @property
@@ -80,7 +95,7 @@ class _Attachments(Mapping[str, bytes]):
     """Attachments by name, read when they are asked for; raises RecordingError on damage."""
 
     def __init__(self, files: list[McapFile]) -> None:
-        self._files = {name: file for file in files for name in file.attachment_names}
+        self._files = {name: file for file in files for name in file.index.attachments}
 
     def __getitem__(self, name: str) -> bytes:
         return self._files[name].attachment(name)
@@ -90,6 +105,68 @@ class _Attachments(Mapping[str, bytes]):
 
     def __len__(self) -> int:
         return len(self._files)
+
+
+class McapFile:
+    """One file of a recording, looked through when it is made; opened anew for each reading."""
+
+    def __init__(self, path: Path) -> None:
+        """Look through the file; RecordingError if it is missing or no MCAP file."""
+        self.path = path
+        with self._open() as file:
+            _check_beginning(path, file)
+            self.index = index_of(file)
+        self.pieces = sorted(self.index.pieces, key=lambda one: (one.start_ns, one.offset))
+        schemas = self.index.schemas
+        self.names = {
+            one.id: (one.topic, schemas[one.schema_id].name)
+            for one in self.index.channels.values()
+            if one.message_encoding == CDR and one.schema_id in schemas
+        }
+        """Topic and type by channel, of all that can be read as CDR."""
+
+    def attachment(self, name: str) -> bytes:
+        """The content of an attachment; RecordingError if it is damaged."""
+        place = self.index.attachments[name]
+        with self._open() as file:
+            return record_of(read_at(file, *place), Attachment).data
+
+    def messages(self, topics: Collection[str] | None, start_ns: int) -> Iterator[RecordedMessage]:
+        """As ``RecordingReader.messages``."""
+        names = {n: name for n, name in self.names.items() if topics is None or name[0] in topics}
+        queue: list[tuple[int, int, RecordedMessage]] = []
+        count = 0
+        with self._open() as file:
+            for piece in self.pieces:
+                # A writer that keeps no index of messages tells no channels either.
+                channels = piece.channels or names.keys()
+                if piece.end_ns < start_ns or channels.isdisjoint(names):
+                    continue
+                # Chunks may overlap: what is older than all of the next one can go out.
+                while queue and queue[0][0] <= piece.start_ns:
+                    yield heapq.heappop(queue)[2]
+                for channel, time_ns, cdr in messages_of(read_at(file, piece.offset, piece.length)):
+                    if channel in names and time_ns >= start_ns:
+                        message = RecordedMessage(*names[channel], time_ns, cdr)
+                        heapq.heappush(queue, (time_ns, count, message))
+                        count += 1
+        while queue:
+            yield heapq.heappop(queue)[2]
+
+    @contextmanager
+    def _open(self) -> Iterator[BinaryIO]:
+        try:
+            with self.path.open("rb") as file:
+                yield file
+        except RecordingError:
+            raise
+        except DamageError as error:
+            raise RecordingError(
+                f"{self.path} is damaged: {error}; valid is a whole MCAP file"
+            ) from error
+        except (OSError, ValueError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise RecordingError(f"{self.path} cannot be read: {why}") from error
 
 
 def _files(path: Path) -> list[Path]:
@@ -104,3 +181,22 @@ def _files(path: Path) -> list[Path]:
         holds = f"has {', '.join(others)}" if others else "is empty"
         raise RecordingError(f"{path} {holds}; valid is a folder with an .mcap file")
     return found
+
+
+def _check_beginning(path: Path, file: BinaryIO) -> None:
+    """Refuse what is no MCAP file, and say what it is."""
+    begin = file.read(len(MAGIC) + HEAD.size)
+    others = [what for start, what in OTHERS.items() if begin.startswith(start)]
+    if not begin:
+        what = "empty"
+    elif others:
+        what = others[0]
+    elif not MAGIC.startswith(begin[: len(MAGIC)]):
+        what = "no MCAP file"
+    elif len(begin) < len(MAGIC) + HEAD.size:
+        what = "an MCAP file that ends at once"
+    elif begin[len(MAGIC)] != Opcode.HEADER:
+        what = "an MCAP file without its first record"
+    else:
+        return
+    raise RecordingError(f"{path} is {what}; valid is an MCAP file with ROS 2 messages")

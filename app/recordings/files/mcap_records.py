@@ -1,157 +1,122 @@
-"""The records of an MCAP file, read from bytes that may be damaged (https://mcap.dev/spec).
+"""The records of an MCAP file, from bytes that may be damaged (https://mcap.dev/spec).
 
-A record is an opcode (1 byte), its length (8 bytes) and its content; numbers are little endian,
-texts are UTF-8 after their length (4 bytes).
+The mcap package reads their fields; what it takes on trust is checked here. Messages, which are
+many, are told apart without it, in a tenth of the time. All functions raise DamageError.
 """
 
 from __future__ import annotations
 
+import io
 import struct
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from enum import IntEnum
+import zlib
+from collections.abc import Callable, Iterator
+from typing import TypeVar
 
-MAGIC = b"\x89MCAP0\r\n"
+import lz4.frame  # type: ignore[import-untyped]
+import zstandard
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Chunk, Footer, McapRecord
+from mcap.stream_reader import StreamReader
+from mcap.writer import MCAP0_MAGIC
+
 HEAD = struct.Struct("<BQ")
-FOOTER = struct.Struct("<BQQQI")
+"""Before each record's content: opcode and length."""
 MESSAGE = struct.Struct("<HIQQ")
 """Channel, sequence, log time, publish time; the rest of the record is the message."""
 
+END = HEAD.pack(Opcode.FOOTER, 20) + bytes(20) + MCAP0_MAGIC
+"""What a file ends with; a length that reaches beyond the bytes before it destroys it."""
 
-class Opcode(IntEnum):
-    """Kinds of records that matter here."""
+LARGEST_CHUNK = 1 << 29
+"""A larger chunk is refused [bytes]: it has to fit into the memory of a small computer."""
 
-    HEADER = 1
-    FOOTER = 2
-    SCHEMA = 3
-    CHANNEL = 4
-    MESSAGE = 5
-    CHUNK = 6
-    CHUNK_INDEX = 8
-    ATTACHMENT = 9
-    ATTACHMENT_INDEX = 10
-    STATISTICS = 11
-    METADATA = 12
-    METADATA_INDEX = 13
-    DATA_END = 15
-
-
-LAST_OPCODE = 15
-FIRST_PRIVATE_OPCODE = 0x80
-"""From here on opcodes are a writer's own."""
+Record = TypeVar("Record", bound=McapRecord)
 
 
 class DamageError(ValueError):
     """Bytes that are no such record."""
 
 
-class Content:
-    """A record's content, read from its beginning; no length in it reaches beyond it."""
+def records_of(data: bytes, end: bytes = END) -> list[McapRecord]:
+    """Records with their fields, a footer the last of them; chunks remain as they are.
 
-    def __init__(self, data: bytes) -> None:
-        self._data = data
-        self._place = 0
-
-    def number(self, size: int) -> int:
-        """An unsigned number of so many bytes."""
-        return int.from_bytes(self.bytes(size), "little")
-
-    def bytes(self, size: int) -> bytes:
-        """So many bytes."""
-        if size > len(self._data) - self._place:
-            raise DamageError("a length reaches beyond its record")
-        self._place += size
-        return self._data[self._place - size : self._place]
-
-    def text(self) -> str:
-        """A text."""
-        try:
-            return self.bytes(self.number(4)).decode()
-        except UnicodeDecodeError as error:
-            raise DamageError("a text is no UTF-8") from error
-
-    def table(self) -> dict[str, str]:
-        """Texts by their names."""
-        inner = Content(self.bytes(self.number(4)))
-        found = {}
-        while inner.more:
-            name = inner.text()
-            found[name] = inner.text()
-        return found
-
-    @property
-    def more(self) -> bool:
-        """Whether something is left."""
-        return self._place < len(self._data)
-
-
-@dataclass(frozen=True, slots=True)
-class Schema:
-    """The definition of a type."""
-
-    name: str
-    encoding: str
-    text: bytes = field(repr=False)
-
-    @classmethod
-    def read(cls, content: Content) -> tuple[int, Schema]:
-        """With its number."""
-        number = content.number(2)
-        name, encoding = content.text(), content.text()
-        return number, cls(name, encoding, content.bytes(content.number(4)))
-
-
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """A topic."""
-
-    schema: int
-    topic: str
-    encoding: str
-    metadata: dict[str, str]
-
-    @classmethod
-    def read(cls, content: Content) -> tuple[int, Channel]:
-        """With its number."""
-        number, schema = content.number(2), content.number(2)
-        return number, cls(schema, content.text(), content.text(), content.table())
-
-
-@dataclass(frozen=True, slots=True)
-class ChunkHead:
-    """What stands before a chunk's records."""
-
-    start_ns: int
-    end_ns: int
-    size: int
-    """Of the records [bytes]."""
-    crc: int
-    """Of the records; 0 for none."""
-    compression: str
-    stored: bytes = field(repr=False)
-    """The records, compressed."""
-
-    @classmethod
-    def read(cls, content: Content) -> ChunkHead:
-        """From a chunk's content."""
-        start_ns, end_ns, size = content.number(8), content.number(8), content.number(8)
-        crc, compression = content.number(4), content.text()
-        return cls(start_ns, end_ns, size, crc, compression, content.bytes(content.number(8)))
-
-
-def split(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Opcode, beginning and end of each record's content in the records of a chunk or summary.
-
-    Raises:
-        DamageError: the last one is cut off.
+    Args:
+        data: whole records.
+        end: what follows; nothing if the data go to the file's end.
     """
-    place, end = 0, len(data)
-    while place < end:
-        if end - place < HEAD.size:
+    stream = io.BytesIO(data + end)
+    try:
+        return list(StreamReader(stream, skip_magic=True, emit_chunks=True).records)
+    except (McapError, struct.error, OverflowError, UnicodeDecodeError) as error:
+        why = str(error) or "it ends too early"
+        raise DamageError(f"a record is damaged: {why}") from error
+
+
+def record_of(data: bytes, kind: type[Record]) -> Record:
+    """The one record that some bytes are, of a certain kind."""
+    match records_of(data):
+        case [record, Footer()] if isinstance(record, kind):
+            return record
+    raise DamageError(f"there is no {kind.__name__} where it should be")
+
+
+def messages_of(
+    data: bytes, take: Callable[[McapRecord], None] | None = None
+) -> Iterator[tuple[int, int, bytes]]:
+    """Channel, log time [ns] and content of the messages in a chunk, or in a run outside of chunks.
+
+    Args:
+        data: a chunk's record, or the messages' records.
+        take: called with schemas and channels.
+    """
+    if data[:1] != bytes([Opcode.MESSAGE]):
+        data = _unpacked(record_of(data, Chunk))
+    end = 0
+    while end < len(data):
+        begin, content = end, end + HEAD.size
+        if content > len(data):
             raise DamageError("a record is cut off")
-        opcode, length = HEAD.unpack_from(data, place)
-        place += HEAD.size
-        if length > end - place:
+        opcode, length = HEAD.unpack_from(data, begin)
+        body, end = content + MESSAGE.size, content + length
+        if opcode == Opcode.MESSAGE and body <= end <= len(data):
+            channel, _, log_time_ns, _ = MESSAGE.unpack_from(data, content)
+            yield channel, log_time_ns, data[body:end]
+        elif opcode == Opcode.MESSAGE or end > len(data):
             raise DamageError("a record is cut off")
-        yield opcode, place, place + length
-        place += length
+        elif take and opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            take(record_of(data[begin:end], McapRecord))
+
+
+def _unpacked(chunk: Chunk) -> bytes:
+    """The records of a chunk, decompressed and checked."""
+    size = chunk.uncompressed_size
+    if size > LARGEST_CHUNK:
+        raise DamageError(f"a chunk of {size} bytes is too large; valid are {LARGEST_CHUNK}")
+    try:
+        data = _decompressed(chunk)
+    except (zstandard.ZstdError, RuntimeError, EOFError) as error:
+        raise DamageError(f"a chunk cannot be decompressed: {error}") from error
+    if len(data) != size:
+        raise DamageError(f"a chunk has {len(data)} bytes instead of {size}")
+    if chunk.uncompressed_crc and zlib.crc32(data) != chunk.uncompressed_crc:
+        raise DamageError("a chunk's checksum is another")
+    return data
+
+
+def _decompressed(chunk: Chunk) -> bytes:
+    """No more than the chunk says: a few bytes may stand for gigabytes."""
+    size = chunk.uncompressed_size
+    match chunk.compression:
+        case "":
+            return chunk.data
+        case "zstd":
+            # The frame's own word on its size is taken for memory before anything is decompressed.
+            if zstandard.frame_content_size(chunk.data) > size:
+                raise DamageError("a chunk is larger than it says")
+            return zstandard.decompress(chunk.data, max_output_size=size)
+        case "lz4":
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size))
+    raise DamageError(
+        f"a chunk is compressed by {chunk.compression!r}; valid are zstd, lz4 and none"
+    )
