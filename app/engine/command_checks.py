@@ -8,8 +8,8 @@ from pydantic import ValidationError
 
 from app.engine.build import Program
 from app.engine.engine import Engine
-from app.engine.localization import changed_with_own
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.parameter_changes import changed_with_own
 from app.engine.telling import BeliefError, cloud_of, covariance_of
 from app.messages.commands import (
     COMMAND,

@@ -14,11 +14,12 @@ import time
 import numpy as np
 
 from app.engine.driving import Driving
-from app.engine.localization import Localization, changed_with_own
+from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.mailboxes.command_queue import CommandQueue
 from app.engine.mailboxes.latest import Latest
+from app.engine.parameter_changes import changed_with_own
 from app.engine.problems import LOG, Problems
 from app.engine.snapshot import LAYERS, Snapshot
 from app.engine.telling import tell

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from app.engine.build import Program, Streams, driving_of, odometry_start, own_models
-from app.engine.localization import Localization, changed_with_own
+from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
+from app.engine.parameter_changes import changed_with_own
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
