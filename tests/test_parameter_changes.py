@@ -13,10 +13,10 @@ DEFAULT = LocalizationParameters()
 
 
 def test_values_reach_their_group_by_name_alone():
-    made = changed(DEFAULT, {"max_particles": 700, "sigma_hit": 0.01, "do_beamskip": True})
-    assert (made.filter.max_particles, made.sensor.sigma_hit) == (700, 0.01)
-    assert made.sensor.do_beamskip
-    assert made.motion == DEFAULT.motion
+    result = changed(DEFAULT, {"max_particles": 700, "sigma_hit": 0.01, "do_beamskip": True})
+    assert (result.filter.max_particles, result.sensor.sigma_hit) == (700, 0.01)
+    assert result.sensor.do_beamskip
+    assert result.motion == DEFAULT.motion
     assert changed(DEFAULT, {}) == DEFAULT
 
 
@@ -29,7 +29,7 @@ def test_a_whole_number_is_one_however_it_is_written(value):
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "message"),
     [
         ({"max_particle": 700}, "^max_particle is unknown; valid are .*max_particles"),
         ({"max_particles": 700.5}, "^max_particles is 700.5; valid is a int"),
@@ -44,14 +44,14 @@ def test_a_whole_number_is_one_however_it_is_written(value):
         ({"sigma_hit": 0.01, "max_particles": 1}, "^max_particles is 1; valid is"),
     ],
 )
-def test_a_wrong_name_or_value_is_refused_by_its_name(values, told):
-    with pytest.raises(SettingError, match=told):
+def test_a_wrong_name_or_value_is_refused_by_its_name(values, message):
+    with pytest.raises(SettingError, match=message):
         changed(DEFAULT, values)
 
 
 def test_a_model_of_the_users_own_is_a_choice_and_no_parameter():
-    now = OwnChoice(sensors=("mine.py:Mine",))
+    offer = OwnChoice(sensors=("mine.py:Mine",))
     values = {"laser_model_type": "mine.py:Mine", "max_particles": 700}
-    made, choice = changed_with_own(DEFAULT, now, values)
+    result, choice = changed_with_own(DEFAULT, offer, values)
     assert choice.sensor == "mine.py:Mine"
-    assert made == changed(DEFAULT, {"max_particles": 700})
+    assert result == changed(DEFAULT, {"max_particles": 700})

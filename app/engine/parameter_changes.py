@@ -20,8 +20,8 @@ def changed_with_own(
     Raises:
         SettingError: a name is unknown, or a value out of range or of the wrong type.
     """
-    choice, left = chosen(choice, dict(values))
-    return changed(parameters, left), choice
+    choice, rest = chosen(choice, dict(values))
+    return changed(parameters, rest), choice
 
 
 def changed(
@@ -32,15 +32,15 @@ def changed(
     Raises:
         SettingError: a name is unknown, or a value out of range or of the wrong type.
     """
-    left = {name: _whole(value) for name, value in values.items()}
+    rest = {name: _whole(value) for name, value in values.items()}
     groups: dict[str, Any] = {}
     for group in dataclasses.fields(parameters):
         old = getattr(parameters, group.name)
-        mine = {name: left.pop(name) for name in describe(old) if name in left}
+        mine = {name: rest.pop(name) for name in describe(old) if name in rest}
         groups[group.name] = with_settings(old, mine)
-    if left:
+    if rest:
         names = sorted(name for group in groups.values() for name in describe(group))
-        raise SettingError(f"{min(left)} is unknown; valid are {', '.join(names)}")
+        raise SettingError(f"{min(rest)} is unknown; valid are {', '.join(names)}")
     return LocalizationParameters(**groups)
 
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hin
 
 from pydantic import TypeAdapter, ValidationError
 
+from app.settings.old_names import NEW_NAMES
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
@@ -27,9 +28,7 @@ from robot.hat.settings import BuildHatSettings
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, setting
-from sim.bullet import BulletSettings
-from sim.floor_camera import CameraSettings
-from sim.imperfections import Imperfections
+from sim.settings import SimSettings
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -64,9 +63,6 @@ class Config:
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")
     models: str = setting("", "A folder of models of your own, which the page offers")
-    camera_source: str = setting(
-        "auto", "The real robot's camera: auto, pi, /dev/video0, a folder of pictures, a video file"
-    )
     drive: DriveSettings = DriveSettings()
     figure_eight: FigureEight = FigureEight()
     odometry: OdometrySettings = OdometrySettings()
@@ -76,10 +72,8 @@ class Config:
     ros2: Ros2Settings = Ros2Settings()
     start_pose: StartPoseSettings = StartPoseSettings()
     build_hat: BuildHatSettings = BuildHatSettings()
-    pictures: CameraSourceSettings = CameraSourceSettings()
-    camera: CameraSettings = CameraSettings()
-    physics: BulletSettings = BulletSettings()
-    imperfections: Imperfections = Imperfections()
+    camera: CameraSourceSettings = CameraSourceSettings()
+    sim: SimSettings = SimSettings()
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -134,10 +128,10 @@ def from_table(group: type[T], table: Mapping[str, Any]) -> T:
     # have (a date) no setting is, so that it is refused as null is.
     text = json.dumps(table, default=lambda _: None)
     try:
-        made: T = _adapter(group).validate_json(text, strict=True, extra="forbid")
+        result: T = _adapter(group).validate_json(text, strict=True, extra="forbid")
     except ValidationError as error:
         _refuse(group, table, error)
-    return made
+    return result
 
 
 def with_settings(group: T, settings: Mapping[str, Any]) -> T:
@@ -156,12 +150,12 @@ def as_table(settings: Mapping[str, Any], table: dict[str, Any]) -> dict[str, An
         SettingError: a path leads through a setting.
     """
     for path, value in settings.items():
-        *above, name = path.split(".")
+        *tables, name = path.split(".")
         inner = table
-        for depth, part in enumerate(above, 1):
+        for depth, part in enumerate(tables, 1):
             inner = inner.setdefault(part, {})
             if not isinstance(inner, dict):
-                way, rest = ".".join(above[:depth]), ".".join((*above[depth:], name))
+                way, rest = ".".join(tables[:depth]), ".".join((*tables[depth:], name))
                 raise SettingError(f"{way} is no table; {rest} cannot be in it")
         inner[name] = value
     return table
@@ -174,18 +168,20 @@ def _adapter(group: type[Any]) -> TypeAdapter[Any]:
 
 def _refuse(group: type[Any], table: Mapping[str, Any], error: ValidationError) -> NoReturn:
     """Say in our words what is wrong first: a misspelt name before all else."""
-    fault = min(error.errors(include_url=False), key=lambda one: one["type"] != UNKNOWN)
+    fault = min(error.errors(include_url=False), key=lambda fault: fault["type"] != UNKNOWN)
     kind, place, path = fault["type"], fault["loc"], _path(fault["loc"])
+    if kind == UNKNOWN and group is Config and path in NEW_NAMES:
+        raise SettingError(f"{path} is now {NEW_NAMES[path]}") from error
     if kind == UNKNOWN:
-        above = _path((*place[:-1], ""))
-        check_names(_type_at(group, place[:-1]), [str(place[-1])], above)
+        table_type = _type_at(group, place[:-1])
+        check_names(table_type, [str(place[-1])], _path((*place[:-1], "")))
     if kind == "value_error":
         raise SettingError(f"{_path((*place, ''))}{fault['ctx']['error']}") from error
     if not place:
         raise SettingError(fault["msg"]) from error
-    known = "missing" if kind == "missing" else repr(_value_at(table, place))
+    value = "missing" if kind == "missing" else repr(_value_at(table, place))
     valid = _valid(_type_at(group, place), path)
-    raise SettingError(f"{path} is {known}; valid is {valid}") from error
+    raise SettingError(f"{path} is {value}; valid is {valid}") from error
 
 
 def _path(place: tuple[int | str, ...]) -> str:
