@@ -190,7 +190,7 @@ def _run(parsed: argparse.Namespace) -> int:
 
 
 def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
-    for name, option in (("serial_port", "--serial-port"), ("camera_source", "--camera")):
+    for name, option in (("serial_port", "--serial-port"), ("camera", "--camera")):
         if name in vars(parsed) and config.robot != "buildhat":
             raise SettingError(
                 f"{option} has no effect with --robot {config.robot}; valid is buildhat"

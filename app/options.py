@@ -10,10 +10,7 @@ from typing import Any
 from app.settings.conditions import condition_names, in_condition
 from app.settings.config import Config, load_config
 
-OPTIONS = (
-    "robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models",
-    "camera_source",
-)  # fmt: skip
+OPTIONS = ("robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models")
 """Options that are settings of the same name."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
@@ -76,7 +73,6 @@ def add_camera(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--camera",
         metavar="SOURCE",
-        dest="camera_source",
         default=argparse.SUPPRESS,
         help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
         "(default: the first that delivers pictures)",
@@ -92,6 +88,8 @@ def config_from(parsed: argparse.Namespace) -> Config:
     config = replace(config, start_pose=replace(config.start_pose, **over_start))
     if "serial_port" in given:
         over["build_hat"] = replace(config.build_hat, serial_port=given["serial_port"])
+    if "camera" in given:
+        over["camera"] = replace(config.camera, source=given["camera"])
     config = replace(config, **over)
     if "record" in given:
         recording = replace(config.recording, record=True, folder=given["record"])

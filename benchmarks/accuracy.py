@@ -35,6 +35,7 @@ from robot.geometry import Pose2
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.setup import Setup
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)
@@ -96,7 +97,7 @@ class Tracked:
 
 def track(clutter: str, seed: int) -> dict[str, Tracked]:
     """Follow one robot on the square for two laps, with each filter."""
-    config = Config(robot="sim", seed=seed, camera=CameraSettings(clutter=clutter))
+    config = Config(robot="sim", seed=seed, sim=SimSettings(camera=CameraSettings(clutter=clutter)))
     drive = record(config, LAPS)
     start = drive.ticks[0].truth
     reckoned = [start @ drive.ticks[0].odometry.inverse() @ tick.odometry for tick in drive.ticks]

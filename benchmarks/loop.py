@@ -12,6 +12,7 @@ from app.settings.config import Config
 from benchmarks.result import Result
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
 SECONDS = 16.0
 """Simulated time: one lap of the figure-eight."""
@@ -24,7 +25,7 @@ def measure() -> Result:
     particles = FilterParameters(min_particles=500, max_particles=500)
     config = Config(
         robot="sim",
-        camera=CameraSettings(frame_rate=15),
+        sim=SimSettings(camera=CameraSettings(frame_rate=15)),
         localization=replace(LocalizationParameters(), filter=particles),
     )
     walls, cpus = [], []

@@ -3,6 +3,7 @@
 import socket
 import threading
 import time
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -87,7 +88,8 @@ class Folder(Source):
 
     def open(self, path):
         self.time = 100.0
-        return open_camera(str(path), self.lens, self.settings, clock=self.now)
+        settings = replace(self.settings, source=str(path))
+        return open_camera(self.lens, settings, clock=self.now)
 
     def send(self, image):
         if self.exposed:

@@ -27,6 +27,7 @@ from benchmarks.accuracy import (
 )
 from benchmarks.trials import Shown, try_filter
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
 SEED = 3
 SECONDS = 9.0
@@ -71,7 +72,9 @@ def test_laying_the_scan_on_the_edges_makes_the_pose_finer(drive):
 
 def test_clutter_on_the_floor_does_not_lead_it_astray():
     camera = CameraSettings(clutter="all")
-    shown = followed(record(Config(robot="sim", seed=SEED, camera=camera), SECONDS))
+    shown = followed(
+        record(Config(robot="sim", seed=SEED, sim=SimSettings(camera=camera)), SECONDS)
+    )
     assert rms([one.error for one in shown]) < 2e-3
 
 

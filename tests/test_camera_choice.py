@@ -24,7 +24,7 @@ def opened():
     made = []
 
     def start(source):
-        made.append(open_camera(source, LENS, CameraSourceSettings()))
+        made.append(open_camera(LENS, CameraSourceSettings(source=source)))
         return made[-1]
 
     yield start
@@ -67,7 +67,7 @@ def test_a_socket_is_the_emulators_camera_whatever_its_name(opened, tmp_path):
 
 def test_a_name_that_can_never_be_is_refused_naming_what_is_valid(tmp_path):
     with pytest.raises(ValueError, match=r"no camera .*auto.*pi.*/dev/video0.*folder.*video.*sock"):
-        open_camera(str(tmp_path / "missing"), LENS, CameraSourceSettings())
+        open_camera(LENS, CameraSourceSettings(source=str(tmp_path / "missing")))
 
 
 @not_on_a_pi

@@ -130,7 +130,7 @@ def test_pictures_come_in_the_order_of_their_names(tmp_path):
         cv2.imwrite(str(tmp_path / name), np.full((LENS.height, LENS.width), value, np.uint8))
     (tmp_path / "notes.txt").write_text("no picture")
     clock = Clock()
-    camera = open_camera(str(tmp_path), LENS, CameraSourceSettings(), clock)
+    camera = open_camera(LENS, CameraSourceSettings(source=str(tmp_path)), clock)
     seen = []
     for _ in range(3):
         seen.append(number(camera.newest()))
@@ -144,7 +144,7 @@ def test_a_grey_picture_stays_grey_and_a_coloured_one_coloured(tmp_path):
     cv2.imwrite(str(tmp_path / "0.png"), picture(0, LENS.width, LENS.height))
     cv2.imwrite(str(tmp_path / "1.png"), coloured)
     clock = Clock()
-    camera = open_camera(str(tmp_path), LENS, CameraSourceSettings(), clock)
+    camera = open_camera(LENS, CameraSourceSettings(source=str(tmp_path)), clock)
     assert camera.newest().image.ndim == 2
     clock.now += 1 / 30
     assert np.array_equal(camera.newest().image, coloured)
@@ -154,7 +154,7 @@ def test_a_picture_that_cannot_be_read_is_a_problem_and_the_next_comes(tmp_path)
     (tmp_path / "0.png").write_bytes(b"no picture at all")
     cv2.imwrite(str(tmp_path / "1.png"), picture(1, LENS.width, LENS.height))
     clock = Clock()
-    camera = open_camera(str(tmp_path), LENS, CameraSourceSettings(), clock)
+    camera = open_camera(LENS, CameraSourceSettings(source=str(tmp_path)), clock)
     assert camera.newest() is None
     assert "0.png is no picture" in camera.problem
     clock.now += 1 / 30
@@ -165,14 +165,14 @@ def test_a_picture_that_cannot_be_read_is_a_problem_and_the_next_comes(tmp_path)
 def test_a_folder_without_pictures_is_refused_naming_what_is_one(tmp_path):
     (tmp_path / "notes.txt").write_text("no picture")
     with pytest.raises(ValueError, match=r"has no pictures; valid are .*\.png"):
-        open_camera(str(tmp_path), LENS, CameraSourceSettings())
+        open_camera(LENS, CameraSourceSettings(source=str(tmp_path)))
 
 
 def test_a_file_that_is_no_video_is_refused_naming_what_is_valid(tmp_path):
     path = tmp_path / "video.mp4"
     path.write_bytes(b"no video at all" * 100)
     with pytest.raises(ValueError, match=r"is no video .*folder of pictures"):
-        open_camera(str(path), LENS, CameraSourceSettings())
+        open_camera(LENS, CameraSourceSettings(source=str(path)))
 
 
 def test_a_video_runs_at_its_own_pace(tmp_path):

@@ -5,7 +5,8 @@ import pytest
 
 from app.engine.build import build_program
 from app.engine.checkpoint import LARGE, CheckpointError, Keeper
-from app.engine.localization import Localization, changed
+from app.engine.localization import Localization
+from app.engine.parameter_changes import changed
 from app.messages.commands import FigureEightCommand
 from app.settings.config import Config
 from robot.localization.parameters import LocalizationParameters

@@ -21,6 +21,7 @@ from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, draw
 from sim.pictures.exposures import Exposures
 from sim.pictures.losses import GAP_EVERY
+from sim.settings import SimSettings
 
 NAMES = [
     *("default", "noisy", "dark", "uneven", "cluttered", "fast", "askew", "late", "worn"),
@@ -37,14 +38,16 @@ def test_all_conditions_are_there_and_each_but_the_default_changes_something():
 def test_a_condition_does_not_make_better_what_is_worse_already():
     bad = replace(
         Config(),
-        camera=CameraSettings(noise=50, light=0.1, frame_rate=2, clutter="shoes"),
-        imperfections=Imperfections(slip_sd=0.3),
+        sim=SimSettings(
+            camera=CameraSettings(noise=50, light=0.1, frame_rate=2, clutter="shoes"),
+            imperfections=Imperfections(slip_sd=0.3),
+        ),
     )
     for name in NAMES:
-        camera = in_condition(bad, name).camera
+        camera = in_condition(bad, name).sim.camera
         assert (camera.noise, camera.light, camera.frame_rate) == (50, 0.1, 2)
         assert camera.clutter == "shoes"
-        assert in_condition(bad, name).imperfections.slip_sd == 0.3
+        assert in_condition(bad, name).sim.imperfections.slip_sd == 0.3
 
 
 def test_an_unknown_condition_lists_the_known_ones():
@@ -60,7 +63,7 @@ def test_worlds_are_conditions_of_a_kind_of_robot():
 
 def test_run_takes_a_condition():
     parsed = _parser().parse_args(["run", "--condition", "askew", "--robot", "sim"])
-    assert config_from(parsed).imperfections.camera_angle_sd == 0.5
+    assert config_from(parsed).sim.imperfections.camera_angle_sd == 0.5
 
 
 def test_a_real_robot_has_the_conditions_that_it_has(capsys):
@@ -71,12 +74,13 @@ def test_a_real_robot_has_the_conditions_that_it_has(capsys):
 def test_a_sweep_file_names_conditions(tmp_path):
     path = tmp_path / "worse.toml"
     path.write_text(
-        '[sweep]\nseeds = 1\nconditions = ["default", "noisy"]\n[settings]\ncamera.noise = [3.0]\n'
+        '[sweep]\nseeds = 1\nconditions = ["default", "noisy"]\n'
+        "[settings]\nsim.camera.noise = [3.0]\n"
     )
     points = points_of(load_sweep(path), Config())
     assert [point.condition for point in points] == ["default", "noisy"]
     # What is swept wins.
-    assert [point.config.camera.noise for point in points if point.config] == [3.0, 3.0]
+    assert [point.config.sim.camera.noise for point in points if point.config] == [3.0, 3.0]
 
 
 # --- what the simulator does ---
@@ -174,4 +178,4 @@ def test_a_floor_that_is_larger_than_its_drawing_is_seen_farther_off():
 def test_a_robot_that_is_as_drawn_refuses_conditions_of_wheels_and_mounting():
     with pytest.raises(SettingError, match=r"worn .* valid are default, noisy"):
         in_condition(Config(robot="kinematic"), "worn")
-    assert in_condition(Config(robot="kinematic"), "late").camera.stamp_error == 0.03
+    assert in_condition(Config(robot="kinematic"), "late").sim.camera.stamp_error == 0.03

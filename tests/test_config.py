@@ -2,7 +2,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.settings.config import Config, load_config, with_settings
+from app.command_line import _parser
+from app.lab.sweep.sweep_file import Interval
+from app.options import config_from
+from app.settings.config import Config, as_table, by_path, from_table, load_config, with_settings
+from app.settings.old_names import NEW_NAMES
+from app.settings.provenance import settings_of
 from robot.settings import SettingError
 
 
@@ -44,6 +49,15 @@ def test_values_reach_their_place(tmp_path):
         ("[drive]\nmax_velocity = -1", "drive.max_velocity is -1 m/s; valid is 0 to 2 m/s"),
         ("port = 'http'", "port is 'http'; valid is a int"),
         ("port = true", "port is True"),
+        ("port = 80.0", "port is 80.0; valid is a int"),
+        ("[drive]\nmax_velocity = true", "drive.max_velocity is True; valid is a float"),
+        ("[drive]\nmax_velocity = '1'", "drive.max_velocity is '1'; valid is a float"),
+        ("map = 3", "map is 3; valid is a str"),
+        ("map = 2026-01-01", r"map is datetime.date\(2026, 1, 1\); valid is a str"),
+        ("drive = 2026-01-01", r"drive is datetime.date\(.*; valid is a table, as in \[drive\]"),
+        ("allowed_origins = 'null'", "allowed_origins is 'null'; valid is a list"),
+        ("allowed_origins = ['a', 1]", r"allowed_origins\[1\] is 1; valid is a str"),
+        ("port = 'http'\n[drive]\nmin = 1", "drive.min is unknown"),
         ("drive = 3", "drive is 3; valid is a table"),
         ("robot = 'tank'", "robot is 'tank'; valid are auto, sim, kinematic"),
         ("port = ", "is no TOML"),
@@ -58,10 +72,10 @@ def test_a_wrong_key_or_value_is_refused_with_its_path_and_what_is_valid(tmp_pat
 
 def test_settings_are_replaced_by_their_path():
     changed = with_settings(
-        Config(), {"seed": 3, "localization.sensor.sigma_hit": 1e-3, "camera.noise": 5}
+        Config(), {"seed": 3, "localization.sensor.sigma_hit": 1e-3, "sim.camera.noise": 5}
     )
     assert (changed.seed, changed.localization.sensor.sigma_hit) == (3, 0.001)
-    assert changed.camera.noise == 5.0
+    assert changed.sim.camera.noise == 5.0
     assert changed.localization.filter == Config().localization.filter
     assert with_settings(Config(), {}) == Config()
 
@@ -73,12 +87,60 @@ def test_settings_are_replaced_by_their_path():
         ({"localisation.sensor.sigma_hit": 1.0}, "localisation is unknown; valid are"),
         ({"localization.sensor.sigma_hit": 9.0}, "localization.sensor.sigma_hit is 9 m; valid is"),
         ({"seed.next": 1}, "seed is no table; next cannot be in it"),
+        ({"drive.max_velocity.x.y": 1}, "drive.max_velocity is no table; x.y cannot be in it"),
         ({"seed": "one"}, "seed is 'one'; valid is a int"),
     ],
 )
 def test_a_wrong_path_or_value_is_refused(settings, told):
     with pytest.raises(SettingError, match=told):
         with_settings(Config(), settings)
+
+
+def test_a_setting_without_a_default_has_to_be_given():
+    assert from_table(Interval, {"low": 1, "high": 2}) == Interval(1.0, 2.0)
+    with pytest.raises(SettingError, match="high is missing; valid is a float"):
+        from_table(Interval, {"low": 1})
+
+
+def test_a_table_is_taken_apart_and_put_together():
+    flat = {"a": 1, "b.c": 2, "b.d.e": 3}
+    assert by_path(as_table(flat, {})) == flat
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("camera_source = 'pi'", "camera_source is now camera.source"),
+        ("[pictures]\nrotation = 180", "pictures is now camera$"),
+        ("[physics]\nfriction = 1", "physics is now sim.physics"),
+        ("[imperfections]", "imperfections is now sim.imperfections"),
+        ("[camera]\nnoise = 5", "camera.noise is now sim.camera.noise"),
+        ("[camera]\nframe_rate = 15\nlight = 0.5", "camera.light is now sim.camera.light"),
+    ],
+)
+def test_a_name_of_before_is_refused_with_the_one_of_today(tmp_path, text, told):
+    with pytest.raises(SettingError, match=told):
+        load(tmp_path, text)
+
+
+def test_each_name_of_today_is_one():
+    known = settings_of(Config())
+    for new in NEW_NAMES.values():
+        assert any(f"{path}.".startswith(f"{new}.") for path in known), new
+
+
+def test_the_camera_is_the_real_one_and_the_simulated_one_is_the_simulators(tmp_path):
+    config = load(tmp_path, "[camera]\nsource = 'pi'\nframe_rate = 15\n[sim.camera]\nnoise = 5")
+    assert (config.camera.source, config.camera.frame_rate) == ("pi", 15.0)
+    assert (config.sim.camera.noise, config.sim.camera.frame_rate) == (5.0, 30.0)
+
+
+def test_the_option_wins_over_the_source_in_the_file_and_leaves_the_rest(tmp_path):
+    path = tmp_path / "config.toml"
+    path.write_text("[camera]\nsource = 'pi'\nframe_rate = 15", encoding="utf-8")
+    parsed = _parser().parse_args(["run", "--config", str(path), "--camera", "eye.sock"])
+    config = config_from(parsed)
+    assert (config.camera.source, config.camera.frame_rate) == ("eye.sock", 15.0)
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -23,19 +23,19 @@ def test_a_camera_is_told_with_its_size_rate_and_age(tmp_path: Path, spec: Robot
     picture = np.full((spec.lens.height, spec.lens.width), 128, np.uint8)
     for number in range(3):
         cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
-    found = list(eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings()))
+    found = list(eye.check_camera(spec.lens, CameraSourceSettings(source=str(tmp_path))))
     assert [one.level for one in found] == [OK, OK]
     assert "640 x 480" in found[0].what
 
 
 def test_pictures_of_another_size_are_a_problem(tmp_path: Path, spec: RobotSpec) -> None:
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
-    (found,) = eye.check_camera(str(tmp_path), spec.lens, CameraSourceSettings(), 0.1)
+    (found,) = eye.check_camera(spec.lens, CameraSourceSettings(source=str(tmp_path)), 0.1)
     assert (found.level, "640" in found.what) == (PROBLEM, True)
 
 
 def test_a_camera_that_can_never_be_is_a_problem(spec: RobotSpec) -> None:
-    (found,) = eye.check_camera("/nowhere/at/all", spec.lens, CameraSourceSettings())
+    (found,) = eye.check_camera(spec.lens, CameraSourceSettings(source="/nowhere/at/all"))
     assert (found.level, "valid are" in found.what) == (PROBLEM, True)
 
 

@@ -16,6 +16,7 @@ from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2
 from robot.interface import RobotError
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 from sim.simulated import PERIOD
 
 
@@ -137,7 +138,8 @@ def test_a_camera_that_stalls_for_long_stops_nothing():
 
 
 def test_a_picture_that_comes_too_late_is_told_and_not_used():
-    program = kinematic(odometry=OdometrySettings(history=0.05), camera=CameraSettings(delay=0.5))
+    sim = SimSettings(camera=CameraSettings(delay=0.5))
+    program = kinematic(odometry=OdometrySettings(history=0.05), sim=sim)
     last = run(program, 2.0, drive(v=0.1))[-1]
     assert any("too late" in problem for problem in last.problems)
     assert last.problem_count <= 2
@@ -146,7 +148,7 @@ def test_a_picture_that_comes_too_late_is_told_and_not_used():
 
 @pytest.mark.parametrize("frame_rate", [50, 60, 120])
 def test_a_quick_camera_does_not_lag_behind(frame_rate):
-    program = kinematic(camera=CameraSettings(frame_rate=frame_rate))
+    program = kinematic(sim=SimSettings(camera=CameraSettings(frame_rate=frame_rate)))
     last = run(program, 5.0, drive(v=0.05))[-1]
     assert last.problems == ()
     assert last.stamp - last.frame.stamp <= PERIOD + 0.03

@@ -25,7 +25,7 @@ def bricks():
 def engine(bricks, tmp_path):
     cv2.imwrite(str(tmp_path / "floor.png"), np.full((480, 640), 200, np.uint8))
     camera = open_camera(
-        str(tmp_path), bricks.spec.lens, CameraSourceSettings(), lambda: bricks.now
+        bricks.spec.lens, CameraSourceSettings(source=str(tmp_path)), lambda: bricks.now
     )
     made = build_program(Config(robot="kinematic"), robot=bricks.robot(camera)).engine
     while not made.step().connected:

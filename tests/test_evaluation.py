@@ -23,8 +23,9 @@ from app.messages.commands import FigureEightCommand, SetPoseCommand
 from app.settings.config import Config
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
-QUICK = Config(camera=CameraSettings(frame_rate=8), map="stub")
+QUICK = Config(sim=SimSettings(camera=CameraSettings(frame_rate=8)), map="stub")
 """Few pictures: what is tested here is not how exact they are."""
 SMALL = Experiment(QUICK, ("sim",), seeds=2, laps=1)
 
@@ -103,7 +104,7 @@ def test_results_have_the_promised_form(done):
     assert set(results["conditions"][0]["methods"]["amcl"]["rpe"]) == {
         "0.1 s", "0.5 s", "1 s", "0.1 m", "0.5 m", "1 m",
     }  # fmt: skip
-    assert results["experiment"]["settings"] == {"camera.frame_rate": 8.0, "map": "stub"}
+    assert results["experiment"]["settings"] == {"sim.camera.frame_rate": 8.0, "map": "stub"}
 
 
 def test_written_trajectories_give_the_figures_of_the_results_in_evo(done, tmp_path, monkeypatch):
@@ -204,13 +205,13 @@ def test_what_cannot_be_evaluated_is_refused(wrong, message):
 
 def test_the_world_as_real_is_what_it_says():
     real = in_world(Config(), "as-real")
-    assert real.imperfections.slip_sd == 2 * Config().imperfections.slip_sd
-    assert (real.imperfections.camera_angle_sd, real.imperfections.camera_position_sd) == (
+    assert real.sim.imperfections.slip_sd == 2 * Config().sim.imperfections.slip_sd
+    assert (real.sim.imperfections.camera_angle_sd, real.sim.imperfections.camera_position_sd) == (
         0.3,
         0.001,
     )
-    assert real.camera.stamp_error == 0.02
-    assert real.camera.uneven_light == 0.5
+    assert real.sim.camera.stamp_error == 0.02
+    assert real.sim.camera.uneven_light == 0.5
     assert real.localization == Config().localization
 
 

@@ -16,6 +16,7 @@ from app.lab.trajectories.trajectory import Trajectory
 from app.settings.config import Config, load_config, with_settings
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
 MRCLAM = SHARED / "mrclam"
 
@@ -23,7 +24,7 @@ MRCLAM = SHARED / "mrclam"
 @pytest.fixture(scope="module")
 def done(tmp_path_factory):
     folder = tmp_path_factory.mktemp("models")
-    config = Config(camera=CameraSettings(frame_rate=15))
+    config = Config(sim=SimSettings(camera=CameraSettings(frame_rate=15)))
     job = ModelsJob(config, "sim", robot=103, repeats=2, seeds=1, laps=1, drives=1, seconds=12.0)
     return folder, evaluate_models(job, Here(), folder)
 
@@ -60,7 +61,7 @@ def test_the_scanner_is_as_good_as_it_is(done):
 def test_the_program_takes_the_fitted_file(done):
     folder, results = done
     config = load_config(folder / "fitted.toml")
-    assert config.imperfections.robot == 103
+    assert config.sim.imperfections.robot == 103
     fitted = results["fitted"]
     assert config.localization.motion.alpha1 == fitted["localization.motion.alpha1"]
     assert config.localization.sensor.sigma_hit == 0.002
@@ -88,7 +89,7 @@ def test_wheels_that_were_corrected_are_corrected_further():
         {
             "drive.left_wheel_radius_multiplier": 1.02,
             "drive.right_wheel_radius_multiplier": 1.02,
-            "camera.frame_rate": 10.0,
+            "sim.camera.frame_rate": 10.0,
         },
     )
     left, right, separation = recorded_motion(odometry, truth, 0.0, before).multipliers

@@ -20,6 +20,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 from sim.floor_camera import CameraSettings
+from sim.settings import SimSettings
 
 
 def unpacked(program, folder):
@@ -36,7 +37,7 @@ def test_the_settings_can_be_loaded_again(tmp_path):
         robot="kinematic",
         seed=42,
         host='a "host"\\\x7f\n',
-        camera=CameraSettings(frame_rate=15),
+        sim=SimSettings(camera=CameraSettings(frame_rate=15)),
         start_pose=replace(
             Config().start_pose,
             initial_pose=replace(

@@ -31,8 +31,8 @@ def pictures(tmp_path_factory):
 def in_bricks(pictures):
     """The driver of the real robot on an emulated board; time passes while it reads."""
     bricks = Bricks()
-    settings = CameraSourceSettings()
-    camera = open_camera(str(pictures), bricks.spec.lens, settings, lambda: bricks.now)
+    settings = CameraSourceSettings(source=str(pictures))
+    camera = open_camera(bricks.spec.lens, settings, lambda: bricks.now)
     made = bricks.robot(camera)
     while not made.read().connected:
         pass

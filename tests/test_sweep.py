@@ -15,7 +15,7 @@ from app.lab.workers import LocalWorkers, WorkerError
 from app.settings.config import Config, with_settings
 
 QUICK = with_settings(
-    Config(), {"camera.frame_rate": 4.0, "localization.filter.filter": "particles"}
+    Config(), {"sim.camera.frame_rate": 4.0, "localization.filter.filter": "particles"}
 )
 KINEMATIC = """
     [sweep]

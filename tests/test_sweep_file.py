@@ -94,7 +94,7 @@ def test_drives_are_shared_by_what_follows_them_alone():
     configs = {
         f"{slip}{weight}": with_settings(
             Config(),
-            {"imperfections.slip_sd": slip, "localization.sensor.likelihood_weight": weight},
+            {"sim.imperfections.slip_sd": slip, "localization.sensor.likelihood_weight": weight},
         )
         for slip in (0.01, 0.02)
         for weight in [0.01 * n for n in range(1, AT_ONCE + 2)]

@@ -128,7 +128,7 @@ def build_robot(
 ) -> Robot:
     """The robot that the configuration names."""
     if config.robot == "buildhat":
-        return BuildHat.open(spec, config.build_hat, config.camera_source, config.pictures)
+        return BuildHat.open(spec, config.build_hat, config.camera)
     return build_simulated(config, spec, field, rng, wait)
 
 
@@ -141,12 +141,12 @@ def build_simulated(
 ) -> SimulatedRobot:
     """The simulated robot that the configuration names."""
     if config.robot == "sim":
-        true = draw(spec, config.imperfections, rng)
-        world = BulletWorld(true, field.start, settings=config.physics)
-        encoders = Encoders(spec, config.imperfections, rng)
+        true = draw(spec, config.sim.imperfections, rng)
+        world = BulletWorld(true, field.start, settings=config.sim.physics)
+        encoders = Encoders(spec, config.sim.imperfections, rng)
         seen = true.floor_view
         return SimulatedRobot(
-            "Simulated robot", spec, field, world, encoders, config.camera, rng, wait, seen
+            "Simulated robot", spec, field, world, encoders, config.sim.camera, rng, wait, seen
         )
     perfect = Encoders(spec, Imperfections.none(), rng)
     return SimulatedRobot(
@@ -155,7 +155,7 @@ def build_simulated(
         field,
         KinematicWorld(spec, field.start),
         perfect,
-        config.camera,
+        config.sim.camera,
         rng,
         wait,
     )

@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import Any
 
 from app.engine.controls import Controls
-from app.engine.localization import changed_with_own
 from app.engine.own_models.own_models import OwnChoice
+from app.engine.parameter_changes import changed_with_own
 from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine.driving import Driving
-from app.engine.localization import Localization, changed_with_own
+from app.engine.localization import Localization
+from app.engine.parameter_changes import changed_with_own
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from app.engine.belief import Belief
-from app.engine.own_models.own_models import OwnChoice, OwnModels, chosen
+from app.engine.own_models.own_models import OwnChoice, OwnModels
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -31,7 +28,6 @@ from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
-from robot.settings import SettingError, describe
 
 
 class Localization:
@@ -259,50 +255,3 @@ class Localization:
 def _mounting(scanner: LineScanner) -> Mounting:
     x, _, height = scanner.view.robot_from_camera[:3, 3].tolist()
     return Mounting(x, height)
-
-
-def changed_with_own(
-    parameters: LocalizationParameters, choice: OwnChoice, values: dict[str, Any]
-) -> tuple[LocalizationParameters, OwnChoice]:
-    """As ``changed``, where models may also be of the user's own, as ``my_model.py:MyModel``.
-
-    Raises:
-        SettingError: a name is unknown, or a value out of range or of the wrong type.
-    """
-    choice, left = chosen(choice, values)
-    return changed(parameters, left), choice
-
-
-def changed(parameters: LocalizationParameters, values: dict[str, Any]) -> LocalizationParameters:
-    """Parameters with some values replaced, by name; all or none.
-
-    Raises:
-        SettingError: a name is unknown, or a value out of range or of the wrong type.
-    """
-    left = dict(values)
-    groups: dict[str, Any] = {}
-    for group in dataclasses.fields(parameters):
-        old = getattr(parameters, group.name)
-        mine = {name: left.pop(name) for name in describe(old) if name in left}
-        typed = {name: _of_type(name, value, getattr(old, name)) for name, value in mine.items()}
-        groups[group.name] = replace(old, **typed)
-    if left:
-        names = sorted(n for g in groups.values() for n in describe(g))
-        raise SettingError(f"{min(left)} is unknown; valid are {', '.join(names)}")
-    return LocalizationParameters(**groups)
-
-
-def _of_type(name: str, value: Any, old: Any) -> Any:
-    """The value as the type that the parameter has."""
-    if isinstance(old, bool) or isinstance(value, bool):
-        fits = isinstance(old, bool) and isinstance(value, bool)
-    elif isinstance(old, int):
-        fits = isinstance(value, (int, float)) and value == int(value)
-        value = int(value) if fits else value
-    elif isinstance(old, float):
-        fits = isinstance(value, (int, float))
-    else:
-        fits = isinstance(value, str)
-    if not fits:
-        raise SettingError(f"{name} is {value!r}; valid is a {type(old).__name__}")
-    return value

@@ -19,49 +19,53 @@ Preset = Mapping[str, Any]
 
 def _late(seconds: float) -> Preset:
     # Handed over later, too: a picture is not stamped with a time that has not come.
-    return {"camera.stamp_error": seconds, "camera.delay": 0.005 + seconds}
+    return {"sim.camera.stamp_error": seconds, "sim.camera.delay": 0.005 + seconds}
 
 
 _AS_REAL: Preset = {
-    "imperfections.slip_sd": 0.04,
-    "imperfections.camera_angle_sd": 0.3,
-    "imperfections.camera_position_sd": 0.001,
-    "camera.uneven_light": 0.5,
-    "camera.clutter": "shadow",
+    "sim.imperfections.slip_sd": 0.04,
+    "sim.imperfections.camera_angle_sd": 0.3,
+    "sim.imperfections.camera_position_sd": 0.001,
+    "sim.camera.uneven_light": 0.5,
+    "sim.camera.clutter": "shadow",
     **_late(0.020),
 }
 
 CONDITIONS: Mapping[str, Preset] = MappingProxyType(
     {
         "default": {},
-        "noisy": {"camera.noise": 40.0},
-        "dark": {"camera.light": 0.3},
-        "uneven": {"camera.uneven_light": 0.9},
-        "cluttered": {"camera.clutter": "all", "camera.glare": 150.0},
-        "fast": {"figure_eight.speed": 0.3, "camera.exposure": 0.030},
-        "askew": {"imperfections.camera_angle_sd": 0.5},
+        "noisy": {"sim.camera.noise": 40.0},
+        "dark": {"sim.camera.light": 0.3},
+        "uneven": {"sim.camera.uneven_light": 0.9},
+        "cluttered": {"sim.camera.clutter": "all", "sim.camera.glare": 150.0},
+        "fast": {"figure_eight.speed": 0.3, "sim.camera.exposure": 0.030},
+        "askew": {"sim.imperfections.camera_angle_sd": 0.5},
         "late": _late(0.030),
-        "worn": {"imperfections.wheel_radius_sd": 0.05},
-        "slippery": {"imperfections.slip_sd": 0.2},
-        "stretched": {"camera.floor_scale": 1.02},
-        "sparse": {"camera.frame_rate": 3.0},
-        "gaps": {"camera.lost_share": 0.9, "camera.lost_burst": 0.33, "camera.gap": 4.0},
+        "worn": {"sim.imperfections.wheel_radius_sd": 0.05},
+        "slippery": {"sim.imperfections.slip_sd": 0.2},
+        "stretched": {"sim.camera.floor_scale": 1.02},
+        "sparse": {"sim.camera.frame_rate": 3.0},
+        "gaps": {
+            "sim.camera.lost_share": 0.9,
+            "sim.camera.lost_burst": 0.33,
+            "sim.camera.gap": 4.0,
+        },
         "all-at-once": {
-            "imperfections.camera_angle_sd": 0.5,
-            "imperfections.slip_sd": 0.1,
-            "imperfections.wheel_radius_sd": 0.03,
-            "camera.noise": 15.0,
-            "camera.clutter": "all",
+            "sim.imperfections.camera_angle_sd": 0.5,
+            "sim.imperfections.slip_sd": 0.1,
+            "sim.imperfections.wheel_radius_sd": 0.03,
+            "sim.camera.noise": 15.0,
+            "sim.camera.clutter": "all",
             **_late(0.030),
         },
         "as-real": _AS_REAL,
         "hand-built": {
             **_AS_REAL,
-            "imperfections.camera_angle_sd": 1.5,
-            "imperfections.camera_position_sd": 0.005,
-            "imperfections.focal_length_sd": 0.02,
-            "imperfections.wheel_radius_sd": 0.03,
-            "imperfections.track_sd": 0.05,
+            "sim.imperfections.camera_angle_sd": 1.5,
+            "sim.imperfections.camera_position_sd": 0.005,
+            "sim.imperfections.focal_length_sd": 0.02,
+            "sim.imperfections.wheel_radius_sd": 0.03,
+            "sim.imperfections.track_sd": 0.05,
             **_late(0.040),
         },
     }
@@ -69,7 +73,7 @@ CONDITIONS: Mapping[str, Preset] = MappingProxyType(
 """What each sets. ``as-real`` stands where a robot would that nobody has calibrated; ``hand-built``
 where one would that was put together by hand at the first try."""
 
-LESS_IS_WORSE = ("camera.light", "camera.frame_rate")
+LESS_IS_WORSE = ("sim.camera.light", "sim.camera.frame_rate")
 
 
 def condition_names() -> str:
@@ -96,7 +100,7 @@ def require_effect(robot: str, name: str) -> None:
     valid = [
         each
         for each, preset in CONDITIONS.items()
-        if not any(path.startswith("imperfections.") for path in preset)
+        if not any(path.startswith("sim.imperfections.") for path in preset)
     ]
     if robot == "kinematic" and name not in valid:
         raise SettingError(

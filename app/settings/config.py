@@ -6,11 +6,17 @@ Nobody imports a settings object: what is needed is passed as an argument.
 from __future__ import annotations
 
 import dataclasses
+import functools
+import json
 import tomllib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hints
 
+from pydantic import TypeAdapter, ValidationError
+
+from app.settings.old_names import NEW_NAMES
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
@@ -22,9 +28,10 @@ from robot.hat.settings import BuildHatSettings
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, setting
-from sim.bullet import BulletSettings
-from sim.floor_camera import CameraSettings
-from sim.imperfections import Imperfections
+from sim.settings import SimSettings
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 ROOT = Path(__file__).resolve().parents[2]
 MAPS = ROOT / "maps"
@@ -32,7 +39,10 @@ FRONTEND = ROOT / "frontend"
 
 ROBOTS = ("sim", "kinematic", "buildhat")
 
-T = TypeVar("T")
+UNKNOWN = "unexpected_keyword_argument"
+"""How pydantic calls a name that is no field."""
+
+T = TypeVar("T", bound="DataclassInstance")
 
 
 @dataclass(frozen=True)
@@ -53,9 +63,6 @@ class Config:
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")
     models: str = setting("", "A folder of models of your own, which the page offers")
-    camera_source: str = setting(
-        "auto", "The real robot's camera: auto, pi, /dev/video0, a folder of pictures, a video file"
-    )
     drive: DriveSettings = DriveSettings()
     figure_eight: FigureEight = FigureEight()
     odometry: OdometrySettings = OdometrySettings()
@@ -65,10 +72,8 @@ class Config:
     ros2: Ros2Settings = Ros2Settings()
     start_pose: StartPoseSettings = StartPoseSettings()
     build_hat: BuildHatSettings = BuildHatSettings()
-    pictures: CameraSourceSettings = CameraSourceSettings()
-    camera: CameraSettings = CameraSettings()
-    physics: BulletSettings = BulletSettings()
-    imperfections: Imperfections = Imperfections()
+    camera: CameraSourceSettings = CameraSourceSettings()
+    sim: SimSettings = SimSettings()
 
     def __post_init__(self) -> None:
         check_settings(self)
@@ -113,65 +118,89 @@ def load_config(path: Path) -> Config:
         raise SettingError(f"{path}: {error}") from error
 
 
-def from_table(group: type[T], table: dict[str, Any], path: str = "") -> T:
+def from_table(group: type[T], table: Mapping[str, Any]) -> T:
     """A dataclass from a table of a TOML file, and its tables likewise.
 
     Raises:
         SettingError: a key is unknown, of the wrong type or out of range.
     """
-    check_names(group, table, path)
-    types = get_type_hints(group)
-    values = {name: _value(types[name], value, f"{path}{name}") for name, value in table.items()}
+    # As JSON, whose strict types are TOML's: tables, lists, an int for a float. What it does not
+    # have (a date) no setting is, so that it is refused as null is.
+    text = json.dumps(table, default=lambda _: None)
     try:
-        return group(**values)
-    except SettingError as error:
-        raise SettingError(f"{path}{error}") from error
+        result: T = _adapter(group).validate_json(text, strict=True, extra="forbid")
+    except ValidationError as error:
+        _refuse(group, table, error)
+    return result
 
 
-def with_settings(group: T, settings: dict[str, Any], path: str = "") -> T:
+def with_settings(group: T, settings: Mapping[str, Any]) -> T:
     """A dataclass with some settings replaced, named by their path as ``table.table.name``.
 
     Raises:
         SettingError: a setting is unknown, of the wrong type or out of range.
     """
-    here: dict[str, Any] = {}
-    below: dict[str, dict[str, Any]] = {}
-    for name, value in settings.items():
-        first, _, rest = name.partition(".")
-        if rest:
-            below.setdefault(first, {})[rest] = value
-        else:
-            here[first] = value
-    check_names(group, (*here, *below), path)
-    types = get_type_hints(type(group))
-    changed = {name: _value(types[name], value, f"{path}{name}") for name, value in here.items()}
-    for name, values in below.items():
-        old = getattr(group, name)
-        if not dataclasses.is_dataclass(old):
-            raise SettingError(f"{path}{name} is no table; {min(values)} cannot be in it")
-        changed[name] = with_settings(old, values, f"{path}{name}.")
-    try:
-        return dataclasses.replace(group, **changed)  # type: ignore[type-var]
-    except SettingError as error:
-        raise SettingError(f"{path}{error}") from error
+    return from_table(type(group), as_table(settings, dataclasses.asdict(group)))
 
 
-def _value(wanted: Any, value: Any, path: str) -> Any:
+def as_table(settings: Mapping[str, Any], table: dict[str, Any]) -> dict[str, Any]:
+    """A table with settings by their path put into it; what ``by_path`` takes apart.
+
+    Raises:
+        SettingError: a path leads through a setting.
+    """
+    for path, value in settings.items():
+        *tables, name = path.split(".")
+        inner = table
+        for depth, part in enumerate(tables, 1):
+            inner = inner.setdefault(part, {})
+            if not isinstance(inner, dict):
+                way, rest = ".".join(tables[:depth]), ".".join((*tables[depth:], name))
+                raise SettingError(f"{way} is no table; {rest} cannot be in it")
+        inner[name] = value
+    return table
+
+
+@functools.cache
+def _adapter(group: type[Any]) -> TypeAdapter[Any]:
+    return TypeAdapter(group)
+
+
+def _refuse(group: type[Any], table: Mapping[str, Any], error: ValidationError) -> NoReturn:
+    """Say in our words what is wrong first: a misspelt name before all else."""
+    fault = min(error.errors(include_url=False), key=lambda fault: fault["type"] != UNKNOWN)
+    kind, place, path = fault["type"], fault["loc"], _path(fault["loc"])
+    if kind == UNKNOWN and group is Config and path in NEW_NAMES:
+        raise SettingError(f"{path} is now {NEW_NAMES[path]}") from error
+    if kind == UNKNOWN:
+        table_type = _type_at(group, place[:-1])
+        check_names(table_type, [str(place[-1])], _path((*place[:-1], "")))
+    if kind == "value_error":
+        raise SettingError(f"{_path((*place, ''))}{fault['ctx']['error']}") from error
+    if not place:
+        raise SettingError(fault["msg"]) from error
+    value = "missing" if kind == "missing" else repr(_value_at(table, place))
+    valid = _valid(_type_at(group, place), path)
+    raise SettingError(f"{path} is {value}; valid is {valid}") from error
+
+
+def _path(place: tuple[int | str, ...]) -> str:
+    """As in ``table.table.name`` or ``name[0]``; what is in a table is named "" there."""
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)[1:]
+
+
+def _value_at(table: Any, place: tuple[int | str, ...]) -> Any:
+    return functools.reduce(lambda inner, part: inner[part], place, table)
+
+
+def _type_at(group: Any, place: tuple[int | str, ...]) -> Any:
+    for part in place:
+        group = get_args(group)[0] if isinstance(part, int) else get_type_hints(group)[part]
+    return group
+
+
+def _valid(wanted: Any, path: str) -> str:
+    """A type, as messages name it."""
     if dataclasses.is_dataclass(wanted):
-        if not isinstance(value, dict):
-            raise SettingError(f"{path} is {value!r}; valid is a table, as in [{path}]")
-        return from_table(wanted, value, f"{path}.")  # type: ignore[arg-type]
-    if get_origin(wanted) is tuple:
-        return _tuple(wanted, value, path)
-    if wanted is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if type(value) is not wanted:
-        raise SettingError(f"{path} is {value!r}; valid is a {wanted.__name__}")
-    return value
-
-
-def _tuple(wanted: Any, value: Any, path: str) -> tuple[Any, ...]:
-    if not isinstance(value, list):
-        raise SettingError(f"{path} is {value!r}; valid is a list")
-    kind = get_args(wanted)[0]
-    return tuple(_value(kind, one, f"{path}[{place}]") for place, one in enumerate(value))
+        return f"a table, as in [{path}]"
+    return "a list" if get_args(wanted) else f"a {wanted.__name__}"

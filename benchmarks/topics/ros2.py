@@ -34,6 +34,7 @@ from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.real_time import RealTime
+from sim.settings import SimSettings
 
 READERS = 3
 SECONDS = 10.0
@@ -95,7 +96,7 @@ class Running:
         particles = FilterParameters(min_particles=500, max_particles=500)
         config = Config(
             robot="sim",
-            camera=CameraSettings(frame_rate=10),
+            sim=SimSettings(camera=CameraSettings(frame_rate=10)),
             localization=replace(LocalizationParameters(), filter=particles),
             ros2=Ros2Settings(domain_id=self.domain),
         )

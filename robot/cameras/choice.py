@@ -23,24 +23,24 @@ VALID = (
 
 
 def open_camera(
-    source: str,
     lens: Lens,
     settings: CameraSourceSettings,
     clock: Callable[[], float] = time.monotonic,
 ) -> Camera:
-    """The camera that a name stands for, already at work.
+    """The camera that the settings name, already at work.
 
     Args:
-        source: "auto" (a Pi camera if there is one, else the first of ``/dev/video*`` that
-            delivers pictures), "pi", a device node or its number, a folder, a video, a socket.
         lens: tells the size of its pictures and the readout of its rows.
-        settings: how it is asked for pictures.
+        settings: how it is asked for pictures. Its source is "auto" (a Pi camera if there is one,
+            else the first of ``/dev/video*`` that delivers pictures), "pi", a device node or its
+            number, a folder, a video, a socket.
         clock: the clock of the frames' stamps [s].
 
     Raises:
         ValueError: there can never be a camera of this name; tells what is valid. One that is
             only absent at the moment is a ``problem`` of the camera, and looked for again.
     """
+    source = settings.source
     path = Path(f"/dev/video{source}" if source.isdecimal() else source)
     if path.is_dir():
         folder = FolderPictures(path)
@@ -49,20 +49,15 @@ def open_camera(
         video = VideoPictures(path)
         rate = video.frame_rate or settings.frame_rate
         return PacedPictures(video, lens, rate, settings.rotation, clock)
-    grabber = Grabber(
-        _device(source, path, lens, settings, clock), lens, settings.frame_rate, clock
-    )
+    grabber = Grabber(_device(path, lens, settings, clock), lens, settings.frame_rate, clock)
     grabber.start()
     return grabber
 
 
 def _device(
-    source: str,
-    path: Path,
-    lens: Lens,
-    settings: CameraSourceSettings,
-    clock: Callable[[], float],
+    path: Path, lens: Lens, settings: CameraSourceSettings, clock: Callable[[], float]
 ) -> Device:
+    source = settings.source
     if source == "auto":
         return FirstFound(lambda: _candidates(lens, settings, clock))
     if source == "pi":

@@ -1,4 +1,4 @@
-"""How a camera is asked for pictures, and what it does not tell about them."""
+"""Which camera is asked for pictures, how, and what it does not tell about them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from robot.settings import SettingError, check_settings, setting
 
 @dataclass(frozen=True)
 class CameraSourceSettings:
-    """How pictures are taken; their size is the lens's."""
+    """The real robot's camera, and how it takes pictures; their size is the lens's."""
 
+    source: str = setting(
+        "auto", "Where pictures are from: auto, pi, /dev/video0, a folder of pictures, a video file"
+    )
     frame_rate: float = setting(30.0, "Pictures a second", unit="1/s", low=1, high=120)
     rotation: int = setting(
         0, "How far pictures are turned, for a camera mounted upside down: 0 or 180", unit="deg",

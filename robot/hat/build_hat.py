@@ -69,11 +69,7 @@ class BuildHat:
 
     @classmethod
     def open(
-        cls,
-        spec: RobotSpec,
-        settings: BuildHatSettings,
-        camera: str,
-        pictures: CameraSourceSettings,
+        cls, spec: RobotSpec, settings: BuildHatSettings, camera: CameraSourceSettings
     ) -> BuildHat:
         """Wire up the robot of this computer; what is missing is told with every reading.
 
@@ -83,7 +79,7 @@ class BuildHat:
         board = Board(spec.joints, settings, BringUp(FirmwareImage.installed))
         device = find_device() if settings.serial_port == "auto" else settings.serial_port
         link = SerialLink(device, board, GpioResetLine().pulse)
-        return cls(spec, board, link, open_camera(camera, spec.lens, pictures))
+        return cls(spec, board, link, open_camera(spec.lens, camera))
 
     def read(self) -> Reading:
         """Wait for the next fiftieth of a second, and tell where the joints and the camera are.

@@ -57,7 +57,7 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
         EvaluationError, FitError: a drive cannot be made, or tells too little.
         OSError: the folder cannot be written.
     """
-    one_robot = {"imperfections.robot": job.robot, "seed": job.robot}
+    one_robot = {"sim.imperfections.robot": job.robot, "seed": job.robot}
     config = with_settings(job.config, one_robot)
     with written_whole(folder) as new:
         motion = repeated_motions(config, job.world, job.repeats, workers)
@@ -86,7 +86,7 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
             f"{sensor.fit.values.sigma_hit:.6f} m; a filter is set no narrower than here.",
         )
         # So that a simulated run has the robot that was measured.
-        written = settings | {"imperfections.robot": job.robot}
+        written = settings | {"sim.imperfections.robot": job.robot}
         (new / FITTED).write_text(
             toml_of(written, (*comments, *_told_of(clipped(motion, sensor, config)))),
             encoding="utf-8",

@@ -52,7 +52,7 @@ def repeated_motions(
     """Drive each motion many times with one simulated robot.
 
     Args:
-        config: ``imperfections.robot`` is which one.
+        config: ``sim.imperfections.robot`` is which one.
         world: one of ``WORLDS``.
         repeats: how often each motion is driven.
         workers: who does it.
@@ -71,7 +71,7 @@ def repeated_motions(
         if isinstance(done, Exception):
             raise EvaluationError(f"{jobs[place].motion}: {done}") from done
         runs[place] = done
-    step = 1 / config.camera.frame_rate
+    step = 1 / config.sim.camera.frame_rate
     driven = [runs[place] for place in sorted(runs)]
     even = [run.resampled(step) for run in driven]
     fit = fit_drive(even, track=spec.track)
@@ -95,15 +95,13 @@ def repeated_motions(
 
 def trial_robot(spec: RobotSpec, config: Config) -> TrialRobot:
     """The robot that a configuration draws, for motions without a camera."""
-    kinematic = config.robot == "kinematic"
-    seed = max(config.imperfections.robot, 0)
-    if kinematic:
-        imperfections = replace(config.imperfections, slip_sd=0.0, encoder_step=0.0)
-        return TrialRobot(
-            spec, spec, imperfections, config.drive, config.physics, "kinematic", seed
-        )
-    true = draw(spec, config.imperfections, np.random.default_rng(seed))
-    return TrialRobot(spec, true, config.imperfections, config.drive, config.physics, "sim", seed)
+    imperfections, physics = config.sim.imperfections, config.sim.physics
+    seed = max(imperfections.robot, 0)
+    if config.robot == "kinematic":
+        exact = replace(imperfections, slip_sd=0.0, encoder_step=0.0)
+        return TrialRobot(spec, spec, exact, config.drive, physics, "kinematic", seed)
+    true = draw(spec, imperfections, np.random.default_rng(seed))
+    return TrialRobot(spec, true, imperfections, config.drive, physics, "sim", seed)
 
 
 def recorded_motion(
@@ -127,7 +125,7 @@ def recorded_motion(
         odometry.poses,
         truth.stamps,
         truth.poses,
-        step=1 / config.camera.frame_rate,
+        step=1 / config.sim.camera.frame_rate,
         offset=clock_offset,
     )
     middle = (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2

@@ -60,7 +60,7 @@ def scanned_drives(
     """Compare the scans of some drives of one simulated robot.
 
     Args:
-        config: ``imperfections.robot`` is which one.
+        config: ``sim.imperfections.robot`` is which one.
         world: one of ``WORLDS``.
         drives: of the figure-eight.
         seconds: how long each takes [s].

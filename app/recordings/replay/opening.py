@@ -11,8 +11,9 @@ from app.engine.build import Streams, driving_of, odometry_start, own_models
 from app.engine.commands import apply
 from app.engine.controls import Controls, EngineState
 from app.engine.engine import Engine
-from app.engine.localization import Localization, changed_with_own
+from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
+from app.engine.parameter_changes import changed_with_own
 from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording

@@ -39,7 +39,7 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
     if wire.usable(of_wire):
         device = wire.device_of(machine, config.build_hat.serial_port)
         yield from check_board(device, spec.joints, config.build_hat, _tell)
-    yield from check_camera(config.camera_source, spec.lens, config.pictures)
+    yield from check_camera(spec.lens, config.camera)
 
 
 def _tell(what: str) -> None:

@@ -26,18 +26,17 @@ OLD_S = 0.15
 
 
 def check_camera(
-    source: str, lens: Lens, settings: CameraSourceSettings, patience: float = START_S
+    lens: Lens, settings: CameraSourceSettings, patience: float = START_S
 ) -> Iterator[Finding]:
     """Take pictures for a second.
 
     Args:
-        source: which camera, as ``--camera`` names it.
         lens: tells their size.
-        settings: how they are asked for.
+        settings: which camera, and how they are asked for.
         patience: how long the first may take [s].
     """
     try:
-        camera = open_camera(source, lens, settings)
+        camera = open_camera(lens, settings)
     except ValueError as error:
         yield problem(sentence(str(error)))
         return
@@ -70,7 +69,7 @@ def pictures(name: str, lens: Lens, rate: float, wanted: float) -> Finding:
     told = f"{sentence(name)}: {lens.width} x {lens.height}, {rate:.0f} pictures/s"
     if rate < SLOW * wanted:
         return warning(
-            f"{told} of {wanted:g}", "more light, or a lower frame_rate in [pictures] of --config"
+            f"{told} of {wanted:g}", "more light, or a lower frame_rate in [camera] of --config"
         )
     return ok(told)
 

@@ -74,7 +74,9 @@ def _run(
     if world == "sim":
         field = load_field(config.map, MAPS)
         true, rng = _true_robot(config, spec)
-        around = RobotOnField(BulletWorld(true, field.start, settings=config.physics), true, motors)
+        around = RobotOnField(
+            BulletWorld(true, field.start, settings=config.sim.physics), true, motors
+        )
     else:
         around = Table(motors)
     stack.callback(around.close)
@@ -98,7 +100,7 @@ def _run(
 def _true_robot(config: Config, spec: RobotSpec) -> tuple[RobotSpec, np.random.Generator]:
     """The same robot as ``run --robot sim`` has, and its luck."""
     rng = Streams.of(config.seed).robot
-    return draw(spec, config.imperfections, rng), rng
+    return draw(spec, config.sim.imperfections, rng), rng
 
 
 def _show_pictures(
@@ -111,12 +113,12 @@ def _show_pictures(
     field: Field,
     rng: np.random.Generator,
 ) -> None:
-    camera = FloorCamera(true.floor_view, field.floor, config.camera, rng)
+    camera = FloorCamera(true.floor_view, field.floor, config.sim.camera, rng)
     # The first one takes long: compiled code is loaded, and the board would stall meanwhile.
     camera.picture(around.truth, Twist2(0.0, 0.0))
     server = PictureServer(path, camera)
     stack.callback(server.close)
-    around.has_camera(config.camera, true.lens.readout, emulator.wall, server.take)
+    around.has_camera(config.sim.camera, true.lens.readout, emulator.wall, server.take)
     server.start()
 
 

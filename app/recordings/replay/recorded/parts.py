@@ -11,7 +11,8 @@ from typing import Any
 from app.recordings.attachments import SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.settings.config import MAPS, Config, from_table
+from app.settings.config import MAPS, Config, as_table, by_path, from_table
+from app.settings.old_names import new_name
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -82,7 +83,17 @@ def _config(reader: RecordingReader) -> Config:
     if SETTINGS not in reader.attachments:
         return Config()
     try:
-        content: dict[str, Any] = tomllib.loads(reader.attachments[SETTINGS].decode())
+        content = with_new_names(tomllib.loads(reader.attachments[SETTINGS].decode()))
         return from_table(Config, {name: content[name] for name in TAKEN if name in content})
     except (SettingError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise RecordingError(f"the settings in {reader.path} cannot be used: {error}") from error
+
+
+def with_new_names(content: dict[str, Any]) -> dict[str, Any]:
+    """Settings with their names of today, also of a recording from before there was ``[sim]``.
+
+    Then ``[camera]`` was the simulator's, with names that the real one's settings have now.
+    """
+    if "sim" in content:
+        return content
+    return as_table({new_name(path): value for path, value in by_path(content).items()}, {})

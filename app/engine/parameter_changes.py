@@ -1,0 +1,49 @@
+"""The filter's parameters changed while it runs: by name alone, as the page has them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from app.engine.own_models.own_models import OwnChoice, chosen
+from app.settings.config import with_settings
+from robot.localization.parameters import LocalizationParameters
+from robot.settings import SettingError, describe
+
+
+def changed_with_own(
+    parameters: LocalizationParameters, choice: OwnChoice, values: Mapping[str, Any]
+) -> tuple[LocalizationParameters, OwnChoice]:
+    """As ``changed``, where models may also be of the user's own, as ``my_model.py:MyModel``.
+
+    Raises:
+        SettingError: a name is unknown, or a value out of range or of the wrong type.
+    """
+    choice, rest = chosen(choice, dict(values))
+    return changed(parameters, rest), choice
+
+
+def changed(
+    parameters: LocalizationParameters, values: Mapping[str, Any]
+) -> LocalizationParameters:
+    """Parameters with some values replaced, by name; all or none.
+
+    Raises:
+        SettingError: a name is unknown, or a value out of range or of the wrong type.
+    """
+    rest = {name: _whole(value) for name, value in values.items()}
+    groups: dict[str, Any] = {}
+    for group in dataclasses.fields(parameters):
+        old = getattr(parameters, group.name)
+        mine = {name: rest.pop(name) for name in describe(old) if name in rest}
+        groups[group.name] = with_settings(old, mine)
+    if rest:
+        names = sorted(name for group in groups.values() for name in describe(group))
+        raise SettingError(f"{min(rest)} is unknown; valid are {', '.join(names)}")
+    return LocalizationParameters(**groups)
+
+
+def _whole(value: Any) -> Any:
+    """A whole number as an int: what a page sends does not tell 3.0 from 3."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -1,0 +1,57 @@
+"""What the page sends changes parameters by name, all or none."""
+
+import math
+
+import pytest
+
+from app.engine.own_models.own_models import OwnChoice
+from app.engine.parameter_changes import changed, changed_with_own
+from robot.localization.parameters import LocalizationParameters
+from robot.settings import SettingError
+
+DEFAULT = LocalizationParameters()
+
+
+def test_values_reach_their_group_by_name_alone():
+    result = changed(DEFAULT, {"max_particles": 700, "sigma_hit": 0.01, "do_beamskip": True})
+    assert (result.filter.max_particles, result.sensor.sigma_hit) == (700, 0.01)
+    assert result.sensor.do_beamskip
+    assert result.motion == DEFAULT.motion
+    assert changed(DEFAULT, {}) == DEFAULT
+
+
+@pytest.mark.parametrize("value", [700, 700.0])
+def test_a_whole_number_is_one_however_it_is_written(value):
+    count = changed(DEFAULT, {"max_particles": value}).filter.max_particles
+    assert (count, type(count)) == (700, int)
+    spread = changed(DEFAULT, {"alpha2": value}).motion.alpha2
+    assert (spread, type(spread)) == (700.0, float)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"max_particle": 700}, "^max_particle is unknown; valid are .*max_particles"),
+        ({"max_particles": 700.5}, "^max_particles is 700.5; valid is a int"),
+        ({"max_particles": math.nan}, "^max_particles is nan; valid is a int"),
+        ({"max_particles": True}, "^max_particles is True; valid is a int"),
+        ({"max_particles": "700"}, "^max_particles is '700'; valid is a int"),
+        ({"max_particles": 1e300}, "^max_particles is 1e.300; valid is 10 to 20000"),
+        ({"sigma_hit": True}, "^sigma_hit is True; valid is a float"),
+        ({"sigma_hit": 9}, "^sigma_hit is 9 m; valid is 0.0005 to 0.5 m"),
+        ({"refine": 1}, "^refine is 1; valid is a bool"),
+        ({"filter": "best"}, "^filter is 'best'; valid are hypotheses, particles"),
+        ({"sigma_hit": 0.01, "max_particles": 1}, "^max_particles is 1; valid is"),
+    ],
+)
+def test_a_wrong_name_or_value_is_refused_by_its_name(values, message):
+    with pytest.raises(SettingError, match=message):
+        changed(DEFAULT, values)
+
+
+def test_a_model_of_the_users_own_is_a_choice_and_no_parameter():
+    offer = OwnChoice(sensors=("mine.py:Mine",))
+    values = {"laser_model_type": "mine.py:Mine", "max_particles": 700}
+    result, choice = changed_with_own(DEFAULT, offer, values)
+    assert choice.sensor == "mine.py:Mine"
+    assert result == changed(DEFAULT, {"max_particles": 700})
