@@ -23,7 +23,7 @@ FIRST = 1.0
 """So long after a carry nobody can know better [s]."""
 SETTLE = 1.0
 """From so long after the start on, covariances are compared with errors [s]."""
-NARROW = 0.02
+USEFUL = 0.02
 """A claim with a narrower radius is of use [m]."""
 ELLIPSE = 5.991
 """Squared radius of an ellipse that holds 95 % in two dimensions."""
@@ -71,7 +71,7 @@ def measures(claims: Claims) -> Measures:
         "alarm_while_right": _share(alarm & within),
         "time_to_right_s": _finite(time_to_right(claims.stamps[after], is_right[after])),
         "ate_rmse_m": _rms(claims.distances),
-        "available": _share(certain(claims) & (claims.radius < NARROW)),
+        "available": _share(certain(claims) & (claims.radius < USEFUL)),
         "bound_mean_m": _mean(claims.radius[certain(claims)]),
         "sure_while_right": _mean(certain(claims)[is_right]),
         **_consistency(claims),

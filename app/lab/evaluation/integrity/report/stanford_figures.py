@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 
 from app.lab.evaluation.convergence import PLACE_XY, Mask
-from app.lab.evaluation.integrity.measures import NARROW
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
 from app.lab.evaluation.report.figures import drawn
 from robot.geometry import Array
+from robot.localization.monitoring.claims import NARROW
 
 MISLEADING, NAVY, ORANGE = "#d55e00", "#0072b2", "#e69f00"
 """Okabe and Ito."""
@@ -74,7 +74,6 @@ def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
                 color=COLOURS[place % len(COLOURS)],
             )  # fmt: skip
         axes.set(xlabel="truth outside of the bound [%]", ylabel="bound below the limit [%]")
-        axes.set_xscale("symlog", linthresh=0.01)
         axes.set_xlim(left=0)
         axes.grid(alpha=0.3)
         figure.legend(loc="outside right upper", frameon=False, fontsize=7)
