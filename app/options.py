@@ -36,13 +36,13 @@ def add_map(command: argparse.ArgumentParser) -> None:
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
     """What is worse than usual with a simulated robot."""
-    again = "; may be given more than once" if many else ""
+    repeated = "; may be given more than once" if many else ""
     command.add_argument(
         "--condition",
         metavar="NAME",
         action="append" if many else "store",
         default=argparse.SUPPRESS,
-        help=f"what is worse than usual in a simulation{again}: {condition_names()} "
+        help=f"what is worse than usual in a simulation{repeated}: {condition_names()} "
         "(default: default)",
     )
 

@@ -78,8 +78,8 @@ class Lens:
         ).reshape(-1, 2)
         directions: Array = np.column_stack([ideal, np.ones(len(ideal))]).astype(np.float64)
         # The search ends somewhere even if there is nothing to be found.
-        off = np.abs(self.project(directions) - pixels).max(axis=1)
-        directions[~(off < FOUND_PX)] = np.nan
+        offset = np.abs(self.project(directions) - pixels).max(axis=1)
+        directions[~(offset < FOUND_PX)] = np.nan
         return directions
 
     def _distorted(self, ideal: Array) -> Array:

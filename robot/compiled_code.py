@@ -48,10 +48,10 @@ def keep_compiled_code(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim"))
 
 
 def _digest(packages: tuple[Path, ...]) -> str:
-    found = hashlib.sha256()
+    result = hashlib.sha256()
     for path in sorted(set(_sources(packages))):
-        found.update(path.read_bytes())
-    return found.hexdigest()[:12]
+        result.update(path.read_bytes())
+    return result.hexdigest()[:12]
 
 
 def _sources(packages: tuple[Path, ...]) -> Iterator[Path]:

@@ -38,7 +38,7 @@ def undistorted(
             x, y = x + (u - before_u), y + (v - before_v)
         else:
             x, y = u, v
-        found = False
+        result = False
         for _ in range(STEPS):
             xx, yy, xy = x * x, y * y, x * y
             r2 = xx + yy
@@ -46,7 +46,7 @@ def undistorted(
             off_u = x * radial + 2.0 * p1 * xy + p2 * (r2 + 2.0 * xx) - u
             off_v = y * radial + p1 * (r2 + 2.0 * yy) + 2.0 * p2 * xy - v
             if abs(off_u) < FOUND and abs(off_v) < FOUND:
-                found = r2 < widest * widest
+                result = r2 < widest * widest
                 break
             # Slopes of the formula; they are symmetric.
             grows = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))
@@ -58,7 +58,7 @@ def undistorted(
                 break
             x -= (v_y * off_u - u_y * off_v) / determinant
             y -= (u_x * off_v - u_y * off_u) / determinant
-        if found:
+        if result:
             ideal[i, 0], ideal[i, 1] = x, y
             before_u, before_v = u, v
         else:

@@ -97,7 +97,7 @@ def _collision(bullet: Any, client: int, body: RigidBody) -> int:
         halfExtents=[[edge / 2 for edge in (*shape.size, 0, 0)[:3]] for shape in shapes],
         lengths=[(*shape.size, 0)[1] for shape in shapes],
         collisionFramePositions=[at[:3, 3].tolist() for _, at in body.collisions],
-        collisionFrameOrientations=[_quaternion(at) for _, at in body.collisions],
+        collisionFrameOrientations=[_quaternion(position) for _, position in body.collisions],
         physicsClientId=client,
     )
     return number

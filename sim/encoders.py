@@ -51,8 +51,8 @@ class Encoders:
         # Of the readings that are old enough, the newest one stays.
         while len(self._past) > 2 and self._past[1][0] <= stamp - VELOCITY_SPAN + 1e-9:
             self._past.popleft()
-        then, _, before = self._past[0]
-        velocities = (reported - before) / (stamp - then) if stamp > then else 0 * reported
+        earlier, _, before = self._past[0]
+        velocities = (reported - before) / (stamp - earlier) if stamp > earlier else 0 * reported
         return reported.copy(), velocities
 
     def _slide(self, positions: Array, stamp: float) -> None:

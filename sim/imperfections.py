@@ -87,8 +87,8 @@ def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator
         for joint, error in zip(spec.joints, errors, strict=False)
     ]
     true = spec.with_wheels(radii, spec.track * (1 + imperfections.track_sd * errors[-1]))
-    off = imperfections.camera_angle_sd, imperfections.camera_position_sd
-    if not any((*off, imperfections.focal_length_sd)):
+    offset = imperfections.camera_angle_sd, imperfections.camera_position_sd
+    if not any((*offset, imperfections.focal_length_sd)):
         return true
     return _askew(true, imperfections, _beside(rng))
 

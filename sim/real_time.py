@@ -22,12 +22,12 @@ class RealTime:
 
     def __call__(self, stamp: float) -> None:
         """Sleep until a stamp [s]."""
-        now = time.monotonic()
+        clock = time.monotonic()
         if self._zero is None:
-            self._zero = now - stamp
+            self._zero = clock - stamp
         else:
-            self.busy.append(now - self._went_on)
-        if now - self._zero - stamp > self._longest_lag:
-            self._zero = now - stamp
-        time.sleep(max(0.0, self._zero + stamp - now))
+            self.busy.append(clock - self._went_on)
+        if clock - self._zero - stamp > self._longest_lag:
+            self._zero = clock - stamp
+        time.sleep(max(0.0, self._zero + stamp - clock))
         self._went_on = time.monotonic()

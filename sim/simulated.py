@@ -97,8 +97,8 @@ class SimulatedRobot:
             self._world.close()
 
     def _remember(self, since_tick: float = 0.0) -> None:
-        now = self.stamp + since_tick
-        self._past.remember(now, self._world.pose, self._world.twist)
+        current = self.stamp + since_tick
+        self._past.remember(current, self._world.pose, self._world.twist)
 
     def _frame(self) -> Frame | None:
         """The newest picture, if one has been exposed, read out and handed over by now."""

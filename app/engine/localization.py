@@ -145,9 +145,9 @@ class Localization:
 
     def set_pose(self, pose: Pose2, sd_xy: float | None, sd_theta: float | None) -> None:
         """Tell the filter where the robot is, with standard deviations [m] and [rad]."""
-        told = self.parameters.filter
-        xy = told.initial_sd_xy if sd_xy is None else sd_xy
-        theta = told.initial_sd_theta if sd_theta is None else sd_theta
+        given = self.parameters.filter
+        xy = given.initial_sd_xy if sd_xy is None else sd_xy
+        theta = given.initial_sd_theta if sd_theta is None else sd_theta
         self.set_pose_with(pose, np.diag(np.square([xy, xy, theta])))
 
     def set_pose_with(self, pose: Pose2, covariance: Array) -> None:

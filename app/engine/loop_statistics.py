@@ -23,10 +23,10 @@ class LoopMeter:
 
     def begin(self) -> None:
         """The robot has answered: work begins."""
-        now = time.perf_counter()
+        clock = time.perf_counter()
         if self._begun:
-            self._period = _smooth(self._period, now - self._begun)
-        self._begun = now
+            self._period = _smooth(self._period, clock - self._begun)
+        self._begun = clock
 
     def frame(self, stamp: float) -> None:
         """A picture came, exposed at a stamp [s]."""

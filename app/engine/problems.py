@@ -41,10 +41,12 @@ class Problems:
     def report_all(self, topic: str, stamp: float, messages: Sequence[str]) -> None:
         """Say everything that is wrong with a topic; each message is logged when it comes."""
         wrong = {f"{topic}: {message}": message for message in messages}
-        for over in [one for one in self._now if one.startswith(f"{topic}: ") and one not in wrong]:
+        for over in [
+            item for item in self._now if item.startswith(f"{topic}: ") and item not in wrong
+        ]:
             del self._now[over]
-        for one, message in wrong.items():
-            self.report(one, stamp, message)
+        for each, message in wrong.items():
+            self.report(each, stamp, message)
 
     def note(self, stamp: float, message: str) -> None:
         """Put into the record what went wrong and is over."""

@@ -107,4 +107,7 @@ class Snapshot:
         if self.estimate is None or self.pose is None:
             return []
         moved = self.estimate.pose.inverse() @ self.pose
-        return [(one.pose @ moved, one.weight, one.covariance) for one in self.estimate.hypotheses]
+        return [
+            (hypothesis.pose @ moved, hypothesis.weight, hypothesis.covariance)
+            for hypothesis in self.estimate.hypotheses
+        ]

@@ -142,7 +142,7 @@ def check_options(given: dict[str, Any]) -> None:
     for name in given:
         if name not in (*valid, "out", "what", "command"):
             of = "a recording" if recorded else "a simulation"
-            options = ", ".join(_option(one) for one in ("out", *valid))
+            options = ", ".join(_option(item) for item in ("out", *valid))
             raise SettingError(
                 f"{_option(name)} does not go with {given['what']} of {of}; valid are {options}"
             )
@@ -236,7 +236,7 @@ def _own_options(given: dict[str, Any]) -> dict[str, Any]:
     """
     for name in given:
         if name not in (*INTEGRITY, "out", "what", "command"):
-            options = ", ".join(_option(one) for one in ("out", *INTEGRITY))
+            options = ", ".join(_option(item) for item in ("out", *INTEGRITY))
             raise SettingError(f"{_option(name)} does not go with integrity; valid are {options}")
     for name in ("map", "condition", "start"):
         if isinstance(given.get(name), str):

@@ -32,26 +32,26 @@ class Replayed:
 
     def trajectories(self) -> dict[str, Trajectory]:
         """Those that have two poses and more, by name."""
-        found = {}
+        result = {}
         for name in ("estimated", "then", "truth", "odometry"):
             poses = getattr(self, name)
             known = ~np.isnan(poses[:, 0])
             if np.count_nonzero(known) >= 2:
-                found[name] = Trajectory.of_poses(self.stamps[known], poses[known], name)
-        return found
+                result[name] = Trajectory.of_poses(self.stamps[known], poses[known], name)
+        return result
 
 
 def replay(
     path: Path,
     options: ReplayOptions = ReplayOptions(),
-    told: Callable[[float], None] | None = None,
+    given: Callable[[float], None] | None = None,
 ) -> Replayed:
     """Run the filter on a recording; the same file, options and seed give the same result.
 
     Args:
         path: of the recording.
         options: what shall be otherwise than then.
-        told: called now and then with the share that is done.
+        given: called now and then with the share that is done.
 
     Raises:
         RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
@@ -62,14 +62,16 @@ def replay(
     rows: list[tuple[float, Pose2 | None, Pose2 | None, Pose2 | None, Pose2]] = []
     try:
         while course.robot.next_ns is not None:
-            one = course.tick()
-            rows.append((one.stamp, one.pose, course.estimate_then(one), one.truth, one.odometry))
-            if told is not None and len(rows) % 500 == 0:
-                told(min(one.stamp / max(replayed.duration_s, 1e-9), 1.0))
+            each = course.tick()
+            rows.append(
+                (each.stamp, each.pose, course.estimate_then(each), each.truth, each.odometry)
+            )
+            if given is not None and len(rows) % 500 == 0:
+                given(min(each.stamp / max(replayed.duration_s, 1e-9), 1.0))
     finally:
         program.robot.close()
     stamps, *poses = zip(*rows, strict=True)
-    return Replayed(np.array(stamps), *(np.array([_row(one) for one in kind]) for kind in poses))
+    return Replayed(np.array(stamps), *(np.array([_row(item) for item in kind]) for kind in poses))
 
 
 def write(replayed: Replayed, folder: Path, note: str) -> list[Path]:

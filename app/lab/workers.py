@@ -187,11 +187,11 @@ class ClusterWorkers:
         """Results of another program than ours would pass for ours."""
         ours = versions()
         try:
-            found = self._client.run(versions)
+            result = self._client.run(versions)
         except Exception as error:
             self.close()
             raise WorkerError(f"a worker of the cluster has not this program: {error}") from error
-        for where, theirs in found.items():
+        for where, theirs in result.items():
             if theirs != ours:
                 self.close()
                 names = [name for name in ours if theirs.get(name) != ours[name]]

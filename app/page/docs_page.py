@@ -64,10 +64,10 @@ def _kind(about: dict[str, Any]) -> str:
     if "const" in about or "enum" in about:
         return " or ".join(json.dumps(value) for value in about.get("enum", [about.get("const")]))
     if "anyOf" in about:
-        return " or ".join(_kind(one) for one in about["anyOf"])
+        return " or ".join(_kind(each) for each in about["anyOf"])
     if about.get("type") == "array":
         if "prefixItems" in about:
-            return f"({', '.join(_kind(one) for one in about['prefixItems'])})"
+            return f"({', '.join(_kind(item) for item in about['prefixItems'])})"
         return f"list of {_size(about)}{_kind(about.get('items', {}))}"
     low, high = (
         about.get(inclusive, about.get(exclusive))
@@ -88,6 +88,6 @@ def _size(about: dict[str, Any]) -> str:
 
 
 def _table(heads: tuple[str, ...], rows: Any) -> str:
-    head = "".join(f"<th>{one}</th>" for one in heads)
-    body = "\n".join("<tr>" + "".join(f"<td>{one}</td>" for one in row) + "</tr>" for row in rows)
+    head = "".join(f"<th>{each}</th>" for each in heads)
+    body = "\n".join("<tr>" + "".join(f"<td>{item}</td>" for item in row) + "</tr>" for row in rows)
     return f"<table><tr>{head}</tr>\n{body}</table>"

@@ -119,9 +119,9 @@ def _id_of(text: str) -> int | str | None:
     """The id of a refused command, as far as it can be read."""
     try:
         content: Any = json.loads(text)
-        found = content.get("id") if isinstance(content, dict) else None
+        result = content.get("id") if isinstance(content, dict) else None
         # Half a surrogate pair is valid JSON, but no text that could be sent back.
-        str(found).encode()
+        str(result).encode()
     except (ValueError, RecursionError):
         return None
-    return found if type(found) in (int, str) and len(str(found)) <= 200 else None
+    return result if type(result) in (int, str) and len(str(result)) <= 200 else None

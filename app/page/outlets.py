@@ -75,13 +75,13 @@ class Outlets:
             self.close()
             raise
 
-    def record(self, on: bool) -> None:
+    def record(self, enabled: bool) -> None:
         """Begin a recording, or end the one that runs.
 
         Raises:
             RecordingError: one runs already, or there can be none.
         """
-        if on:
+        if enabled:
             self.recorder.start()
         else:
             self.recorder.stop()
@@ -89,8 +89,8 @@ class Outlets:
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
-        told = [route.failure for route in self._routes]
-        return [words for words in (*told, self.publisher.failure) if words is not None]
+        given = [route.failure for route in self._routes]
+        return [words for words in (*given, self.publisher.failure) if words is not None]
 
     def close(self) -> None:
         """End all, and wait until what is recorded is written; may be called twice."""

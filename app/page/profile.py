@@ -9,7 +9,7 @@ from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
 
 
-def profile(scanner: LineScanner, found: LineScan, ray: int) -> ProfileMessage:
+def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessage:
     """What was seen along one ray of a picture.
 
     Raises:
@@ -20,17 +20,17 @@ def profile(scanner: LineScanner, found: LineScan, ray: int) -> ProfileMessage:
         raise IndexError(f"there is no ray {ray}; valid is 0 to {rays - 1}")
     count = int(scanner.table.counts[ray])
     entry, leaving = (
-        None if math.isnan(edge) else scanner.distance(ray, edge) for edge in found.edges[ray]
+        None if math.isnan(edge) else scanner.distance(ray, edge) for edge in line_scan.edges[ray]
     )
-    verdict = Verdict(found.verdicts[ray])
-    width = found.widths[ray]
+    verdict = Verdict(line_scan.verdicts[ray])
+    width = line_scan.widths[ray]
     return ProfileMessage(
-        stamp=found.scan.stamp,
+        stamp=line_scan.scan.stamp,
         ray=ray,
-        bearing=float(found.scan.bearings[ray]),
+        bearing=float(line_scan.scan.bearings[ray]),
         distances=scanner.table.distances[ray, :count].round(5).tolist(),
-        grey=found.grey[ray, :count].astype(float).tolist(),
-        response=found.response[ray, :count].astype(float).round(1).tolist(),
+        grey=line_scan.grey[ray, :count].astype(float).tolist(),
+        response=line_scan.response[ray, :count].astype(float).round(1).tolist(),
         threshold=scanner.settings.threshold,
         entry=entry,
         exit=leaving,

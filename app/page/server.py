@@ -189,7 +189,7 @@ def _health(
     if silent > STALE_S:
         where = running(thread.ident)
         return "degraded", f"No tick for {silent:.1f} s." + (f" {where}" if where else "")
-    failures = [one.failure for one in followers if one.failure]
+    failures = [follower.failure for follower in followers if follower.failure]
     problems = [*latest.problems, *failures, *outlets.failures]
     if problems:
         return "degraded", " ".join(problems)

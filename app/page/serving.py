@@ -31,8 +31,8 @@ def listen(host: str, port: int) -> socket.socket:
         PortError: the address is not of this machine, or the port is taken or not allowed.
     """
     try:
-        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
-        family, kind, protocol, _, address = found[0]
+        result = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
+        family, kind, protocol, _, address = result[0]
         with ExitStack() as unless_it_listens:
             # Only where the protocol is said does asyncio send each part at once; else the second
             # part of an answer waits until the first is acknowledged: 40 ms.

@@ -75,9 +75,9 @@ class TelemetryWriter:
         )
 
     def _scan(self, snapshot: Snapshot) -> ScanMessage:
-        found = snapshot.line_scan
+        line_scan = snapshot.line_scan
         table = self._scanner.table
-        if found is None:
+        if line_scan is None:
             rays = len(table.bearings)
             return ScanMessage(
                 stamp=0.0,
@@ -89,23 +89,23 @@ class TelemetryWriter:
                 exit_px=[None] * rays,
                 tape_width=None,
             )
-        counted = found.verdicts == Verdict.COUNTED
-        start = found.scan.robot_from_scan
+        counted = line_scan.verdicts == Verdict.COUNTED
+        start = line_scan.scan.robot_from_scan
         return ScanMessage(
-            stamp=found.scan.stamp,
-            bearings=_rounded(found.scan.bearings, 5),
-            ranges=[None if math.isinf(r) else round(r, 5) for r in found.scan.ranges.tolist()],
+            stamp=line_scan.scan.stamp,
+            bearings=_rounded(line_scan.scan.bearings, 5),
+            ranges=[None if math.isinf(r) else round(r, 5) for r in line_scan.scan.ranges.tolist()],
             robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
             robot=pose_message(snapshot.scan_pose),
-            entry_px=self._pixels(found, 0, counted),
-            exit_px=self._pixels(found, 1, counted),
-            tape_width=None if math.isnan(found.tape_width) else found.tape_width,
+            entry_px=self._pixels(line_scan, 0, counted),
+            exit_px=self._pixels(line_scan, 1, counted),
+            tape_width=None if math.isnan(line_scan.tape_width) else line_scan.tape_width,
         )
 
     def _pixels(
-        self, found: LineScan, which: int, counted: np.ndarray
+        self, line_scan: LineScan, which: int, counted: np.ndarray
     ) -> list[tuple[float, float] | None]:
-        pixels = self._scanner.pixels(found.edges[:, which]).tolist()
+        pixels = self._scanner.pixels(line_scan.edges[:, which]).tolist()
         return [
             (round(u, 1), round(v, 1)) if shown else None
             for (u, v), shown in zip(pixels, counted.tolist(), strict=True)
@@ -149,29 +149,35 @@ def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Arra
 
 
 def parameter_messages(
-    now: LocalizationParameters, default: LocalizationParameters, own: OwnChoice, given: OwnChoice
+    localization_parameters: LocalizationParameters,
+    default: LocalizationParameters,
+    own: OwnChoice,
+    given: OwnChoice,
 ) -> list[ParameterMessage]:
     """Every parameter of the filter, with its meaning; models of the user's own are choices, too.
 
     Args:
-        now: the parameters that hold.
+        localization_parameters: the parameters that hold.
         default: those of the start.
         own: models of the user's own, in use and on offer.
         given: those of the start.
     """
-    found = []
+    result = []
     models = {
         "laser_model_type": (own.sensor, given.sensor, own.sensors),
         "robot_model_type": (own.motion, given.motion, own.motions),
     }
-    for group in dataclasses.fields(now):
-        values, defaults = getattr(now, group.name), getattr(default, group.name)
+    for group in dataclasses.fields(localization_parameters):
+        values, defaults = (
+            getattr(localization_parameters, group.name),
+            getattr(default, group.name),
+        )
         for name, known in describe(values).items():
             chosen, first, offered = models.get(name, ("", "", ()))
             value = chosen or getattr(values, name)
             standard = first or getattr(defaults, name)
-            found.append(_parameter(group.name, name, known, value, standard, offered))
-    return found
+            result.append(_parameter(group.name, name, known, value, standard, offered))
+    return result
 
 
 def _parameter(

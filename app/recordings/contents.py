@@ -77,23 +77,23 @@ def _map_files(name: str) -> Iterator[Attachment]:
     content = read_map_yaml(path)
     picture = path.parent / content.text("image")
     # The picture may lie anywhere; in the recording it lies beside the map.
-    told = yaml.safe_dump({**content.content, "image": picture.name}, sort_keys=False)
-    yield Attachment(f"map/{path.name}", told.encode())
+    given = yaml.safe_dump({**content.content, "image": picture.name}, sort_keys=False)
+    yield Attachment(f"map/{path.name}", given.encode())
     yield Attachment(f"map/{picture.name}", picture.read_bytes())
 
 
 def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
     yield Attachment(URDF, spec.urdf.encode())
-    for one in parse_xml(spec.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
-        lens = Path((one.text or "").strip())
+    for item in parse_xml(spec.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
+        lens = Path((item.text or "").strip())
         yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
 
 
 def _model_files(config: Config, own: OwnChoice) -> Iterator[Attachment]:
     """The files of the models in use; ``own`` names them as ``my_model.py:MyModel``."""
     given = [Path(one.rpartition(":")[0]) for one in (config.sensor_model, config.motion_model)]
-    names = {one.rpartition(":")[0] for one in (own.sensor, own.motion) if one}
+    names = {each.rpartition(":")[0] for each in (own.sensor, own.motion) if each}
     for name in sorted(names):
-        places = [one for one in given if one.name == name]
+        places = [item for item in given if item.name == name]
         path = places[0] if places else Path(config.models) / name
         yield Attachment(f"models/{name}", path.read_bytes())

@@ -32,8 +32,8 @@ class ContentsMessage(Message):
             ValueError: a file is no base64.
         """
         files = tuple(
-            Attachment(one.name, base64.b64decode(one.data, validate=True))
-            for one in self.attachments
+            Attachment(attachment.name, base64.b64decode(attachment.data, validate=True))
+            for attachment in self.attachments
         )
         return Contents(self.facts, files)
 
@@ -46,13 +46,15 @@ def contents_router(contents: Callable[[], Contents]) -> APIRouter:
     def recording_contents() -> ContentsMessage:
         """Settings, map, robot and models, as they are now."""
         try:
-            found = contents()
+            result = contents()
         except (OSError, ValueError) as error:
             raise HTTPException(503, str(error)) from error
         files = [
-            AttachmentMessage(name=one.name, data=base64.b64encode(one.data).decode("ascii"))
-            for one in found.attachments
+            AttachmentMessage(
+                name=attachment.name, data=base64.b64encode(attachment.data).decode("ascii")
+            )
+            for attachment in result.attachments
         ]
-        return ContentsMessage(facts=found.facts, attachments=files)
+        return ContentsMessage(facts=result.facts, attachments=files)
 
     return router

@@ -90,8 +90,8 @@ class DistantRobot:
         """
         try:
             with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
-                told = answer.read(LARGEST)
-            return ContentsMessage.model_validate_json(told).contents()
+                given = answer.read(LARGEST)
+            return ContentsMessage.model_validate_json(given).contents()
         except URLError:
             return Contents({})
         except (OSError, ValueError) as error:
@@ -150,16 +150,16 @@ class DistantRobot:
 
 def _received(data: str | bytes) -> Received | None:
     if isinstance(data, str):
-        told = json.loads(data)
-        if told.get("op") == "status":
-            raise ValueError(str(told.get("msg"))[:300])
+        given = json.loads(data)
+        if given.get("op") == "status":
+            raise ValueError(str(given.get("msg"))[:300])
         return None
-    told = cbor2.loads(data)
-    message = told["msg"]
+    given = cbor2.loads(data)
+    message = given["msg"]
     stamp = int(message["secs"]) * 1_000_000_000 + int(message["nsecs"])
     if not 0 <= stamp < 1 << 63:
         raise ValueError(f"{stamp} ns is no time")
-    return Received(str(told["topic"]), stamp, bytes(message["bytes"]))
+    return Received(str(given["topic"]), stamp, bytes(message["bytes"]))
 
 
 def place_of(address: str) -> str:

@@ -41,8 +41,8 @@ def listed(parent: Path) -> list[Listed]:
     """All recordings in a folder, newest first; none if there is no such folder."""
     if not parent.is_dir():
         return []
-    found = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
-    return sorted((one for one in found if one), key=lambda one: -one.changed)
+    result = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
+    return sorted((each for each in result if each), key=lambda item: -item.changed)
 
 
 def find(parent: Path, name: str) -> Listed:
@@ -51,11 +51,11 @@ def find(parent: Path, name: str) -> Listed:
     Raises:
         RecordingError: there is none; lists some that are.
     """
-    found = _look(parent / name) if NAME.fullmatch(name) else None
-    if found is None:
-        some = ", ".join(one.name for one in listed(parent)[:5]) or "none yet"
+    result = _look(parent / name) if NAME.fullmatch(name) else None
+    if result is None:
+        some = ", ".join(item.name for item in listed(parent)[:5]) or "none yet"
         raise RecordingError(f"there is no recording {name!r}; valid are {some}")
-    return found
+    return result
 
 
 def _look(folder: Path) -> Listed | None:

@@ -66,8 +66,8 @@ def record(
         folder = _new_folder(out)
         file = RecordingFile(folder, contents.facts)
         try:
-            for one in contents.attachments:
-                file.attach(one.name, one.data, one.media_type)
+            for attachment in contents.attachments:
+                file.attach(attachment.name, attachment.data, attachment.media_type)
             say(f"Recording {robot.place} to {folder} (Ctrl-C ends it)")
             _record(robot, file, kinds, _Until(stop, seconds))
         except DistantRobotError as error:
@@ -89,8 +89,8 @@ def _record(robot: DistantRobot, file: RecordingFile, kinds: Kinds, until: _Unti
         received = robot.receive(LOOK_S)
         if received is not None and received.topic in kinds:
             kind = kinds[received.topic]
-            now, when = received.log_time_ns, stamp_ns(received, kind.type)
-            file.write(kind.name, kind.type, kind.quality, now, when, received.cdr)
+            current, when = received.log_time_ns, stamp_ns(received, kind.type)
+            file.write(kind.name, kind.type, kind.quality, current, when, received.cdr)
         progress.show()
     progress.end()
 
@@ -176,11 +176,11 @@ class _Progress:
         self._shown = sys.stderr.isatty()
 
     def show(self) -> None:
-        now = time.monotonic()
-        if self._shown and now >= self._next:
-            self._next = now + PROGRESS_S
-            told = f"\r{self._file.duration:7.1f} s  {self._file.size / 1e6:8.1f} MB"
-            sys.stderr.write(told)
+        clock = time.monotonic()
+        if self._shown and clock >= self._next:
+            self._next = clock + PROGRESS_S
+            given = f"\r{self._file.duration:7.1f} s  {self._file.size / 1e6:8.1f} MB"
+            sys.stderr.write(given)
             sys.stderr.flush()
 
     def end(self) -> None:

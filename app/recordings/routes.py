@@ -38,40 +38,40 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
         """All recordings, newest first."""
         return [
             RecordingEntry(
-                name=one.name,
-                size_bytes=one.size_bytes,
-                duration_s=one.duration_s,
-                unfinished=one.unfinished,
+                name=item.name,
+                size_bytes=item.size_bytes,
+                duration_s=item.duration_s,
+                unfinished=item.unfinished,
             )
-            for one in listed(folder())
+            for item in listed(folder())
         ]
 
     @router.get("/api/recordings/{name}", response_class=Response)
     def recording(name: str) -> Response:
         """A recording as one MCAP file; of one that is being made, what there is of it."""
         try:
-            found = find(folder(), name)
+            result = find(folder(), name)
         except RecordingError as error:
             raise HTTPException(404, str(error)) from error
-        if found.unfinished:
-            return _so_far(found)
-        return FileResponse(found.file, media_type=MEDIA_TYPE, filename=f"{name}.mcap")
+        if result.unfinished:
+            return _so_far(result)
+        return FileResponse(result.file, media_type=MEDIA_TYPE, filename=f"{name}.mcap")
 
     return router
 
 
-def _so_far(found: Listed) -> Response:
+def _so_far(result: Listed) -> Response:
     """What was written until now: a length that is told must not change meanwhile."""
     headers = {
-        "Content-Length": str(found.size_bytes),
-        "Content-Disposition": f'attachment; filename="{found.name}.mcap"',
+        "Content-Length": str(result.size_bytes),
+        "Content-Disposition": f'attachment; filename="{result.name}.mcap"',
     }
-    return StreamingResponse(_blocks(found), media_type=MEDIA_TYPE, headers=headers)
+    return StreamingResponse(_blocks(result), media_type=MEDIA_TYPE, headers=headers)
 
 
-def _blocks(found: Listed) -> Iterator[bytes]:
-    left = found.size_bytes
-    with found.file.open("rb") as file:
+def _blocks(result: Listed) -> Iterator[bytes]:
+    left = result.size_bytes
+    with result.file.open("rb") as file:
         while left and (block := file.read(min(left, BLOCK))):
             left -= len(block)
             yield block

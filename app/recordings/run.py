@@ -115,8 +115,8 @@ class RecordingRun(Route):
         contents = self._contents()
         file = RecordingFile(self.folder, contents.facts)
         try:
-            for one in contents.attachments:
-                file.attach(one.name, one.data, one.media_type)
+            for attachment in contents.attachments:
+                file.attach(attachment.name, attachment.data, attachment.media_type)
             self._publisher.add(self)
             while not self._stop.wait(PERIOD_S):
                 self._write_waiting(file)

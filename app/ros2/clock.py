@@ -33,8 +33,8 @@ class RosClock:
         """Look whether the clocks still agree; called with each tick."""
         looked = time.monotonic()
         age = looked - snapshot.published
-        now = time.time_ns() - round(age * 1e9)  # the wall clock when it was published
-        offset = now - round(snapshot.stamp * 1e9)
+        current = time.time_ns() - round(age * 1e9)  # the wall clock when it was published
+        offset = current - round(snapshot.stamp * 1e9)
         with self._lock:
             self._followed = looked
             apart = self._offset is None or abs(offset - self._offset) > JUMPED_NS

@@ -43,7 +43,7 @@ class Link:
         """The turn of a wheel at a position [rad]: the product of two quaternions."""
         x, y, z, w = self.turn
         sine, cosine = math.sin(angle / 2), math.cos(angle / 2)
-        a, b, c = (sine * one for one in self.axis)
+        a, b, c = (sine * axi for axi in self.axis)
         return (
             w * a + x * cosine + y * c - z * b,
             w * b + y * cosine + z * a - x * c,
@@ -72,7 +72,7 @@ class Links:
         model = read_model(spec.urdf)
         joints = {joint.name: joint for joint in model.robot.joints}
         root, base = parse_xml(spec.urdf), settings.base_frame_id
-        fixed = [_link(one) for one in joints.values() if one.type == "fixed"]
+        fixed = [_link(item) for item in joints.values() if item.type == "fixed"]
         fixed = _from(base, fixed, model.base_link, set(model.link_map))
         if settings.scan_frame_id != base or scan_x:
             _check_new(settings.scan_frame_id, {base, *model.link_map})
@@ -92,9 +92,9 @@ def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link
         return fixed
     if base not in names:
         return [Link(base, root, (0.0, 0.0, 0.0)), *fixed]
-    above = {one.child: one for one in fixed}.get(base)
+    above = {item.child: item for item in fixed}.get(base)
     if above is None or above.parent != root or above != _upright(above):
-        valid = [one.child for one in fixed if one.parent == root and one == _upright(one)]
+        valid = [each.child for each in fixed if each.parent == root and each == _upright(each)]
         raise SettingError(
             f"ros2.base_frame_id is {base!r}, which is not the robot's place on the floor; valid "
             f"are {', '.join([root, *valid])}, or a name that no link has"

@@ -50,7 +50,7 @@ class TopicPublisher:
     def remove(self, route: Route) -> None:
         """Let it have nothing more; the thread ends after the last route."""
         with self._lock:
-            self._routes = tuple(one for one in self._routes if one is not route)
+            self._routes = tuple(item for item in self._routes if item is not route)
 
     @property
     def failure(self) -> str | None:
@@ -81,7 +81,7 @@ class TopicPublisher:
                     self._flush()
                     snapshot = feed.get(0.0)
                 # Ticks that are taken several at a time cost two thirds of those taken one by one.
-                time.sleep(min((one.patience for one in self._routes), default=0.0))
+                time.sleep(min((route.patience for route in self._routes), default=0.0))
 
     def _goes_on(self) -> bool:
         """Whether there are routes. It decides itself: two threads must never ask one route."""

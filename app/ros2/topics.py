@@ -115,7 +115,7 @@ def topic(name: str) -> Topic:
     Raises:
         KeyError: there is none; lists those that are.
     """
-    for one in TOPICS:
-        if one.name == name:
-            return one
-    raise KeyError(f"{name} is no topic; valid are {', '.join(one.name for one in TOPICS)}")
+    for each in TOPICS:
+        if each.name == name:
+            return each
+    raise KeyError(f"{name} is no topic; valid are {', '.join(item.name for item in TOPICS)}")

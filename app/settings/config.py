@@ -95,13 +95,13 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:
     """The settings in a table and the tables in it, as ``with_settings`` names them."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, dict):
-            found |= by_path(value, f"{path}{name}.")
+            result |= by_path(value, f"{path}{name}.")
         else:
-            found[f"{path}{name}"] = value
-    return found
+            result[f"{path}{name}"] = value
+    return result
 
 
 def load_config(path: Path) -> Config:

@@ -29,25 +29,25 @@ def code_version() -> str:
 
 def versions() -> dict[str, str]:
     """Of the program and of what it computes with."""
-    found = {"python": platform.python_version(), "brickpose": metadata.version("brickpose")}
+    result = {"python": platform.python_version(), "brickpose": metadata.version("brickpose")}
     for name in LIBRARIES:
         try:
-            found[name] = metadata.version(name)
+            result[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
-            found[name] = "not installed"
-    return found | {"code": code_version()}
+            result[name] = "not installed"
+    return result | {"code": code_version()}
 
 
 def settings_of(group: Any, path: str = "") -> dict[str, Any]:
     """All settings of a tree of dataclasses, by their path as in a TOML file."""
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for field in dataclasses.fields(group):
         value = getattr(group, field.name)
         if dataclasses.is_dataclass(value):
-            found |= settings_of(value, f"{path}{field.name}.")
+            result |= settings_of(value, f"{path}{field.name}.")
         else:
-            found[f"{path}{field.name}"] = value
-    return found
+            result[f"{path}{field.name}"] = value
+    return result
 
 
 def changed_settings(config: Config) -> dict[str, Any]:

@@ -62,6 +62,6 @@ class FirstFound:
 
     def close(self) -> None:
         """Close the camera that was found."""
-        found, self._found, self._first = self._found, None, None
-        if found is not None:
-            found.close()
+        result, self._found, self._first = self._found, None, None
+        if result is not None:
+            result.close()

@@ -156,17 +156,17 @@ class PiCamera:
         """The plane of brightness: the first rows, without the padding of each."""
         return np.ascontiguousarray(planes[: self._lens.height, : self._lens.width])
 
-    def _stamp(self, told: dict[str, Any], arrival: float) -> float:
+    def _stamp(self, given: dict[str, Any], arrival: float) -> float:
         """The middle of the exposure; by arrival where libcamera tells no time that can be.
 
         SensorTimestamp [ns] is when the first row came from the sensor, which is the end of its
         exposure (the interrupt for the start of a frame), ExposureTime is in microseconds.
         """
-        nanoseconds = told.get("SensorTimestamp")
+        nanoseconds = given.get("SensorTimestamp")
         if nanoseconds is not None:
             stamp = on_monotonic(nanoseconds / 1e9, arrival, self._asleep())
             if stamp is not None:
-                exposure = told.get("ExposureTime", self._settings.exposure * 1e6) / 1e6
+                exposure = given.get("ExposureTime", self._settings.exposure * 1e6) / 1e6
                 return middle_of_exposure(stamp, exposure, self._lens.readout)
         return arrival - self._settings.exposure_delay
 

@@ -20,7 +20,7 @@ def middle_of_exposure(readout_start: float, exposure: float, readout: float) ->
     return readout_start - exposure / 2 + readout / 2
 
 
-def on_monotonic(stamp: float, now: float, asleep: float) -> float | None:
+def on_monotonic(stamp: float, current: float, asleep: float) -> float | None:
     """A driver's stamp [s] on the clock of ``time.monotonic``; None if it is of neither clock.
 
     Drivers stamp by CLOCK_MONOTONIC or by CLOCK_BOOTTIME, which also counts the time for which
@@ -29,11 +29,11 @@ def on_monotonic(stamp: float, now: float, asleep: float) -> float | None:
 
     Args:
         stamp: what the driver tells [s].
-        now: when the picture came, by CLOCK_MONOTONIC [s].
+        current: when the picture came, by CLOCK_MONOTONIC [s].
         asleep: how much CLOCK_BOOTTIME is ahead of CLOCK_MONOTONIC [s].
     """
     for candidate in (stamp, stamp - asleep):
-        if 0 <= now - candidate <= LONGEST_WAY_S:
+        if 0 <= current - candidate <= LONGEST_WAY_S:
             return candidate
     return None
 

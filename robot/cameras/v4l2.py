@@ -87,8 +87,8 @@ class V4l2Device:
 
     def _check_node(self) -> None:
         if not self._path.exists():
-            found = ", ".join(str(path) for path in video_nodes()) or "none at all"
-            raise PictureError(f"{self.name} is not there: plug it in; there is {found}")
+            result = ", ".join(str(path) for path in video_nodes()) or "none at all"
+            raise PictureError(f"{self.name} is not there: plug it in; there is {result}")
         if not os.access(self._path, os.R_OK | os.W_OK):
             raise PictureError(
                 f"{self.name} may not be opened: run sudo usermod -aG video $USER, "
@@ -110,13 +110,13 @@ class V4l2Device:
         given = (cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_WIDTH)
         check_size(tuple(int(capture.get(which)) for which in given), lens, self.name)
 
-    def _stamp(self, told: float, arrival: float) -> float:
+    def _stamp(self, given: float, arrival: float) -> float:
         """The middle of the exposure, by the driver's stamp [s] if it is one, else by arrival.
 
         The kernel's driver for USB cameras stamps a picture by CLOCK_MONOTONIC when its first
         packet comes, which is when the readout begins.
         """
-        stamp = on_monotonic(told, arrival, 0.0)
+        stamp = on_monotonic(given, arrival, 0.0)
         if stamp is None:
             return arrival - self._settings.exposure_delay
         return middle_of_exposure(stamp, self._settings.exposure, self._lens.readout)

@@ -28,8 +28,8 @@ class MotorKind:
 
 
 KINDS = {
-    one.type_id: one
-    for one in (
+    item.type_id: item
+    for item in (
         MotorKind(0x41, "small angular", "45607", 1070.0, 0.035, 0.12, 0.135),
         MotorKind(0x30, "medium angular", "45603", 1100.0, 0.036, 0.13, 0.145),
         MotorKind(0x31, "large angular", "45602", 1000.0, 0.048, 0.055, 0.105),

@@ -96,7 +96,7 @@ def _lump(top: str, placed: list[tuple[Any, Array]]) -> tuple[float, Array, Arra
     mass = float(sum(part_mass for part_mass, _, _ in parts))
     if mass <= 0:
         raise SpecError(f"the body of link {top!r} can move, so it needs mass")
-    centre: Array = sum(m * at[:3, 3] for m, _, at in parts) / mass
+    centre: Array = sum(m * position[:3, 3] for m, _, position in parts) / mass
     inertia = np.zeros((3, 3))
     for part_mass, tensor, at in parts:
         away = at[:3, 3] - centre

@@ -73,10 +73,10 @@ def child(element: ElementTree.Element, tag: str, where: str) -> ElementTree.Ele
     Raises:
         SpecError: there is none.
     """
-    found = element.find(tag)
-    if found is None:
+    result = element.find(tag)
+    if result is None:
         raise SpecError(f"{where}: <{tag}> is missing")
-    return found
+    return result
 
 
 def numbers(element: ElementTree.Element, attribute: str, count: int, where: str) -> Array:
@@ -119,8 +119,8 @@ def shape_of(element: ElementTree.Element, where: str) -> Shape:
     geometry = child(element, "geometry", where)
     solid = next((part for part in geometry if part.tag in SHAPES), None)
     if solid is None:
-        found = ", ".join(f"<{part.tag}>" for part in geometry) or "nothing"
-        raise SpecError(f"{where}: geometry is {found}; valid are {', '.join(SHAPES)}")
+        result = ", ".join(f"<{part.tag}>" for part in geometry) or "nothing"
+        raise SpecError(f"{where}: geometry is {result}; valid are {', '.join(SHAPES)}")
     if solid.tag != "box":
         names = SHAPES[solid.tag]
         return Shape(solid.tag, tuple(positive(solid, name, where) for name in names))

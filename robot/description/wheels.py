@@ -123,8 +123,8 @@ def resize_wheel(root: ElementTree.Element, model: Any, wheel: JointSpec) -> Non
         solid.set("radius", repr(wheel.radius))
     holder = child(joint, "parent", wheel.name).get("link")
     holder_from_robot: Array = np.linalg.inv(model.get_transform(holder, ROBOT_FRAME))
-    at = holder_from_robot @ np.array([0.0, wheel.offset, wheel.radius, 1.0])
+    position = holder_from_robot @ np.array([0.0, wheel.offset, wheel.radius, 1.0])
     origin = joint.find("origin")
     if origin is None:
         origin = ElementTree.SubElement(joint, "origin")
-    origin.set("xyz", " ".join(repr(float(value)) for value in at[:3]))
+    origin.set("xyz", " ".join(repr(float(value)) for value in position[:3]))

@@ -39,10 +39,12 @@ def read_wirings(urdf: str) -> tuple[Wiring, ...]:
     """
     root = parse_xml(urdf)
     wirings = tuple(read_wiring(root, control) for control in driven(root))
-    for place, one in enumerate(wirings):
+    for place, wiring in enumerate(wirings):
         for other in wirings[:place]:
-            if one.port == other.port:
-                raise SpecError(f"{other.name!r} and {one.name!r} are both on port {one.port}")
+            if wiring.port == other.port:
+                raise SpecError(
+                    f"{other.name!r} and {wiring.name!r} are both on port {wiring.port}"
+                )
     return wirings
 
 

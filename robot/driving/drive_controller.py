@@ -118,8 +118,8 @@ def _clamp(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)
 
 
-def _ramp(now: float, wanted: float, gain: float, loss: float) -> float:
+def _ramp(current: float, wanted: float, gain: float, loss: float) -> float:
     """One step from one speed towards another; slowing down may be quicker than speeding up."""
-    wanted_here = 0.0 if now * wanted < 0 else wanted  # through standstill first
-    step = gain if abs(wanted_here) > abs(now) else loss
-    return now + _clamp(wanted_here - now, step)
+    wanted_here = 0.0 if current * wanted < 0 else wanted  # through standstill first
+    step = gain if abs(wanted_here) > abs(current) else loss
+    return current + _clamp(wanted_here - current, step)

@@ -98,8 +98,8 @@ def _walk(
     next_x = (left + (column + (dx >= 0.0)) * cell) * per_x
     next_y = (bottom + (row + (dy >= 0.0)) * cell) * per_y
     while 0 <= column < columns and 0 <= row < rows:
-        here = row * columns + column
-        first, last = index.starts[here], index.starts[here + 1]
+        current = row * columns + column
+        first, last = index.starts[current], index.starts[current + 1]
         nearest, met = _nearest_of(
             x, y, dx, dy, index.edges, index.items, first, last, nearest, met
         )

@@ -123,12 +123,12 @@ def _lay(
         x0, y0, x1, y1 = edges[edge]
         length = math.hypot(x1 - x0, y1 - y0)
         tx, ty = (x1 - x0) / length, (y1 - y0) / length
-        at = NEIGHBOURS + way * count
+        position = NEIGHBOURS + way * count
         px, py = x0 + along * tx, y0 + along * ty
         # Into the dark, which lies to the left.
         deep, _ = cast_toward(px - 1e-7 * ty, py + 1e-7 * tx, -ty, tx, inward, 1.0)
-        chain[at, 0], chain[at, 1] = px - x, py - y
-        chain[at, 2], chain[at, 3] = px - deep * ty - x, py + deep * tx - y
+        chain[position, 0], chain[position, 1] = px - x, py - y
+        chain[position, 2], chain[position, 3] = px - deep * ty - x, py + deep * tx - y
         if count * SPACING >= support:
             return count
         along += way * SPACING

@@ -107,51 +107,56 @@ class Board:
         """Whether the board must be reset by its pin."""
         return self.bring_up.wants_reset
 
-    def was_reset(self, now: float) -> None:
+    def was_reset(self, current: float) -> None:
         """It was."""
         with self._lock:
-            self.bring_up.was_reset(now)
+            self.bring_up.was_reset(current)
 
-    def cannot_reset(self, reason: str, now: float) -> None:
+    def cannot_reset(self, reason: str, current: float) -> None:
         """It cannot be."""
         with self._lock:
-            self.bring_up.cannot_reset(reason, now)
+            self.bring_up.cannot_reset(reason, current)
 
-    def opened(self, now: float) -> bytes:
+    def opened(self, current: float) -> bytes:
         """The port is open; returns what to ask first."""
         with self._lock:
             self._lost = None
             self._open = True
             self._decoder = Decoder()
-            return self._begin(now)
+            return self._begin(current)
 
-    def lost(self, reason: str, now: float) -> None:
+    def lost(self, reason: str, current: float) -> None:
         """The port cannot be opened, or went away."""
         with self._lock:
             self._lost = reason
             self._open = False
             self._forget()
 
-    def receive(self, data: bytes, now: float) -> bytes:
+    def receive(self, data: bytes, current: float) -> bytes:
         """Bytes came; returns what to answer."""
         with self._lock:
-            found = self._decoder.feed(data)
+            result = self._decoder.feed(data)
             answer = b""
-            if self.bring_up.ready and any(map(_is_restart, found)):
-                answer = self._begin(now)
+            if self.bring_up.ready and any(map(_is_restart, result)):
+                answer = self._begin(current)
             if not self.bring_up.ready:
-                answer += self.bring_up.receive(found, now)
-                self._ready_at = self._listed = now
-            return answer + b"".join(self._take(event, now) for event in found)
+                answer += self.bring_up.receive(result, current)
+                self._ready_at = self._listed = current
+            return answer + b"".join(self._take(event, current) for event in result)
 
-    def tick(self, now: float) -> bytes:
+    def tick(self, current: float) -> bytes:
         """A hundredth of a second passed; returns what to send."""
         with self._lock:
             if not self.bring_up.ready:
-                return self.bring_up.tick(now)
-            if now - max(self._answered, self._ready_at) > SILENT_S:
-                return self._begin(now)
-            return self._list(now) + self._set_up(now) + self._supply.ask(now) + self._drive(now)
+                return self.bring_up.tick(current)
+            if current - max(self._answered, self._ready_at) > SILENT_S:
+                return self._begin(current)
+            return (
+                self._list(current)
+                + self._set_up(current)
+                + self._supply.ask(current)
+                + self._drive(current)
+            )
 
     def farewell(self) -> bytes:
         """What stops the motors for good."""
@@ -160,19 +165,19 @@ class Board:
 
     # What the program calls.
 
-    def command(self, velocities: Array, now: float) -> Array:
+    def command(self, velocities: Array, current: float) -> Array:
         """Ask for joint velocities (j,) [rad/s]; returns those that the joints will go for."""
         with self._lock:
-            limits = self._limits if self._is_ready(now) else 0 * self._limits
+            limits = self._limits if self._is_ready(current) else 0 * self._limits
             self._wanted = np.clip(velocities, -limits, limits)
-            self._wanted_until = now + COMMAND_S
+            self._wanted_until = current + COMMAND_S
             return self._wanted.copy()
 
-    def state(self, now: float) -> BoardState:
+    def state(self, current: float) -> BoardState:
         """The joints, at a moment when all of them were sampled."""
         with self._lock:
-            ready = self._is_ready(now)
-            stamp = now - LINE_TIME - self._settings.encoder_delay
+            ready = self._is_ready(current)
+            stamp = current - LINE_TIME - self._settings.encoder_delay
             if ready:
                 oldest = min(motor.track.newest_stamp for motor in self.motors)
                 stamp = max(oldest, stamp - OLDEST_S)
@@ -181,16 +186,16 @@ class Board:
                 np.array([motor.angle(stamp) for motor in self.motors]),
                 np.array([motor.velocity if ready else 0.0 for motor in self.motors]),
                 ready,
-                tuple(self._faults(now)),
+                tuple(self._faults(current)),
                 self._supply.volts,
             )
 
     # Under the lock.
 
-    def _begin(self, now: float) -> bytes:
+    def _begin(self, current: float) -> bytes:
         self._forget()
-        self._begun = now
-        return self.bring_up.begin(now)
+        self._begun = current
+        return self.bring_up.begin(current)
 
     def _forget(self) -> None:
         self._supply.forget()
@@ -198,94 +203,94 @@ class Board:
         for motor in self.motors:
             motor.unplugged()
 
-    def _take(self, event: events.Event, now: float) -> bytes:
+    def _take(self, event: events.Event, current: float) -> bytes:
         match event:
             case events.Supply(volts):
-                self._answered = now
+                self._answered = current
                 self._supply.told(volts)
             case events.MotorPowerFault():
-                return self._supply.fault("motor", now)
+                return self._supply.fault("motor", current)
             case events.PortPowerFault():
-                return self._supply.fault("port", now)
-            case events.CommandError() if now - self._set_up_at < MISHEARD_S:
+                return self._supply.fault("port", current)
+            case events.CommandError() if current - self._set_up_at < MISHEARD_S:
                 for motor in self.motors:
                     motor.set_up_again()
             case _:
-                self._take_from_port(event, now)
+                self._take_from_port(event, current)
         return b""
 
-    def _take_from_port(self, event: events.Event, now: float) -> None:
+    def _take_from_port(self, event: events.Event, current: float) -> None:
         motor = self._by_port.get(getattr(event, "port", -1))
         if motor is None:
             return
         match event:
             case events.Connected(type_id=type_id) | events.Established(type_id=type_id):
-                motor.plugged(type_id, now)
+                motor.plugged(type_id, current)
             case events.Disconnected() | events.NoDevice() | events.ConnectionFailed():
                 motor.unplugged()
             case events.CombiData(slot=0, values=values):
-                motor.report(values, now)
+                motor.report(values, current)
 
-    def _list(self, now: float) -> bytes:
+    def _list(self, current: float) -> bytes:
         """Ask what is plugged in while a motor is missing: its arrival may not have been heard."""
-        if all(motor.usable for motor in self.motors) or now - self._listed < LIST_S:
+        if all(motor.usable for motor in self.motors) or current - self._listed < LIST_S:
             return b""
-        self._listed = now
+        self._listed = current
         return commands.devices()
 
-    def _set_up(self, now: float) -> bytes:
+    def _set_up(self, current: float) -> bytes:
         """The next motor's set-up, one a tick: it takes 9 ms of wire."""
         for motor in self.motors:
-            line = motor.set_up(now)
+            line = motor.set_up(current)
             if line:
-                self._set_up_at = now
+                self._set_up_at = current
                 self._sent, self._sent_at = {}, -math.inf
                 return line
         return b""
 
-    def _is_ready(self, now: float) -> bool:
+    def _is_ready(self, current: float) -> bool:
         return (
             self._open
             and self.bring_up.ready
-            and all(motor.is_ready(now) for motor in self.motors)
-            and not self._supply.complaints(now)
+            and all(motor.is_ready(current) for motor in self.motors)
+            and not self._supply.complaints(current)
         )
 
-    def _faults(self, now: float) -> list[str]:
+    def _faults(self, current: float) -> list[str]:
         if not self._open:
             return [self._lost] if self._lost else []
         if not self.bring_up.ready:
             if self.bring_up.trouble:
                 return [self.bring_up.trouble]
-            slow = now - self._begun > SOON_S
+            slow = current - self._begun > SOON_S
             return [f"The Build HAT is starting: {self.bring_up.stage.value}."] if slow else []
-        motors = [motor.fault(now) for motor in self.motors]
-        return self._supply.complaints(now) + [fault for fault in motors if fault]
+        motors = [motor.fault(current) for motor in self.motors]
+        return self._supply.complaints(current) + [fault for fault in motors if fault]
 
-    def _drive(self, now: float) -> bytes:
-        if not self._is_ready(now):
-            return self._stop(now)
-        wanted = self._wanted if now < self._wanted_until else 0 * self._wanted
+    def _drive(self, current: float) -> bytes:
+        if not self._is_ready(current):
+            return self._stop(current)
+        wanted = self._wanted if current < self._wanted_until else 0 * self._wanted
         duties = {
-            motor.port: round(DUTY_STEPS * motor.duty(float(velocity), now, self._supply.volts))
+            motor.port: round(DUTY_STEPS * motor.duty(float(velocity), current, self._supply.volts))
             for motor, velocity in zip(self.motors, wanted, strict=True)
         }
         resting = not any(duties.values())
-        due = now - self._sent_at >= (STOP_AGAIN_S if resting else RENEW_S)
+        due = current - self._sent_at >= (STOP_AGAIN_S if resting else RENEW_S)
         if duties == self._sent and not due:
             return b""
-        self._sent, self._sent_at = duties, now
+        self._sent, self._sent_at = duties, current
         if resting:
             # Not pulses of zero: a bit that flips in one of them would be a wheel that turns.
             return commands.stop(self._by_port)
         return commands.pulses({port: duty / DUTY_STEPS for port, duty in duties.items()}, PULSE_S)
 
-    def _stop(self, now: float) -> bytes:
+    def _stop(self, current: float) -> bytes:
         for motor in self.motors:
             motor.rest()
-        if not self._sent and now - self._sent_at < STOP_AGAIN_S:
+        if not self._sent and current - self._sent_at < STOP_AGAIN_S:
             return b""
-        self._sent, self._sent_at = {}, now
+        self._sent, self._sent_at = {}, current
         return commands.stop(self._by_port)
 
 

@@ -90,8 +90,8 @@ class BuildHat:
         self._wait()
         if self._link.failure is not None:
             raise RobotError(f"the link to the Build HAT failed: {self._link.failure}")
-        now = self._clock()
-        state = self._board.state(now)
+        current = self._clock()
+        state = self._board.state(current)
         # Without motors stamps still rise, as nothing downstream expects time to stand.
         stamp = max(state.stamp - self._zero, self._last + 1e-4)
         self._last = stamp
@@ -127,7 +127,7 @@ class BuildHat:
         return None if frame is None else replace(frame, stamp=frame.stamp - self._zero)
 
     def _wait(self) -> None:
-        now = self._clock()
+        current = self._clock()
         # After a stall the schedule starts anew instead of hurrying.
-        self._due = max(self._due + PERIOD, now - PERIOD)
-        self._sleep(max(0.0, self._due - now))
+        self._due = max(self._due + PERIOD, current - PERIOD)
+        self._sleep(max(0.0, self._due - current))

@@ -86,19 +86,19 @@ class JointTrack:
         """
         if not (float(count).is_integer() and float(absolute).is_integer()):
             return False
-        now, mark = int(count), (int(count) - int(absolute)) % 360
+        current, mark = int(count), (int(count) - int(absolute)) % 360
         if self._count is None or not self._samples:
-            return self._start(stamp, now, mark)
-        turned = (now - self._count + COUNTS // 2) % COUNTS - COUNTS // 2
+            return self._start(stamp, current, mark)
+        turned = (current - self._count + COUNTS // 2) % COUNTS - COUNTS // 2
         passed = max(stamp - self._samples[-1].stamp, 0.0)
         # Not the count itself: where that wraps, 256 degrees of a turn are missing.
         apart = (self._count + turned - int(absolute) - self._mark + 180) % 360 - 180
         too_far = abs(turned) > FASTEST * passed + SLACK
         if abs(apart) > MARK_SLACK or too_far:
-            if not self._has_enough_like(now):
+            if not self._has_enough_like(current):
                 return False
             if abs(apart) > MARK_SLACK or abs(turned) > FASTEST * LONGEST_STALL:
-                return self._start(stamp, now, mark)
+                return self._start(stamp, current, mark)
             # Reports that waited while the program did not come to read them have one stamp.
         self._count, self._odd = self._count + turned, []
         self._add(stamp, self._samples[-1].angle + turned)

@@ -53,9 +53,9 @@ class Motor:
         """Whether the right kind of motor is plugged in."""
         return self._loop is not None
 
-    def plugged(self, type_id: int, now: float) -> None:
+    def plugged(self, type_id: int, current: float) -> None:
         """A device said what it is; it has to be set up anew, unless it is known and at work."""
-        if type_id == self._type and now - self._heard < QUIET_S:
+        if type_id == self._type and current - self._heard < QUIET_S:
             return
         self._type = type_id
         kind = KINDS.get(type_id)
@@ -73,20 +73,20 @@ class Motor:
         self._asked = 0
         self._set_up = self._heard = -math.inf
 
-    def report(self, values: tuple[float, ...], now: float) -> None:
+    def report(self, values: tuple[float, ...], current: float) -> None:
         """Speed, position and absolute position, as they arrived at a moment [s]."""
         if self._loop is None or len(values) != 3 or math.isinf(self._set_up):
             return
-        sampled = now - LINE_TIME - self._settings.encoder_delay
+        sampled = current - LINE_TIME - self._settings.encoder_delay
         if self.track.report(sampled, values[1], values[2]):
-            self._heard = now
+            self._heard = current
 
-    def set_up(self, now: float) -> bytes:
+    def set_up(self, current: float) -> bytes:
         """What makes it report and takes its limits away, if that is due now; else nothing."""
         heard = max(self._heard, self._set_up)
-        if self._loop is None or now - heard < QUIET_S:
+        if self._loop is None or current - heard < QUIET_S:
             return b""
-        self._set_up = now
+        self._set_up = current
         self._asked += 1
         self._loop.rest()
         return commands.set_up_motor(self.port, EACH_SAMPLE, self._settings.power_limit)
@@ -95,12 +95,12 @@ class Motor:
         """The last set-up may not have been understood."""
         self._set_up = self._heard = -math.inf
 
-    def is_ready(self, now: float) -> bool:
+    def is_ready(self, current: float) -> bool:
         """Whether it is the right one, tells where it is and turns when it should."""
-        tells = self._loop is not None and now - self._heard < QUIET_S
-        return tells and now >= self._held_until
+        tells = self._loop is not None and current - self._heard < QUIET_S
+        return tells and current >= self._held_until
 
-    def fault(self, now: float) -> str | None:
+    def fault(self, current: float) -> str | None:
         """Why it cannot be used, and what to do; None while it has just come, too."""
         where = f"port {self.wiring.port} ({self.wiring.name})"
         if self._type is None:
@@ -111,19 +111,19 @@ class Motor:
         if self._loop is None:
             wanted = f"{self.wiring.motor} motor" if self.wiring.motor else "motor with an encoder"
             return f"On {where} is a {described(self._type)}; there should be a {wanted}."
-        if now < self._held_until:
+        if current < self._held_until:
             return f"The motor on {where} does not turn: is the wheel blocked, or the plug loose?"
-        if self._asked > 1 and not self.is_ready(now):
+        if self._asked > 1 and not self.is_ready(current):
             return f"The motor on {where} does not tell its position; it is asked again."
         return None
 
-    def duty(self, velocity: float, now: float, supply_v: float | None) -> float:
+    def duty(self, velocity: float, current: float, supply_v: float | None) -> float:
         """The duty, -1 to 1 as the port has it, for a joint velocity [rad/s]."""
         assert self._loop is not None
         wanted = math.degrees(velocity) * self.wiring.direction
-        duty = self._loop.update(wanted, now, self.track, supply_v)
-        if self._loop.is_held(now):
-            self._held_until = now + HELD_S
+        duty = self._loop.update(wanted, current, self.track, supply_v)
+        if self._loop.is_held(current):
+            self._held_until = current + HELD_S
         return duty
 
     def rest(self) -> None:

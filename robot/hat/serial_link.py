@@ -33,27 +33,27 @@ class Talker(Protocol):
         """Whether the board must be reset by its pin; cleared by the answer to it."""
         ...
 
-    def opened(self, now: float) -> bytes:
+    def opened(self, current: float) -> bytes:
         """The port is open; returns what to send."""
         ...
 
-    def receive(self, data: bytes, now: float) -> bytes:
+    def receive(self, data: bytes, current: float) -> bytes:
         """Bytes that just arrived; returns what to send."""
         ...
 
-    def tick(self, now: float) -> bytes:
+    def tick(self, current: float) -> bytes:
         """About a period is over; returns what to send."""
         ...
 
-    def lost(self, reason: str, now: float) -> None:
+    def lost(self, reason: str, current: float) -> None:
         """The port cannot be opened or is gone, with the cure; it is tried again for ever."""
         ...
 
-    def was_reset(self, now: float) -> None:
+    def was_reset(self, current: float) -> None:
         """The board has just been reset by its pin."""
         ...
 
-    def cannot_reset(self, reason: str, now: float) -> None:
+    def cannot_reset(self, reason: str, current: float) -> None:
         """The board could not be reset by its pin."""
         ...
 
@@ -148,14 +148,14 @@ class SerialLink:
     def _step(self, port: SerialPort, due: float) -> float:
         """Move bytes, and tick if it is time; returns when the next tick is due."""
         data = port.exchange(due - self._clock())
-        now = self._clock()
+        current = self._clock()
         if data:
-            port.put(self._talker.receive(data, now))
+            port.put(self._talker.receive(data, current))
         # With what just came at hand a tick may come early: to wake up for it again costs as much
         # of the processor as all that is done then.
-        if now >= due - (EARLY * self._period if data else 0):
-            port.put(self._talker.tick(now))
-            due = now + LATE * self._period
+        if current >= due - (EARLY * self._period if data else 0):
+            port.put(self._talker.tick(current))
+            due = current + LATE * self._period
         if self._talker.wants_reset:
             self._reset_board()
         return due

@@ -74,16 +74,18 @@ class SpeedLoop:
         self._speed = self.duty = self._travel = 0.0
         self._past.clear()
 
-    def is_held(self, now: float) -> bool:
+    def is_held(self, current: float) -> bool:
         """Whether the shaft does not move although it should."""
-        return self._travel > HELD_TRAVEL and now - self._seen_at > HELD_S
+        return self._travel > HELD_TRAVEL and current - self._seen_at > HELD_S
 
-    def update(self, wanted: float, now: float, track: JointTrack, supply_v: float | None) -> float:
+    def update(
+        self, wanted: float, current: float, track: JointTrack, supply_v: float | None
+    ) -> float:
         """The duty from now on, -1 to 1.
 
         Args:
             wanted: speed asked for [degree/s].
-            now: the program's clock [s].
+            current: the program's clock [s].
             track: where the shaft was.
             supply_v: the board's supply [V], None while it is not known.
         """
@@ -91,9 +93,9 @@ class SpeedLoop:
             self.rest()  # duty 0 is the brake
             return self.duty
         if not self._past:
-            self._begin(now, track)
-        ahead = wanted + self._gain * self._lag(wanted, now, track)
-        kicked = now - self._began < KICK_S
+            self._begin(current, track)
+        ahead = wanted + self._gain * self._lag(wanted, current, track)
+        kicked = current - self._began < KICK_S
         friction = self._kind.breakaway if kicked else self._kind.friction
         push = math.copysign(friction, ahead) if abs(ahead) > STANDING else 0.0
         volts = 1.0 if supply_v is None else RAIL * max(supply_v, LOWEST_V) / NOMINAL_SUPPLY
@@ -101,28 +103,28 @@ class SpeedLoop:
         self.duty = min(max(duty, -1.0), 1.0)
         return self.duty
 
-    def _begin(self, now: float, track: JointTrack) -> None:
+    def _begin(self, current: float, track: JointTrack) -> None:
         self._speed = track.speed(TURNING_SPAN)
         stood = abs(self._speed) < STANDING
-        self._began = now if stood else -math.inf
-        self._seen, self._seen_at, self._travel = track.angle, now, 0.0
-        self._past.append((now, track.angle))
+        self._began = current if stood else -math.inf
+        self._seen, self._seen_at, self._travel = track.angle, current, 0.0
+        self._past.append((current, track.angle))
 
-    def _lag(self, wanted: float, now: float, track: JointTrack) -> float:
+    def _lag(self, wanted: float, current: float, track: JointTrack) -> float:
         """Advance the model wheel; returns how far the shaft is behind it [degree]."""
-        then, angle = self._past[-1]
-        passed = max(now - then, 0.0)
+        earlier, angle = self._past[-1]
+        passed = max(current - earlier, 0.0)
         kept = math.exp(-passed / self._kind.time_constant)
         turned = wanted * passed + (self._speed - wanted) * self._kind.time_constant * (1 - kept)
         angle += turned
         self._travel += abs(turned)
         self._speed = wanted + (self._speed - wanted) * kept
-        self._past.append((now, angle))
+        self._past.append((current, angle))
         sample = track.newest
         if sample is None:
             return 0.0
         if sample.angle != self._seen:
-            self._seen, self._seen_at, self._travel = sample.angle, now, 0.0
+            self._seen, self._seen_at, self._travel = sample.angle, current, 0.0
         lag = self._at(sample.stamp - WIRE_DELAY) - sample.angle
         return self._bounded(lag)
 

@@ -42,11 +42,11 @@ class Supply:
         self._asked = -math.inf
         self._faults.clear()
 
-    def ask(self, now: float) -> bytes:
+    def ask(self, current: float) -> bytes:
         """The question for the voltage, when it is due."""
-        if now - self._asked < POLL_S:
+        if current - self._asked < POLL_S:
             return b""
-        self._asked = now
+        self._asked = current
         return commands.supply()
 
     def told(self, volts: float) -> None:
@@ -62,31 +62,31 @@ class Supply:
         self._low = low and (self._low or self._low_before)
         self._low_before = low
 
-    def fault(self, what: str, now: float) -> bytes:
+    def fault(self, what: str, current: float) -> bytes:
         """The board told of a fault, "motor" or "port"; returns what clears its latch."""
-        self._faults[what] = now
+        self._faults[what] = current
         return commands.clear_faults()
 
-    def complaints(self, now: float) -> list[str]:
+    def complaints(self, current: float) -> list[str]:
         """Why the motors may not be driven, with the cure."""
-        found = []
-        if self._recent("motor", now):
-            found.append(
+        result = []
+        if self._recent("motor", current):
+            result.append(
                 "The Build HAT reports a motor power fault: a motor is blocked or its cable is "
                 "damaged. Free the wheels, or unplug motor after motor to find it."
             )
-        if self._recent("port", now):
-            found.append(
+        if self._recent("port", current):
+            result.append(
                 "The Build HAT reports a port power fault: something on a port takes too much "
                 "current. Unplug one after the other to find it."
             )
         if self._low and self.volts is not None:
-            found.append(
+            result.append(
                 "The motors have no supply, the board lives on USB: connect the battery."
                 if self.volts < USB_V
                 else "The battery is low: charge it."
             )
-        return found
+        return result
 
-    def _recent(self, what: str, now: float) -> bool:
-        return now - self._faults.get(what, -math.inf) < FAULT_S
+    def _recent(self, what: str, current: float) -> bool:
+        return current - self._faults.get(what, -math.inf) < FAULT_S

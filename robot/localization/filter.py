@@ -40,12 +40,12 @@ class Cloud:
         cls, hypotheses: tuple[Hypothesis, ...], count: int, rng: np.random.Generator
     ) -> Cloud:
         """About so many poses drawn from hypotheses: by weight from each, and at least one."""
-        total = sum(one.weight for one in hypotheses)
+        total = sum(hypothesis.weight for hypothesis in hypotheses)
         parts = []
-        for one in hypotheses:
-            share = max(1, round(count * one.weight / total))
-            noise = rng.standard_normal((share, 3)) @ covariance_root(one.covariance).T
-            parts.append(compose(one.pose.to_array() + noise, np.zeros(3)))
+        for item in hypotheses:
+            share = max(1, round(count * item.weight / total))
+            noise = rng.standard_normal((share, 3)) @ covariance_root(item.covariance).T
+            parts.append(compose(item.pose.to_array() + noise, np.zeros(3)))
         return cls.even(np.concatenate(parts))
 
 

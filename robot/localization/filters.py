@@ -48,7 +48,7 @@ def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
 def going_on(new: Filter, old: Filter) -> Filter:
     """Let a filter go on from what another believes."""
     said = old.hypotheses
-    if sum(one.weight for one in said) >= SAID:
+    if sum(item.weight for item in said) >= SAID:
         new.set_hypotheses(said)
     else:
         new.set_cloud(old.cloud)

@@ -114,10 +114,12 @@ class KalmanFilter:
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
         """Start anew from the mean and covariance of all places, which is none of them."""
-        poses = np.array([one.pose.to_array() for one in hypotheses])
-        weights = np.array([one.weight for one in hypotheses])
+        poses = np.array([each.pose.to_array() for each in hypotheses])
+        weights = np.array([item.weight for item in hypotheses])
         mean = mean_pose(poses, weights / weights.sum())
-        within = np.average([one.covariance for one in hypotheses], axis=0, weights=weights)
+        within = np.average(
+            [hypothesis.covariance for hypothesis in hypotheses], axis=0, weights=weights
+        )
         between = pose_covariance(poses, weights / weights.sum(), mean)
         self.set_pose(mean, within + between)
 
@@ -142,11 +144,11 @@ class KalmanFilter:
         """
         # A pose told without any doubt has a covariance without an inverse.
         known = _inverse(self._covariance + LEAST_VARIANCE * np.eye(3))
-        found = self._cautious(scan).match(self._pose, rays_of(scan, self.max_beams), known)
+        result = self._cautious(scan).match(self._pose, rays_of(scan, self.max_beams), known)
         self._left = 1.0
-        if found.used:
-            before, self._pose = self._covariance, found.pose
-            self._covariance = _inverse(found.information)
+        if result.used:
+            before, self._pose = self._covariance, result.pose
+            self._covariance = _inverse(result.information)
             volumes = np.linalg.det([self._covariance, before])
             self._left = float(
                 np.sqrt(np.clip(volumes[0] / max(volumes[1], 1e-30), SHOWN**-2, 1.0))

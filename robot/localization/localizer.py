@@ -124,10 +124,10 @@ class Localizer:
 
     def estimate(self, stamp: float) -> Estimate | None:
         """What the filter says now; None while it cannot say anything."""
-        found = self.filter.hypotheses
-        if not found:
+        hypotheses = self.filter.hypotheses
+        if not hypotheses:
             self.integrity = SEARCHING
-        return Estimate(stamp, found, self.filter.effective) if found else None
+        return Estimate(stamp, hypotheses, self.filter.effective) if hypotheses else None
 
     def _claim(self, estimate: Estimate) -> Integrity:
         doubt = NO_DOUBT if self.monitor is None else self.monitor.doubt

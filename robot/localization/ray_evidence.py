@@ -135,14 +135,14 @@ def ray_log_likelihood(
             continue
         counted += 1
         due, behind = dues[i, 0], dues[i, 1]
-        found = rays[i, 3] - rays[i, 4]
-        if math.isfinite(found):
+        result = rays[i, 3] - rays[i, 4]
+        if math.isfinite(result):
             wide = sd * (1 + slope * rays[i, 3] * rays[i, 3])
             density = SURPRISE / range_max
             if math.isfinite(due):
-                density = _density(found - due, wide, range_max, rays[i, 6])
+                density = _density(result - due, wide, range_max, rays[i, 6])
             if math.isfinite(behind):
-                density = max(density, _density(found - behind, wide, range_max, rays[i, 6]))
+                density = max(density, _density(result - behind, wide, range_max, rays[i, 6]))
             total += math.log(density)
         elif dues[i, 4] > 1 and _is_supported(dues, i, sight.support):
             total += math.log(missed + SEEN * (1 - rays[i, 6]) * (1 - missed))
@@ -217,10 +217,10 @@ def _is_next(row: Array, beside: Array, support: float) -> bool:
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _density(off: float, sd: float, range_max: float, clear: float) -> float:
+def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
     """Of a return that is off the edge which is due [1/m]."""
     peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
-    return peak * math.exp(-0.5 * (off / sd) ** 2) + STRAY / range_max
+    return peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / range_max
 
 
 @njit(cache=True, nogil=True, inline="always")

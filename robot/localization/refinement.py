@@ -64,16 +64,16 @@ class Refinement:
         believed = BELIEVED if slope else 1.0
         return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS), believed)
 
-    def refine(self, one: Hypothesis, scan: Scan) -> Hypothesis:
+    def refine(self, hypothesis: Hypothesis, scan: Scan) -> Hypothesis:
         """The same hypothesis where the scan fits best, weighed with what was known of it."""
-        if np.sqrt(np.diag(one.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
-            return one
-        known = inverse(one.covariance + LUCK)
-        match = self.matcher.match(one.pose, rays_of(scan, self.max_beams), known)
+        if np.sqrt(np.diag(hypothesis.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
+            return hypothesis
+        known = inverse(hypothesis.covariance + LUCK)
+        match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)
         # Of the scan alone, and of the cloud what can be relied on.
         seen = self.believed * (match.information - known)
         return replace(
-            one,
+            hypothesis,
             pose=match.pose,
-            covariance=inverse(seen + inverse(DRAWN * one.covariance + LUCK)) + INEXACT,
+            covariance=inverse(seen + inverse(DRAWN * hypothesis.covariance + LUCK)) + INEXACT,
         )

@@ -56,10 +56,10 @@ class ScanMatcher:
                 pose stays along what the rays say nothing of.
         """
         known = np.zeros((3, 3)) if information is None else information
-        found, total, used = fit_rays(
+        result, total, used = fit_rays(
             pose.to_array(), known, rays, self.index, self.range_max, self.sd, self.gate, self.slope
         )
-        return Match(Pose2(*found.tolist()), total, used)
+        return Match(Pose2(*result.tolist()), total, used)
 
 
 @njit(cache=True, nogil=True)
@@ -158,11 +158,11 @@ def _normal_equations(
     how many rays fit, and the cost: Cauchy's of all residuals, where a ray that returned
     something and fits no edge costs the gate's.
     """
-    off = start - pose
-    off[2] = (off[2] + math.pi) % (2 * math.pi) - math.pi
+    offset = start - pose
+    offset[2] = (offset[2] + math.pi) % (2 * math.pi) - math.pi
     total[:] = known
-    pull[:] = known @ off
-    cost = float(off @ pull)
+    pull[:] = known @ offset
+    cost = float(offset @ pull)
     most = _cauchy((gate / sd) ** 2)
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = 0

@@ -10,12 +10,12 @@ from robot.geometry import Array
 
 
 @njit(cache=True, nogil=True)
-def between(row: NDArray[np.floating], at: float) -> float:
+def between(row: NDArray[np.floating], position: float) -> float:
     """A row's value (m,) at a place between samples, by the parabola through the nearest three."""
-    i = min(max(int(at + 0.5), 1), len(row) - 2)
-    part = at - i
-    before, here, after = row[i - 1], row[i], row[i + 1]
-    return float(here + 0.5 * part * (after - before + part * (before - 2 * here + after)))
+    i = min(max(int(position + 0.5), 1), len(row) - 2)
+    part = position - i
+    before, current, after = row[i - 1], row[i], row[i + 1]
+    return float(current + 0.5 * part * (after - before + part * (before - 2 * current + after)))
 
 
 @njit(cache=True, nogil=True)
@@ -67,15 +67,17 @@ def ranges_of(
     ranges = np.full(len(lines), np.inf)
     edges = np.empty((len(lines), 2))
     for ray in range(len(lines)):
-        at, edges[ray, 1] = pairs[ray, chosen[ray], 0], pairs[ray, chosen[ray], 1]
+        position, edges[ray, 1] = pairs[ray, chosen[ray], 0], pairs[ray, chosen[ray], 1]
         if verdicts[ray] == 0:
             facing = lines[ray, 0] * directions[ray, 0] + lines[ray, 1] * directions[ray, 1]
             ranges[ray] = lines[ray, 2] / facing
             # Back from metres to samples; three steps of Newton's are exact to a nanometre.
             for _ in range(3):
-                slope = between(distances[ray], at + 0.5) - between(distances[ray], at - 0.5)
-                at += (ranges[ray] - between(distances[ray], at)) / slope
-        edges[ray, 0] = at
+                slope = between(distances[ray], position + 0.5) - between(
+                    distances[ray], position - 0.5
+                )
+                position += (ranges[ray] - between(distances[ray], position)) / slope
+        edges[ray, 0] = position
     return ranges, edges
 
 

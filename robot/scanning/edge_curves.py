@@ -133,11 +133,11 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
     product = total = rest = 0.0
     for i in range(first, last + 1):
         t = place(chain[i, 0], chain[i, 1], curve)
-        off = distance(chain[i, 0], chain[i, 1], curve)
+        offset = distance(chain[i, 0], chain[i, 1], curve)
         shape = t * t - tilt * t - level
-        product += shape * off
+        product += shape * offset
         total += shape * shape
-        rest += off * off
+        rest += offset * offset
     explained = product * product / total
     # Three standard errors.
     if explained < 9 * (rest - explained) / (count - 3):

@@ -132,7 +132,7 @@ def find_pairs(
         How many edges were met: an odd number means that the last entry has no exit.
     """
     weakest = math.ceil(threshold * half)
-    found = sharpest = stop = 0
+    result = sharpest = stop = 0
     for i in range(len(answer)):
         # Most samples are no edge, and this is all that is done for them.
         if abs(answer[i]) < weakest or i < stop:
@@ -141,14 +141,14 @@ def find_pairs(
         peak, place = _top(answer, i, stop, half)
         if peak < sharpest:
             sharpest = peak
-            pairs[found, 0, 0], pairs[found, 0, 1] = place, stop - i
+            pairs[result, 0, 0], pairs[result, 0, 1] = place, stop - i
         elif peak > 0 and sharpest < 0:
             sharpest = 0
-            pairs[found, 1, 0], pairs[found, 1, 1] = place, stop - i
-            found += 1
-            if found == PAIRS:
+            pairs[result, 1, 0], pairs[result, 1, 1] = place, stop - i
+            result += 1
+            if result == PAIRS:
                 break
-    return 2 * found + (sharpest < 0)
+    return 2 * result + (sharpest < 0)
 
 
 @njit(cache=True, nogil=True)
@@ -234,8 +234,11 @@ def refine(
 @njit(cache=True, nogil=True, inline="always")
 def _answer(total: Array, wide: int, shift: int) -> float:
     """Size of the difference between the sums ahead and behind, out of running totals."""
-    at = wide + REACH + shift
-    ahead, behind = total[at + wide + 1] - total[at + 1], total[at] - total[at - wide]
+    position = wide + REACH + shift
+    ahead, behind = (
+        total[position + wide + 1] - total[position + 1],
+        total[position] - total[position - wide],
+    )
     return float(abs(ahead - behind))
 
 
@@ -245,9 +248,9 @@ def _between(pixels: NDArray[np.uint8], width: int, u: float, v: float) -> float
     column, row = int(u), int(v)
     right, down = u - column, v - row
     # Unsigned: no need to look for indices that count from the end.
-    at = np.uint32(row * width + column)
-    a, b = np.float64(pixels[at]), np.float64(pixels[at + np.uint32(1)])
-    at = np.uint32(at + width)
-    c, d = np.float64(pixels[at]), np.float64(pixels[at + np.uint32(1)])
+    position = np.uint32(row * width + column)
+    a, b = np.float64(pixels[position]), np.float64(pixels[position + np.uint32(1)])
+    position = np.uint32(position + width)
+    c, d = np.float64(pixels[position]), np.float64(pixels[position + np.uint32(1)])
     above, below = a + (b - a) * right, c + (d - c) * right
     return float(above + (below - above) * down)

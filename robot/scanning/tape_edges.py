@@ -249,24 +249,24 @@ def _fit_bend(
 def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain: Array) -> int:
     """Walk to one side along neighbouring entries until they are enough; returns how many."""
     rays, most, _ = pairs.shape
-    at = NEIGHBOURS
+    position = NEIGHBOURS
     for j in range(4):
-        chain[at, j] = pairs[ray, pair, j]
+        chain[position, j] = pairs[ray, pair, j]
     for count in range(1, NEIGHBOURS + 1):
         other = ray + step * count
         if not 0 <= other < rays:
             return count - 1
         best, gap = -1, (GAP * support) ** 2
         for candidate in range(most):
-            away = squared(pairs[other, candidate], chain[at])
+            away = squared(pairs[other, candidate], chain[position])
             # Never true of nan, where there is no pair.
             if away < gap:
                 best, gap = candidate, away
         if best < 0:
             return count - 1
-        at += step
+        position += step
         for j in range(4):
-            chain[at, j] = pairs[other, best, j]
-        if count >= SIDE and squared(chain[at], chain[NEIGHBOURS]) >= support * support:
+            chain[position, j] = pairs[other, best, j]
+        if count >= SIDE and squared(chain[position], chain[NEIGHBOURS]) >= support * support:
             return count
     return NEIGHBOURS

@@ -148,5 +148,5 @@ class Firmware:
 
     def _trace_message(self, port: int, mode: int, payload: bytes) -> None:
         if self._session.traces(TRACE_PAYLOADS):
-            told = payload.hex(" ").upper()
-            self._write(f"P{port}: DATA mode={mode:X} payload={told}\r\n")
+            given = payload.hex(" ").upper()
+            self._write(f"P{port}: DATA mode={mode:X} payload={given}\r\n")

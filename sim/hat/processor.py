@@ -74,8 +74,10 @@ class Processor:
             loader.receive(byte)
         loader.tick(PASS)
         if loader.rebooted:
-            found = VERSION_IN_IMAGE.search(loader.image)
-            self._run(found.group().decode() if found else version_text(VERSION), loader.signature)
+            result = VERSION_IN_IMAGE.search(loader.image)
+            self._run(
+                result.group().decode() if result else version_text(VERSION), loader.signature
+            )
 
     def _run(self, version: str, signature: bytes) -> Firmware:
         """Start a firmware; it switches the devices' supply off and on."""

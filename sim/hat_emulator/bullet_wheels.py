@@ -75,7 +75,7 @@ class WheelMotor:
         self.speed = self._direction * math.degrees(velocity)
 
 
-def unwatched(now: float) -> None:
+def unwatched(current: float) -> None:
     """Nobody looks after a step."""
 
 

@@ -37,17 +37,17 @@ class CameraFeed:
         self._wall = wall
         self._take = take
 
-    def look(self, now: float) -> None:
-        """The world has made a step, to ``now`` [s] by its own time."""
-        self._past.remember(now, self._world.pose, self._world.twist)
-        exposed = self._exposures.newest(now - self._exposures.until_read)
+    def look(self, current: float) -> None:
+        """The world has made a step, to ``current`` [s] by its own time."""
+        self._past.remember(current, self._world.pose, self._world.twist)
+        exposed = self._exposures.newest(current - self._exposures.until_read)
         if exposed is None:
             return
         pose, twist = self._past.at(exposed)
         stamp = self._wall(exposed + self._settings.stamp_error)
         self._take(Shot(stamp, self._wall(exposed + self._exposures.until_here), pose, twist))
 
-    def moved(self, now: float) -> None:
+    def moved(self, current: float) -> None:
         """The robot was put elsewhere by hand: pictures under way are lost."""
         self._past.forget()
-        self._exposures.skip(now)
+        self._exposures.skip(current)

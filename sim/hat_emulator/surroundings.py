@@ -108,6 +108,6 @@ class RobotOnField:
         """End the world."""
         self._world.close()
 
-    def _look(self, now: float) -> None:
+    def _look(self, current: float) -> None:
         if self._feed is not None:
-            self._feed.look(now)
+            self._feed.look(current)

@@ -33,7 +33,7 @@ class Broadcast(Generic[T]):
             yield feed
         finally:
             with self._lock:
-                self._feeds = tuple(one for one in self._feeds if one is not feed)
+                self._feeds = tuple(item for item in self._feeds if item is not feed)
 
 
 class Feed(Generic[T]):

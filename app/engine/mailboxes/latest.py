@@ -26,8 +26,8 @@ class Latest(Generic[T]):
             self._value = value
             self._count += 1
             waiting = list(self._waiting)
-        for one in waiting:
-            one.wake()
+        for item in waiting:
+            item.wake()
 
     def get(self) -> T | None:
         """The newest value; None before the first."""
@@ -65,9 +65,9 @@ class Subscription(Generic[T]):
         """The newest value that this reader has not had; older ones are skipped."""
         while True:
             self._waiting.event.clear()
-            found = self._source.newer_than(self._count)
-            if found is not None:
-                self._count, value = found
+            result = self._source.newer_than(self._count)
+            if result is not None:
+                self._count, value = result
                 return value
             await self._waiting.event.wait()
 

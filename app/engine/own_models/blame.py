@@ -34,8 +34,8 @@ def blaming(path: Path, line: int | None = None) -> Iterator[None]:
     try:
         yield
     except (Exception, SystemExit) as error:
-        found = _innermost_line(error, path)
-        raise OwnModelError(place(path, found or line) + _words(error)) from error
+        result = _innermost_line(error, path)
+        raise OwnModelError(place(path, result or line) + _words(error)) from error
 
 
 def place(path: Path, line: int | None) -> str:

@@ -52,27 +52,27 @@ class Guard:
         try:
             with blaming(self._path, self._line):
                 given = self._method(*arguments)
-                found = self._checked(given, shape)
+                result = self._checked(given, shape)
         except OwnModelError as error:
             self.fault = str(error)
             return None
         self.seconds = time.perf_counter() - began
-        return found
+        return result
 
     def _checked(self, given: object, shape: tuple[int, ...]) -> Array:
         if given is None:
             raise OwnModelError(f"{self._name} gives None; is its `return` missing?")
         # A copy: the model may go on writing into its own.
-        found = np.array(given, dtype=np.float64)
-        if found.shape != shape:
-            raise OwnModelError(f"{self._name} gives the shape {found.shape}; valid is {shape}")
-        wrong = ~(np.abs(found) <= LARGEST)
+        result = np.array(given, dtype=np.float64)
+        if result.shape != shape:
+            raise OwnModelError(f"{self._name} gives the shape {result.shape}; valid is {shape}")
+        wrong = ~(np.abs(result) <= LARGEST)
         if wrong.any():
             raise OwnModelError(
-                f"{self._name} gives {found[wrong].flat[0]} in {wrong.sum()} of {wrong.size} "
+                f"{self._name} gives {result[wrong].flat[0]} in {wrong.sum()} of {wrong.size} "
                 f"places; valid are finite numbers up to {LARGEST:g}"
             )
-        return found
+        return result
 
 
 class OwnSensor:
@@ -91,8 +91,8 @@ class OwnSensor:
             ranges=scan.ranges.copy(),
             sight=None if scan.sight is None else scan.sight.copy(),
         )
-        found = self.guard.call((len(poses),), poses.copy(), own)
-        return np.zeros(len(poses)) if found is None else found
+        result = self.guard.call((len(poses),), poses.copy(), own)
+        return np.zeros(len(poses)) if result is None else result
 
     def try_out(self, start: Pose2) -> None:
         """Ask once, so that mistakes show (and numba compiles) before the robot drives."""
@@ -110,11 +110,11 @@ class OwnMotion:
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
         """Where each particle (n, 3) went; as odometry says once it has failed."""
-        found = self.guard.call(poses.shape, poses.copy(), moved, rng)
-        if found is None:
+        result = self.guard.call(poses.shape, poses.copy(), moved, rng)
+        if result is None:
             return compose(poses, moved.to_array())
-        found[:, 2] = wrap_angle(found[:, 2])
-        return found
+        result[:, 2] = wrap_angle(result[:, 2])
+        return result
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
         """Mean and covariance of where a step ends: by draws, whatever else the model offers."""

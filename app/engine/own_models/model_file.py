@@ -64,14 +64,14 @@ def load(model: ModelFile) -> Callable[..., Any]:
         linecache.checkcache(str(path))
         with _neighbours(path.parent):
             exec(compile(source, str(path), "exec"), module.__dict__)
-    found = getattr(module, model.class_name, None)
-    if not callable(found):
+    result = getattr(module, model.class_name, None)
+    if not callable(result):
         has = [name for name, value in vars(module).items() if _is_own_class(value, module)]
         raise OwnModelError(
             f"{place(path, None)}there is no class {model.class_name}; "
             f"it has {', '.join(has) or 'none'}"
         )
-    made: Callable[..., Any] = found
+    made: Callable[..., Any] = result
     return made
 
 

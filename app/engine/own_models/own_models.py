@@ -176,22 +176,22 @@ class OwnModels:
         return _by_name((*self._found.motions, self._given_motion, self._motion.file))
 
 
-def chosen(now: OwnChoice, values: dict[str, object]) -> tuple[OwnChoice, dict[str, object]]:
+def chosen(own_choice: OwnChoice, values: dict[str, object]) -> tuple[OwnChoice, dict[str, object]]:
     """Take the user's own models out of parameters that shall be changed; returns what is left.
 
     Raises:
         SettingError: there is no such model on offer.
     """
     left = dict(values)
-    sensor = _taken(left, "laser_model_type", now.sensor, now.sensors)
-    motion = _taken(left, "robot_model_type", now.motion, now.motions)
-    return OwnChoice(sensor, motion, now.sensors, now.motions), left
+    sensor = _taken(left, "laser_model_type", own_choice.sensor, own_choice.sensors)
+    motion = _taken(left, "robot_model_type", own_choice.motion, own_choice.motions)
+    return OwnChoice(sensor, motion, own_choice.sensors, own_choice.motions), left
 
 
-def _taken(values: dict[str, object], key: str, now: str, offered: tuple[str, ...]) -> str:
+def _taken(values: dict[str, object], key: str, current: str, offered: tuple[str, ...]) -> str:
     wanted = values.get(key)
     if wanted is None:
-        return now
+        return current
     if not isinstance(wanted, str) or ":" not in wanted:
         return ""  # one that comes with the program, or one that is refused as such
     if wanted not in offered:

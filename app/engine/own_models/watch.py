@@ -18,10 +18,10 @@ Signature = tuple[int, int]
 def signature(path: Path) -> Signature | None:
     """What changes when a file is saved: its time [ns] and size; None if it is not there."""
     try:
-        found = path.stat()
+        result = path.stat()
     except OSError:
         return None
-    return found.st_mtime_ns, found.st_size
+    return result.st_mtime_ns, result.st_size
 
 
 class FileWatch:
@@ -36,12 +36,12 @@ class FileWatch:
 
         A file that is gone is not saved: some editors put the new one in its place a moment later.
         """
-        now = signature(self._path)
-        rests = now == self._seen
-        self._seen = now
-        if now is None or now == self._known or not rests:
+        current = signature(self._path)
+        rests = current == self._seen
+        self._seen = current
+        if current is None or current == self._known or not rests:
             return False
-        self._known = now
+        self._known = current
         return True
 
 
@@ -69,17 +69,17 @@ class ModelFolder:
         except OSError as error:
             return Found(faults=(f"{self._folder} cannot be read: {error.strerror}",))
         self._known = {path: self._look_into(path) for path in paths}
-        found = [one for _, one in self._known.values()]
+        result = [one for _, one in self._known.values()]
         return Found(
-            tuple(model for one in found for model in one.sensors),
-            tuple(model for one in found for model in one.motions),
-            tuple(fault for one in found for fault in one.faults),
+            tuple(model for one in result for model in one.sensors),
+            tuple(model for each in result for model in each.motions),
+            tuple(fault for item in result for fault in item.faults),
         )
 
     def _look_into(self, path: Path) -> tuple[Signature | None, Found]:
-        now = signature(path)
+        current = signature(path)
         known = self._known.get(path)
-        return known if known is not None and known[0] == now else (now, models_in(path))
+        return known if known is not None and known[0] == current else (current, models_in(path))
 
 
 def models_in(path: Path) -> Found:
@@ -90,13 +90,13 @@ def models_in(path: Path) -> Found:
     except OwnModelError as error:
         return Found(faults=(str(error),))
     methods: dict[str, set[str]] = {}
-    for one in tree.body:
-        if isinstance(one, ast.ClassDef):
-            bases = [base.id for base in one.bases if isinstance(base, ast.Name)]
-            methods[one.name] = {
-                inner.name for inner in one.body if isinstance(inner, ast.FunctionDef)
+    for item in tree.body:
+        if isinstance(item, ast.ClassDef):
+            bases = [base.id for base in item.bases if isinstance(base, ast.Name)]
+            methods[item.name] = {
+                inner.name for inner in item.body if isinstance(inner, ast.FunctionDef)
             }
-            methods[one.name].update(*(methods.get(base, set()) for base in bases))
+            methods[item.name].update(*(methods.get(base, set()) for base in bases))
     return Found(
         tuple(ModelFile(path, name) for name, has in methods.items() if "log_likelihood" in has),
         tuple(ModelFile(path, name) for name, has in methods.items() if "sample" in has),

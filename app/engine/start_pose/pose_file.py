@@ -43,15 +43,17 @@ class SavedPose(Message):
             PoseFileError: a covariance is none.
         """
         try:
-            found = [
+            result = [
                 Hypothesis(
-                    one.weight, Pose2(one.x, one.y, one.theta), covariance_from(one.covariance)
+                    hypothesis.weight,
+                    Pose2(hypothesis.x, hypothesis.y, hypothesis.theta),
+                    covariance_from(hypothesis.covariance),
                 )
-                for one in self.hypotheses
+                for hypothesis in self.hypotheses
             ]
         except CovarianceError as error:
             raise PoseFileError(f"its {error}") from error
-        return tuple(sorted(found, key=lambda one: -one.weight))
+        return tuple(sorted(result, key=lambda item: -item.weight))
 
 
 def pose_path(file: str, robot: str, field: Field) -> Path:
@@ -103,7 +105,7 @@ def _check(saved: SavedPose, path: Path, field: Field) -> None:
     except PoseFileError as error:
         raise PoseFileError(f"{path} is damaged: {error}") from error
     truth = [] if saved.truth is None else [saved.truth]
-    poses = [one.pose for one in believed] + [Pose2(t.x, t.y, t.theta) for t in truth]
+    poses = [item.pose for item in believed] + [Pose2(t.x, t.y, t.theta) for t in truth]
     if not all(field.contains(pose) for pose in poses):
         raise PoseFileError(f"{path} is damaged: a pose is off the map")
     if not believed[0].weight > 0:

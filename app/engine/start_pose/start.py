@@ -46,5 +46,7 @@ def start(settings: StartPoseSettings, path: Path, field: Field) -> Start:
     return Start((Hypothesis(1.0, given.pose, given.matrix()),), complaint=complaint)
 
 
-def _pose(told: PoseMessage | None) -> Pose2 | None:
-    return None if told is None else Pose2(told.x, told.y, told.theta)
+def _pose(pose_message: PoseMessage | None) -> Pose2 | None:
+    return (
+        None if pose_message is None else Pose2(pose_message.x, pose_message.y, pose_message.theta)
+    )

@@ -82,12 +82,12 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
 
 
 def _line(condition: dict[str, Any]) -> str:
-    told = "known" if condition["offset"] is None else "told wrong"
-    ate = {name: one["ate_rmse_m"]["mean"] for name, one in condition["methods"].items()}
+    given = "known" if condition["offset"] is None else "told wrong"
+    ate = {name: item["ate_rmse_m"]["mean"] for name, item in condition["methods"].items()}
     after = condition["convergence"]
     median = after["seconds"]["median"]
     return (
-        f"{condition['world']}, start {told}: "
+        f"{condition['world']}, start {given}: "
         f"odometry {millimetres(ate['odometry'])}, AMCL {millimetres(ate['amcl'])}; "
         f"{after['converged']} of {after['of']} right, after {seconds(median)}; "
         f"{after['right_to_the_end']} right to the end, {after['lost_again']} lost again; "
@@ -106,10 +106,12 @@ def _scale_line(similarity: dict[str, Any] | None, rigid: float) -> str | None:
 
 
 def _clock_line(experiment: dict[str, Any]) -> str:
-    found, added = experiment["clock_offset_s"], experiment["clock_offset_added_s"]
-    told = ""
-    if found is not None:
-        told = f"the recording's clock is {abs(found):.4f} s {'behind' if found > 0 else 'ahead'}; "
-    if found is not None and added == 0:
-        return f"{told}it is left so, as it does not show"
-    return f"{told}{abs(added):.4f} s was {'added to' if added >= 0 else 'taken off'} its stamps"
+    result, added = experiment["clock_offset_s"], experiment["clock_offset_added_s"]
+    given = ""
+    if result is not None:
+        given = (
+            f"the recording's clock is {abs(result):.4f} s {'behind' if result > 0 else 'ahead'}; "
+        )
+    if result is not None and added == 0:
+        return f"{given}it is left so, as it does not show"
+    return f"{given}{abs(added):.4f} s was {'added to' if added >= 0 else 'taken off'} its stamps"

@@ -23,8 +23,8 @@ Mask = NDArray[np.bool_]
 
 def errors(run: Run, poses: Array) -> tuple[Array, Array]:
     """Distances (n,) [m] and turns (n,) [rad] from the truth to poses (n, 3) of a run."""
-    off = poses - run.truth
-    return np.linalg.norm(off[:, :2], axis=1), wrap_angle(off[:, 2])
+    offset = poses - run.truth
+    return np.linalg.norm(offset[:, :2], axis=1), wrap_angle(offset[:, 2])
 
 
 def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:

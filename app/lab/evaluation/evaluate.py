@@ -39,18 +39,18 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
     field = load_field(experiment.config.map, MAPS)
     with written_whole(folder) as new:
         conditions = {
-            (world, told): [getattr(outcome, told) for outcome in outcomes]
+            (world, given): [getattr(outcome, given) for outcome in outcomes]
             for world, outcomes in run(experiment, workers).items()
-            for told in (WITHOUT, WITH)
+            for given in (WITHOUT, WITH)
         }
         results = results_of(experiment, conditions)
         evaluation = Evaluation(experiment, field, conditions, results)
         (new / "figure3.svg").write_text(figure3(evaluation), encoding="utf-8")
         (new / "report.html").write_text(report(evaluation), encoding="utf-8")
-        for (world, told), runs in conditions.items():
-            for seed, one in zip(experiment.all_seeds, runs, strict=True):
-                place = new / "runs" / _place(experiment, world, told) / str(seed)
-                _write_run(place, one, f"{RUN} seed {seed} in the world {world}")
+        for (world, condition), runs in conditions.items():
+            for seed, item in zip(experiment.all_seeds, runs, strict=True):
+                place = new / "runs" / _place(experiment, world, condition) / str(seed)
+                _write_run(place, item, f"{RUN} seed {seed} in the world {world}")
         write_json(new / RESULTS, results)
     return results
 
@@ -80,20 +80,20 @@ def results_of(
         "conditions": [
             {
                 "world": world,
-                "offset": list(experiment.offset) if told == WITH else None,
-                "runs": f"runs/{_place(experiment, world, told)}".rstrip("/."),
+                "offset": list(experiment.offset) if given == WITH else None,
+                "runs": f"runs/{_place(experiment, world, given)}".rstrip("/."),
             }
             | table
-            for (world, told), table in tables.items()
+            for (world, given), table in tables.items()
         ],
     }
 
 
-def _place(experiment: Experiment, world: str, told: str) -> str:
+def _place(experiment: Experiment, world: str, given: str) -> str:
     """Where under ``runs/`` a condition's robots are: those of the first one by seed alone."""
-    if (world, told) == (experiment.worlds[0], WITHOUT):
+    if (world, given) == (experiment.worlds[0], WITHOUT):
         return "."
-    return world if told == WITHOUT else f"{world}-offset"
+    return world if given == WITHOUT else f"{world}-offset"
 
 
 def _write_run(folder: Path, run: Run, note: str) -> None:

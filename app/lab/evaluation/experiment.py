@@ -110,14 +110,14 @@ def run(experiment: Experiment, workers: Workers) -> dict[str, list[Outcome]]:
         EvaluationError: a drive cannot be made or followed; names seed and world.
     """
     jobs = experiment.jobs()
-    found: dict[tuple[str, int], Outcome] = {}
+    result: dict[tuple[str, int], Outcome] = {}
     done = workers.each(drive_and_follow, jobs)
     for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
         job = jobs[place]
         if isinstance(outcome, Exception):
             where = f"seed {job.config.seed} in the world {job.world}"
             raise EvaluationError(f"{where}: {outcome}") from outcome
-        found[job.world, job.config.seed] = outcome
+        result[job.world, job.config.seed] = outcome
     return {
-        world: [found[world, seed] for seed in experiment.all_seeds] for world in experiment.worlds
+        world: [result[world, seed] for seed in experiment.all_seeds] for world in experiment.worlds
     }

@@ -94,7 +94,7 @@ def evaluate_recording(
         results = _results(pairs, recording, truth)
         aligned = align(pairs.truth, pairs.estimate).apply(pairs.estimate)
         figure = figures.recorded_paths(pairs.truth, pairs.estimate, aligned)
-        off = {
+        offset = {
             "as it is": absolute_errors(pairs.truth, pairs.estimate),
             "aligned": absolute_errors(pairs.truth, aligned),
         }
@@ -106,15 +106,15 @@ def evaluate_recording(
                 experiment=results["experiment"],
                 method=results["methods"]["amcl"],
                 paths=embedded(figure),
-                over_time=embedded(figures.recorded_errors(stamps, off)),
+                over_time=embedded(figures.recorded_errors(stamps, offset)),
                 settings={},
             ),
             encoding="utf-8",
         )
         run = new / "runs" / "0"
         run.mkdir(parents=True)
-        for name, one in (("truth", pairs.truth), ("recording", pairs.estimate)):
-            write_tum(run / f"{name}.tum", one, [n for n in one.notes if n.startswith(RUN)])
+        for name, item in (("truth", pairs.truth), ("recording", pairs.estimate)):
+            write_tum(run / f"{name}.tum", item, [n for n in item.notes if n.startswith(RUN)])
         write_json(new / RESULTS, results)
     return results
 
@@ -135,10 +135,10 @@ def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
         TrajectoryError: names which.
     """
     sizes = []
-    for one in (true, estimate):
-        sizes.append(float(np.linalg.norm(np.std(one.positions, axis=0))))
+    for item in (true, estimate):
+        sizes.append(float(np.linalg.norm(np.std(item.positions, axis=0))))
         if sizes[-1] < STANDING:
-            raise TrajectoryError(f"{one.name} does not move; is it of the robot?")
+            raise TrajectoryError(f"{item.name} does not move; is it of the robot?")
     ratio = max(sizes) / min(sizes)
     if ratio > OTHER_UNITS:
         larger, smaller = (true, estimate) if sizes[0] > sizes[1] else (estimate, true)
@@ -154,11 +154,11 @@ def _check_notes(true: Trajectory, estimate: Trajectory) -> None:
     Raises:
         TrajectoryError: they say that they are of different runs.
     """
-    run_of = [{n for n in one.notes if n.startswith(RUN)} for one in (true, estimate)]
+    run_of = [{n for n in item.notes if n.startswith(RUN)} for item in (true, estimate)]
     if all(run_of) and run_of[0].isdisjoint(run_of[1]):
-        told = [min(notes).removeprefix(RUN).strip() for notes in run_of]
+        given = [min(notes).removeprefix(RUN).strip() for notes in run_of]
         raise TrajectoryError(
-            f"{true.name} is of another run than {estimate.name}: of {told[0]}, and of {told[1]}"
+            f"{true.name} is of another run than {estimate.name}: of {given[0]}, and of {given[1]}"
         )
 
 

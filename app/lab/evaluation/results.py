@@ -45,10 +45,10 @@ def trajectory(run: Run, method: str) -> Trajectory:
 def spread(values: Sequence[float]) -> Table:
     """Mean, median, largest, bootstrap interval of the mean, and each robot's; None of no value."""
     each = [float(value) if math.isfinite(value) else None for value in values]
-    found = [value for value in each if value is not None]
-    if not found:
+    result = [value for value in each if value is not None]
+    if not result:
         return dict.fromkeys(("mean", "median", "max", "ci95")) | {"per_seed": each}
-    return asdict(summary(found)) | {"ci95": list(bootstrap_interval(found)), "per_seed": each}
+    return asdict(summary(result)) | {"ci95": list(bootstrap_interval(result)), "per_seed": each}
 
 
 def method_table(scores: Sequence[Score]) -> Table:
@@ -59,8 +59,8 @@ def method_table(scores: Sequence[Score]) -> Table:
 
     relative = {
         delta: {
-            "trans_rmse_m": over(lambda one, d=delta: one.relative[d][0]),  # type: ignore[misc]
-            "rot_rmse_rad": over(lambda one, d=delta: one.relative[d][1]),  # type: ignore[misc]
+            "trans_rmse_m": over(lambda each, d=delta: each.relative[d][0]),  # type: ignore[misc]
+            "rot_rmse_rad": over(lambda item, d=delta: item.relative[d][1]),  # type: ignore[misc]
         }
         for delta in scores[0].relative
     }
@@ -124,7 +124,7 @@ def nees_table(runs: Sequence[Run]) -> Table | None:
         each = [_nees(run) for run in runs]
     except ConsistencyError:
         return None
-    if len({len(one) for one in each}) != 1 or not len(each[0]):
+    if len({len(item) for item in each}) != 1 or not len(each[0]):
         return None
     low, high = anees_bounds(len(runs))
     means = np.mean(each, axis=0)
@@ -139,6 +139,6 @@ def nees_table(runs: Sequence[Run]) -> Table | None:
 
 def _nees(run: Run) -> Array:
     late = run.stamps >= run.stamps[0] + SETTLE
-    off = run.estimate - run.truth
-    off[:, 2] = wrap_angle(off[:, 2])
-    return nees(off[late], run.covariance[late])
+    offset = run.estimate - run.truth
+    offset[:, 2] = wrap_angle(offset[:, 2])
+    return nees(offset[late], run.covariance[late])

@@ -32,13 +32,13 @@ class Run:
     """Whether it claimed to be certain (n,)."""
 
 
-def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None = None) -> Run:
+def follow(drive: Drive, config: Config, pose2: Pose2, covariance: Array | None = None) -> Run:
     """Let the program follow a recorded drive.
 
     Args:
         drive: what the robot saw and where it was.
         config: seed and localization, and models of the user's own.
-        told: the pose at the start.
+        pose2: the pose at the start.
         covariance: of the told pose (3, 3) [m, m, rad]; None is as a pose told without one.
 
     Raises:
@@ -47,9 +47,9 @@ def follow(drive: Drive, config: Config, told: Pose2, covariance: Array | None =
 
     def begin(localization: Localization) -> None:
         if covariance is None:
-            localization.set_pose(told, None, None)
+            localization.set_pose(pose2, None, None)
         else:
-            localization.set_pose_with(told, covariance)
+            localization.set_pose_with(pose2, covariance)
 
     map_from_odom = drive.ticks[0].truth @ drive.ticks[0].odometry.inverse()
     rows: list[tuple[float, Pose2, Pose2, Pose2, Array, float, bool]] = []

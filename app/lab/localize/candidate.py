@@ -35,15 +35,15 @@ class Candidate:
 
     def __init__(
         self,
-        on: LaserMap,
+        laser_map: LaserMap,
         sensor: SensorModel,
         settings: LocalizeSettings,
         rng: np.random.Generator,
     ) -> None:
         p = settings.localization
-        self._map, self._laser, self._sensor, self._rng = on, settings.laser, sensor, rng
+        self._map, self._laser, self._sensor, self._rng = laser_map, settings.laser, sensor, rng
         self._belief = ParticleFilter(
-            p.motion.model(), sensor, on.field, p.filter, rng,
+            p.motion.model(), sensor, laser_map.field, p.filter, rng,
             likelihood_weight=p.sensor.likelihood_weight,
         )  # fmt: skip
         reach = p.sensor.laser_min_range, p.sensor.laser_max_range
@@ -143,17 +143,17 @@ class Candidate:
         cells = np.floor(poses / [CELL_M, CELL_M, CELL_RAD]).astype(np.int64)
         _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
         order = np.argsort(-np.bincount(cell, weights), kind="stable")
-        found: list[Pose2] = []
-        for one in order:
-            inside = cell == one
-            off = poses[inside] - poses[first[one]]
-            middle = poses[first[one]] + np.average(off, axis=0, weights=weights[inside])
+        pose2s: list[Pose2] = []
+        for item in order:
+            inside = cell == item
+            offset = poses[inside] - poses[first[item]]
+            middle = poses[first[item]] + np.average(offset, axis=0, weights=weights[inside])
             pose = Pose2.from_array(middle)
-            if not any(_near(pose, other, APART_M, APART_RAD) for other in found):
-                found.append(pose)
-            if len(found) == most:
+            if not any(_near(pose, other, APART_M, APART_RAD) for other in pose2s):
+                pose2s.append(pose)
+            if len(pose2s) == most:
                 break
-        return found
+        return pose2s
 
     def is_where(self, other: Candidate) -> bool:
         """Whether another is sure of the same place."""
@@ -162,5 +162,5 @@ class Candidate:
         return _near(self.estimate.pose, other.estimate.pose, SAME_M, SAME_RAD)
 
 
-def _near(one: Pose2, other: Pose2, metres: float, radians: float) -> bool:
-    return one.distance_to(other) < metres and abs(one.turn_to(other)) < radians
+def _near(pose2: Pose2, other: Pose2, metres: float, radians: float) -> bool:
+    return pose2.distance_to(other) < metres and abs(pose2.turn_to(other)) < radians

@@ -29,8 +29,8 @@ def localize_command(parsed: argparse.Namespace) -> int:
     """Follow the robot, and write what was found."""
     _check(parsed)
     settings = load_settings(parsed.filter_config)
-    on = LaserMap.load(parsed.map)
-    start = _start(parsed, settings, on)
+    enabled = LaserMap.load(parsed.map)
+    start = _start(parsed, settings, enabled)
     folder = parsed.out or Path("localized") / parsed.bag.stem
     with Bag(parsed.bag) as bag:
         chosen = choose(bag, parsed.scan_topic, parsed.odom_topic)
@@ -40,17 +40,17 @@ def localize_command(parsed: argparse.Namespace) -> int:
         if layout.assumed:
             say("so the laser is taken to sit at the robot's middle, looking ahead (--laser-pose)")
         pairing = Pairing(bag, chosen, layout, parsed.clock)
-        found = localize(_shown(bag, pairing), on, settings, start, parsed.seed)
-    if not found.scans:
+        result = localize(_shown(bag, pairing), enabled, settings, start, parsed.seed)
+    if not result.scans:
         raise BagError(_nothing(pairing, parsed))
     asked = Asked(
         parsed.bag, parsed.map, parsed.seed, settings, chosen, layout,
         start.pose if start else None, parsed.clock,
     )  # fmt: skip
-    write_results(folder, asked, found, on, pairing.left_out)
+    write_results(folder, asked, result, enabled, pairing.left_out)
     for line in pairing.left_out.lines():
         say(line)
-    _tell(found, folder)
+    _tell(result, folder)
     return 0
 
 
@@ -72,12 +72,14 @@ def _check(parsed: argparse.Namespace) -> None:
             raise SettingError(f"{option} has no effect without --initial-pose")
 
 
-def _start(parsed: argparse.Namespace, settings: LocalizeSettings, on: LaserMap) -> Start | None:
+def _start(
+    parsed: argparse.Namespace, settings: LocalizeSettings, laser_map: LaserMap
+) -> Start | None:
     pose = _pose(parsed.initial_pose)
     if pose is None:
         return None
     try:
-        on.field.require_inside(on.map_from_cells.inverse() @ pose)
+        laser_map.field.require_inside(laser_map.map_from_cells.inverse() @ pose)
     except FieldError as error:
         raise SettingError(
             f"--initial-pose ({pose.x:g}, {pose.y:g}) m is not on the map {parsed.map.name}"
@@ -102,30 +104,38 @@ def _shown(bag: Bag, pairing: Pairing) -> Iterator[Measurement]:
 
 def _nothing(pairing: Pairing, parsed: argparse.Namespace) -> str:
     """Why no scan could be used."""
-    told = f"no scan of {parsed.bag} could be used"
+    given = f"no scan of {parsed.bag} could be used"
     spans = [f"{who} from {a:.3f} to {b:.3f} s" for who, (a, b) in pairing.clocks.items()]
-    told = "; ".join([told, *pairing.left_out.lines(), *spans])
+    given = "; ".join([given, *pairing.left_out.lines(), *spans])
     if pairing.left_out.without_odometry and parsed.clock == "header":
-        told += "; if the clocks differ, --clock log takes when messages were recorded"
-    return told
+        given += "; if the clocks differ, --clock log takes when messages were recorded"
+    return given
 
 
-def _tell(found: Localized, folder: Path) -> None:
-    rate = found.updates / found.filter_s if found.filter_s else math.inf
-    say(f"{found.scans} scans, {found.updates} updates at {rate:.0f}/s")
-    if found.withdrawn:
+def _tell(localized: Localized, folder: Path) -> None:
+    rate = localized.updates / localized.filter_s if localized.filter_s else math.inf
+    say(f"{localized.scans} scans, {localized.updates} updates at {rate:.0f}/s")
+    if localized.withdrawn:
         say(
-            f"{found.withdrawn_s:.1f} s that were told as certain are withdrawn: "
+            f"{localized.withdrawn_s:.1f} s that were told as certain are withdrawn: "
             f"their places turned out wrong ({folder / WITHDRAWN})"
         )
-    if len(found.standing) >= 2 and found.final is not None:
-        pose, sd = found.final.pose, found.final.covariance.diagonal() ** 0.5
-        sure = "" if found.known else f"; at the end it was not sure any more, but {found.state}"
+    if len(localized.standing) >= 2 and localized.final is not None:
+        pose, sd = localized.final.pose, localized.final.covariance.diagonal() ** 0.5
+        sure = (
+            ""
+            if localized.known
+            else f"; at the end it was not sure any more, but {localized.state}"
+        )
         say(
             f"it ends at {pose.x:.3f} m, {pose.y:.3f} m, {pose.theta:.3f} rad "
             f"(sd {sd[0]:.3f} m, {sd[1]:.3f} m, {sd[2]:.3f} rad){sure}"
         )
         say(f"its way is {folder / PATH}, on the map {folder / PICTURE}")
     else:
-        sure = "nothing of it stands" if found.withdrawn else "it never was sure where the robot is"
+        sure = (
+            "nothing of it stands"
+            if localized.withdrawn
+            else "it never was sure where the robot is"
+        )
         say(f"{sure}; the places are in {folder / PICTURE}")

@@ -74,8 +74,8 @@ class Contest:
         leader, search = self.leader, self._search
         if not leader.take(odometry, scan):
             return False
-        for one in self.others:
-            one.take_too(odometry, scan)
+        for other in self.others:
+            other.take_too(odometry, scan)
         if search is not None and search is not leader:
             search.take_too(odometry, scan)
         assert leader.estimate is not None
@@ -97,14 +97,14 @@ class Contest:
         leader = self.leader
         for one in self.others:
             one.behind += _worse(one, leader)
-        best = min(one.behind for one in (leader, *self.others))
+        best = min(each.behind for each in (leader, *self.others))
         for one in (leader, *self.others):
             one.behind -= best
         kept: list[Candidate] = []
         limit = self._laser.doubt_behind
         if leader.behind <= limit:
             kept.append(leader)
-        for one in sorted(self.others, key=lambda one: one.behind):
+        for one in sorted(self.others, key=lambda item: item.behind):
             same = next((other for other in kept if one.is_where(other)), None)
             if same is None and one.behind <= limit:
                 kept.append(one)
@@ -118,18 +118,18 @@ class Contest:
     def _divide(self, search: Candidate) -> None:
         """Each place of a search is followed alone."""
         self._search = None
-        found = [self._follow(place) for place in search.places(MOST)]
+        result = [self._follow(place) for place in search.places(MOST)]
         if search is self.leader:
-            self.leader = found.pop(0)
-        self.others += self._relive([one for one in found if not one.is_where(self.leader)])
+            self.leader = result.pop(0)
+        self.others += self._relive([item for item in result if not item.is_where(self.leader)])
         if self._search_twice:
             self._search_twice = False
             self._begin_search()
 
-    def _relive(self, found: list[Candidate]) -> list[Candidate]:
+    def _relive(self, candidates: list[Candidate]) -> list[Candidate]:
         """Those of some places that explain what was seen before about as the leader's does."""
         leader = self._copy(self.leader)
-        back = [(one, self._copy(one)) for one in found]
+        back = [(candidate, self._copy(candidate)) for candidate in candidates]
         for moment in list(self.moments)[-2 : -BACK - 1 : -1]:
             if not back:
                 break
@@ -137,19 +137,19 @@ class Contest:
             for one, past in back:
                 past.take_too(moment.odometry, moment.scan)
                 one.behind += _worse(past, leader)
-            back = [(one, past) for one, past in back if one.behind <= self._laser.doubt_behind]
-        return [one for one, _ in back]
+            back = [(item, past) for item, past in back if item.behind <= self._laser.doubt_behind]
+        return [each for each, _ in back]
 
-    def _copy(self, one: Candidate) -> Candidate:
-        assert one.estimate is not None
-        return self._follow(one.estimate.pose)
+    def _copy(self, candidate: Candidate) -> Candidate:
+        assert candidate.estimate is not None
+        return self._follow(candidate.estimate.pose)
 
     def _follow(self, place: Pose2) -> Candidate:
         """A new one at a place of now."""
-        now, one = self.moments[-1], self._make()
-        one.start_at(place, SPREAD, now.odometry)
-        one.take(now.odometry, now.scan)
-        return one
+        current, item = self.moments[-1], self._make()
+        item.start_at(place, SPREAD, current.odometry)
+        item.take(current.odometry, current.scan)
+        return item
 
     def _begin_search(self) -> None:
         self._searched_beside = self.leader
@@ -172,6 +172,6 @@ class Contest:
             self._begin_search()
 
 
-def _worse(one: Candidate, other: Candidate) -> float:
+def _worse(candidate: Candidate, other: Candidate) -> float:
     """By how much one explains the last scan worse than another."""
-    return min(max(other.latest - one.latest, -MOST_AT_ONCE), MOST_AT_ONCE)
+    return min(max(other.latest - candidate.latest, -MOST_AT_ONCE), MOST_AT_ONCE)

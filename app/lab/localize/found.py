@@ -63,48 +63,48 @@ class Localized:
     @property
     def standing(self) -> list[Told]:
         """What was told and still stands."""
-        return [one for one in self.told if not one.withdrawn]
+        return [item for item in self.told if not item.withdrawn]
 
     @property
     def withdrawn(self) -> list[Told]:
         """What was told of places that turned out wrong."""
-        return [one for one in self.told if one.withdrawn]
+        return [item for item in self.told if item.withdrawn]
 
     @property
     def stamps(self) -> list[float]:
         """Of scans at which the robot's place was known, and still stands."""
-        return [one.stamp for one in self.standing]
+        return [item.stamp for item in self.standing]
 
     @property
     def poses(self) -> list[Array]:
         """(3,) in the map, of the same."""
-        return [one.pose for one in self.standing]
+        return [item.pose for item in self.standing]
 
     @property
     def odometry(self) -> list[Array]:
         """(3,) in the odom frame, of the same."""
-        return [one.odometry for one in self.standing]
+        return [item.odometry for item in self.standing]
 
     def spans(self) -> list[tuple[float, float, int]]:
         """First and last stamp of what was withdrawn without a break, and who told it [s]."""
-        found: list[tuple[float, float, int]] = []
+        result: list[tuple[float, float, int]] = []
         before: Told | None = None
-        for one in self.told:
-            if one.withdrawn and before is not None and before.withdrawn and (
-                one.leader == before.leader and one.stamp - before.stamp <= LONGEST_GAP
+        for item in self.told:
+            if item.withdrawn and before is not None and before.withdrawn and (
+                item.leader == before.leader and item.stamp - before.stamp <= LONGEST_GAP
             ):  # fmt: skip
-                found[-1] = (found[-1][0], one.stamp, one.leader)
-            elif one.withdrawn:
-                found.append((one.stamp, one.stamp, one.leader))
-            before = one
-        return found
+                result[-1] = (result[-1][0], item.stamp, item.leader)
+            elif item.withdrawn:
+                result.append((item.stamp, item.stamp, item.leader))
+            before = item
+        return result
 
     @property
     def withdrawn_s(self) -> float:
         """How long places were told that were withdrawn [s]."""
         return sum(last - first for first, last, _ in self.spans())
 
-    def note(self, told: Told | None, state: State, stamp: float) -> None:
+    def note(self, given: Told | None, state: State, stamp: float) -> None:
         """A scan, what was claimed at it, and the pose that was told, if any was."""
         if not self.scans:
             self.first_stamp = stamp
@@ -112,5 +112,5 @@ class Localized:
         self.last_stamp = stamp
         self.state = state
         self.states[state] += 1
-        if told is not None:
-            self.told.append(told)
+        if given is not None:
+            self.told.append(given)

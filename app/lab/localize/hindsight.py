@@ -29,7 +29,7 @@ class Moment:
 
 
 def withdraw(
-    told: Iterable[Told], moments: Sequence[Moment], back: Candidate, margin: float
+    tolds: Iterable[Told], moments: Sequence[Moment], back: Candidate, margin: float
 ) -> None:
     """Mark what cannot be defended any more.
 
@@ -39,7 +39,7 @@ def withdraw(
     remembered goes as the oldest of it does.
 
     Args:
-        told: what was told; poses are marked.
+        tolds: what was told; poses are marked.
         moments: what is remembered, in order of time.
         back: at the place of now.
         margin: by which a pose has to explain scans better, in log-likelihood a ray.
@@ -54,6 +54,6 @@ def withdraw(
     mean = np.convolve(better, around, "same") / np.convolve(np.ones(len(better)), around, "same")
     stands = (np.array(near) | (mean > margin))[::-1]
     stamps = np.array([moment.scan.stamp for moment in moments])
-    for one in told:
-        at = max(int(np.searchsorted(stamps, one.stamp, side="right")) - 1, 0)
-        one.withdrawn |= not stands[at]
+    for item in tolds:
+        position = max(int(np.searchsorted(stamps, item.stamp, side="right")) - 1, 0)
+        item.withdrawn |= not stands[position]

@@ -40,12 +40,12 @@ class LaserFollower:
     """
 
     def __init__(
-        self, on: LaserMap, settings: LocalizeSettings, start: Start | None, seed: int
+        self, laser_map: LaserMap, settings: LocalizeSettings, start: Start | None, seed: int
     ) -> None:
         """Start as told, or, without, all over the free floor."""
         begun = time.perf_counter()
-        self._map, self._settings = on, settings
-        self._sensor = on.sensor(settings.localization.sensor, settings.laser)
+        self._map, self._settings = laser_map, settings
+        self._sensor = laser_map.sensor(settings.localization.sensor, settings.laser)
         self._rng = np.random.default_rng(seed)
         self.found = Localized(tables_s=time.perf_counter() - begun)
         self._contest = Contest(self._new_candidate, settings.laser)
@@ -54,7 +54,7 @@ class LaserFollower:
             self._contest.begin_anywhere()
         else:
             spread = np.diag(np.square([start.sd_xy, start.sd_xy, start.sd_theta]))
-            self._contest.begin_at(on.map_from_cells.inverse() @ start.pose, spread)
+            self._contest.begin_at(laser_map.map_from_cells.inverse() @ start.pose, spread)
 
     def take(self, measurement: Measurement) -> None:
         """Follow the robot to a scan."""
@@ -80,8 +80,8 @@ class LaserFollower:
         """Whether the leader's place is told until the next update."""
         leader, laser = self._leader, self._settings.laser
         floor = laser.tell_above if self._telling else laser.doubt_below
-        told = leader.confirmed and leader.known and leader.behind <= laser.doubt_behind / 4
-        self._telling = told and leader.explains(floor)
+        given = leader.confirmed and leader.known and leader.behind <= laser.doubt_behind / 4
+        self._telling = given and leader.explains(floor)
 
     def _withdraw(self) -> None:
         """Another place is better: mark what was told of the old one."""
@@ -102,40 +102,40 @@ class LaserFollower:
         return State.SEARCHING
 
     def _note(self, odometry: Pose2, stamp: float) -> None:
-        found, leader = self.found, self._leader
-        found.particles = leader.particles
-        told = None
+        result, leader = self.found, self._leader
+        result.particles = leader.particles
+        given = None
         if leader.estimate is not None:
             pose = leader.map_from_odom @ odometry
-            found.final = self._in_map(leader.estimate, pose, stamp)
+            result.final = self._in_map(leader.estimate, pose, stamp)
             if self._telling:
-                at = found.final.pose.to_array()
-                told = Told(stamp, at, odometry.to_array(), found.places_left)
-        found.note(told, self._state, stamp)
+                position = result.final.pose.to_array()
+                given = Told(stamp, position, odometry.to_array(), result.places_left)
+        result.note(given, self._state, stamp)
 
-    def _in_map(self, estimate: Estimate, now: Pose2, stamp: float) -> Estimate:
+    def _in_map(self, estimate: Estimate, pose2: Pose2, stamp: float) -> Estimate:
         """An estimate in the map's frame, whose places have moved on by odometry."""
-        since = estimate.pose.inverse() @ now
+        since = estimate.pose.inverse() @ pose2
         moved = tuple(
             Hypothesis(
-                one.weight,
-                self._map.pose_in_map(one.pose @ since),
-                self._map.covariance_in_map(one.covariance),
+                hypothesis.weight,
+                self._map.pose_in_map(hypothesis.pose @ since),
+                self._map.covariance_in_map(hypothesis.covariance),
             )
-            for one in estimate.hypotheses
+            for hypothesis in estimate.hypotheses
         )
         return Estimate(stamp, moved, estimate.effective)
 
 
 def localize(
     measurements: Iterable[Measurement],
-    on: LaserMap,
+    laser_map: LaserMap,
     settings: LocalizeSettings,
     start: Start | None,
     seed: int,
 ) -> Localized:
     """Follow a robot through its measurements; the same seed, the same result."""
-    follower = LaserFollower(on, settings, start, seed)
+    follower = LaserFollower(laser_map, settings, start, seed)
     for measurement in measurements:
         follower.take(measurement)
     return follower.found

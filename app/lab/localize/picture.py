@@ -25,13 +25,13 @@ WIDER = 0.6
 """A picture is no narrower than this share of its longer side."""
 
 
-def draw(path: Path, found: Localized, on: LaserMap) -> None:
+def draw(path: Path, localized: Localized, laser_map: LaserMap) -> None:
     """Write a PNG.
 
     Args:
         path: of the file.
-        found: what the filter says; if it never was sure, its places at the end are shown.
-        on: the map.
+        localized: what the filter says; if it never was sure, its places at the end are shown.
+        laser_map: the map.
 
     Raises:
         OSError: it cannot be written.
@@ -39,9 +39,9 @@ def draw(path: Path, found: Localized, on: LaserMap) -> None:
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(INCHES, INCHES), layout="constrained")
         axes = figure.add_subplot()
-        _floor(axes, on)
-        shown = _ways(axes, found) if found.told else _places(axes, found)
-        _look_at(axes, shown, on)
+        _floor(axes, laser_map)
+        shown = _ways(axes, localized) if localized.told else _places(axes, localized)
+        _look_at(axes, shown, laser_map)
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
         handles, labels = axes.get_legend_handles_labels()
         once = dict(zip(labels, handles, strict=True))
@@ -49,11 +49,11 @@ def draw(path: Path, found: Localized, on: LaserMap) -> None:
         figure.savefig(path, dpi=DPI, metadata={"Software": None})
 
 
-def _floor(axes: Axes, on: LaserMap) -> None:
-    height, width = on.grid.data.shape
-    side, pose = on.grid.resolution, on.map_from_cells
-    tones = np.full(on.grid.data.shape, 205, dtype=np.uint8)
-    tones[on.grid.free], tones[on.grid.occupied] = 255, 90
+def _floor(axes: Axes, laser_map: LaserMap) -> None:
+    height, width = laser_map.grid.data.shape
+    side, pose = laser_map.grid.resolution, laser_map.map_from_cells
+    tones = np.full(laser_map.grid.data.shape, 205, dtype=np.uint8)
+    tones[laser_map.grid.free], tones[laser_map.grid.occupied] = 255, 90
     turn = mpl.transforms.Affine2D().rotate(pose.theta).translate(pose.x, pose.y)
     axes.imshow(
         tones, cmap="gray", vmin=0, vmax=255, origin="lower", interpolation="nearest",
@@ -61,12 +61,12 @@ def _floor(axes: Axes, on: LaserMap) -> None:
     )  # fmt: skip
 
 
-def _ways(axes: Axes, found: Localized) -> Array:
+def _ways(axes: Axes, localized: Localized) -> Array:
     """Estimate and odometry, which begin together; where they go (n, 2)."""
-    standing, shown = found.standing, []
+    standing, shown = localized.standing, []
     if standing:
         poses = np.array([one.pose for one in standing])
-        odometry = np.array([one.odometry for one in standing])
+        odometry = np.array([each.odometry for each in standing])
         begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
         alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)
         for way, stroke in ((alone, STROKES["odometry"]), (_broken(standing), STROKES["amcl"])):
@@ -75,39 +75,39 @@ def _ways(axes: Axes, found: Localized) -> Array:
         for pose, mark, label in ((poses[0], "o", "first known"), (poses[-1], "X", "end")):
             axes.plot(*pose[:2], mark, color="#0072b2", ms=7, mec="white", label=label)
         shown.append(poses[:, :2])
-    if withdrawn := found.withdrawn:
+    if withdrawn := localized.withdrawn:
         way = _broken(withdrawn)
         axes.plot(way[:, 0], way[:, 1], ":", color=WITHDRAWN, lw=1.6, label="told, and withdrawn")
-        shown.append(np.array([one.pose[:2] for one in withdrawn]))
+        shown.append(np.array([item.pose[:2] for item in withdrawn]))
     return np.concatenate(shown)
 
 
-def _broken(told: Sequence[Told]) -> Array:
+def _broken(tolds: Sequence[Told]) -> Array:
     """Poses (n, 3), with nan wherever some time was not told."""
     rows = []
-    for before, one in zip([told[0], *told], told, strict=False):
-        if one.stamp - before.stamp > LONGEST_GAP:
+    for before, item in zip([tolds[0], *tolds], tolds, strict=False):
+        if item.stamp - before.stamp > LONGEST_GAP:
             rows.append(np.full(3, np.nan))
-        rows.append(one.pose)
+        rows.append(item.pose)
     return np.array(rows)
 
 
-def _places(axes: Axes, found: Localized) -> Array:
+def _places(axes: Axes, localized: Localized) -> Array:
     """Where the robot may be at the end (n, 2), as circles of two standard deviations."""
-    places = found.final.hypotheses if found.final else ()
-    centres = np.array([[one.pose.x, one.pose.y] for one in places]).reshape(-1, 2)
+    places = localized.final.hypotheses if localized.final else ()
+    centres = np.array([[item.pose.x, item.pose.y] for item in places]).reshape(-1, 2)
     for place, (x, y) in zip(places, centres, strict=True):
         wide = 2 * float(np.sqrt(np.trace(place.covariance[:2, :2]) / 2))
         axes.add_patch(Circle((x, y), wide, fill=False, color="#0072b2", label="may be here"))
     return centres
 
 
-def _look_at(axes: Axes, places: Array, on: LaserMap) -> None:
+def _look_at(axes: Axes, places: Array, laser_map: LaserMap) -> None:
     """Show the ways and some of the map around; all of the map, where there are none."""
     if not len(places):
-        height, width = on.grid.data.shape
+        height, width = laser_map.grid.data.shape
         corners = np.array([[0, 0], [width, 0], [0, height], [width, height]], dtype=np.float64)
-        places = on.map_from_cells.apply(corners * on.grid.resolution)
+        places = laser_map.map_from_cells.apply(corners * laser_map.grid.resolution)
     low, high = places.min(axis=0) - MARGIN, places.max(axis=0) + MARGIN
     middle, half = (low + high) / 2, (high - low) / 2
     half = np.maximum(half, WIDER * half.max())

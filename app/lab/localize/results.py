@@ -43,7 +43,7 @@ class Asked:
 
 
 def write_results(
-    folder: Path, asked: Asked, found: Localized, on: LaserMap, left_out: LeftOut
+    folder: Path, asked: Asked, localized: Localized, laser_map: LaserMap, left_out: LeftOut
 ) -> None:
     """Write all, so that the folder has all of it or is as it was.
 
@@ -53,48 +53,51 @@ def write_results(
     """
     notes = [f"{asked.bag.name} on {asked.map.name}, pose of {asked.layout.base_frame}"]
     wrong = [*notes, "told as certain, and withdrawn: the place turned out wrong"]
-    ways = {PATH: (found.standing, notes, 2), WITHDRAWN: (found.withdrawn, wrong, 1)}
+    ways = {PATH: (localized.standing, notes, 2), WITHDRAWN: (localized.withdrawn, wrong, 1)}
     with written_whole(folder) as new:
-        for name, (told, lines, least) in ways.items():
-            if len(told) >= least:
-                write_tum(new / name, _trajectory(told), lines)
-        draw(new / PICTURE, found, on)
-        write_json(new / RESULTS, content(asked, found, left_out))
-    for name, (told, _, least) in ways.items():
-        if len(told) < least:
+        for name, (given, lines, least) in ways.items():
+            if len(given) >= least:
+                write_tum(new / name, _trajectory(given), lines)
+        draw(new / PICTURE, localized, laser_map)
+        write_json(new / RESULTS, content(asked, localized, left_out))
+    for name, (given, _, least) in ways.items():
+        if len(given) < least:
             (folder / name).unlink(missing_ok=True)  # of an earlier run
 
 
-def _trajectory(told: Sequence[Told]) -> Trajectory:
-    return Trajectory.of_poses([one.stamp for one in told], np.array([one.pose for one in told]))
+def _trajectory(tolds: Sequence[Told]) -> Trajectory:
+    return Trajectory.of_poses(
+        [each.stamp for each in tolds], np.array([item.pose for item in tolds])
+    )
 
 
-def content(asked: Asked, found: Localized, left_out: LeftOut) -> dict[str, Any]:
+def content(asked: Asked, localized: Localized, left_out: LeftOut) -> dict[str, Any]:
     """``results.json``: metres, radians, seconds, map frame."""
-    final = found.final
+    final = localized.final
     return {
         "bag": asked.bag.name,
         "map": asked.map.name,
         "seed": asked.seed,
-        "known": found.known,
-        "state": str(found.state),
+        "known": localized.known,
+        "state": str(localized.state),
         "final": None if final is None else {"stamp": final.stamp, **_place(final.hypotheses[0])},
-        "hypotheses": [_place(one) for one in final.hypotheses] if final else [],
-        "places_left": found.places_left,
-        "known_from": found.standing[0].stamp if found.standing else None,
+        "hypotheses": [_place(hypothesis) for hypothesis in final.hypotheses] if final else [],
+        "places_left": localized.places_left,
+        "known_from": localized.standing[0].stamp if localized.standing else None,
         "scans": {
-            "used": found.scans,
-            "known": len(found.standing),
-            "withdrawn": len(found.withdrawn),
-            "by_state": {str(state): found.states[state] for state in State},
-            "first_stamp": _number(found.first_stamp),
-            "last_stamp": _number(found.last_stamp),
+            "used": localized.scans,
+            "known": len(localized.standing),
+            "withdrawn": len(localized.withdrawn),
+            "by_state": {str(state): localized.states[state] for state in State},
+            "first_stamp": _number(localized.first_stamp),
+            "last_stamp": _number(localized.last_stamp),
             **vars(left_out),
         },
         "withdrawn": [
-            {"from": first, "to": last, "leader": leader} for first, last, leader in found.spans()
+            {"from": first, "to": last, "leader": leader}
+            for first, last, leader in localized.spans()
         ],
-        "rates": _rates(found),
+        "rates": _rates(localized),
         "topics": {"scan": asked.chosen.scan, "odometry": asked.chosen.odometry or "tf"},
         "frames": {
             "base": asked.layout.base_frame,
@@ -111,15 +114,17 @@ def content(asked: Asked, found: Localized, left_out: LeftOut) -> dict[str, Any]
     }
 
 
-def _rates(found: Localized) -> dict[str, float | int | None]:
-    lasted = found.last_stamp - found.first_stamp
+def _rates(localized: Localized) -> dict[str, float | int | None]:
+    lasted = localized.last_stamp - localized.first_stamp
     return {
-        "updates": found.updates,
-        "particles_at_end": found.particles,
-        "filter_s": found.filter_s,
-        "tables_s": found.tables_s,
-        "updates_per_s": found.updates / found.filter_s if found.filter_s else None,
-        "times_real_time": lasted / found.filter_s if found.filter_s and lasted > 0 else None,
+        "updates": localized.updates,
+        "particles_at_end": localized.particles,
+        "filter_s": localized.filter_s,
+        "tables_s": localized.tables_s,
+        "updates_per_s": localized.updates / localized.filter_s if localized.filter_s else None,
+        "times_real_time": lasted / localized.filter_s
+        if localized.filter_s and lasted > 0
+        else None,
     }
 
 
@@ -127,9 +132,13 @@ def _pose(pose: Pose2) -> dict[str, float]:
     return {"x": float(pose.x), "y": float(pose.y), "theta": float(pose.theta)}
 
 
-def _place(one: Hypothesis) -> dict[str, Any]:
-    covariance = one.covariance.ravel().tolist()
-    return {"pose": _pose(one.pose), "covariance": covariance, "weight": float(one.weight)}
+def _place(hypothesis: Hypothesis) -> dict[str, Any]:
+    covariance = hypothesis.covariance.ravel().tolist()
+    return {
+        "pose": _pose(hypothesis.pose),
+        "covariance": covariance,
+        "weight": float(hypothesis.weight),
+    }
 
 
 def _number(value: float) -> float | None:

@@ -18,11 +18,11 @@ class Kept:
     def get(self, key: str) -> Measured | None:
         """What was measured at a point; None if it was not, or its file is damaged."""
         try:
-            found = json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
+            result = json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        whole = isinstance(found, dict) and set(found) == {*MEASURES, "error"}
-        return found if whole else None
+        whole = isinstance(result, dict) and set(result) == {*MEASURES, "error"}
+        return result if whole else None
 
     def put(self, key: str, measured: Measured) -> None:
         """Keep what was measured; the file is whole or not there.

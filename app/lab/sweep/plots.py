@@ -40,14 +40,14 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
     shown = [row for row in rows if row[measure] is not None]
     values = sorted({row[setting] for row in rows}, key=_order)
     words = not all(_is_number(value) for value in values)
-    at = {value: place if words else value for place, value in enumerate(values)}
+    position = {value: place if words else value for place, value in enumerate(values)}
     done: list[str] = []
     with drawn(5.2, 3.2, done) as figure:
         axes = figure.add_subplot()
         worlds = list(dict.fromkeys(_where(row) for row in rows))
         for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):
             of_world = [row for row in shown if _where(row) == world]
-            x = [at[row[setting]] for row in of_world]
+            x = [position[row[setting]] for row in of_world]
             y = [1e3 * row[measure] for row in of_world]
             axes.plot(x, y, mark, color=colour, ms=4, alpha=0.5, label=world)
             if len(values) <= FEW and of_world:
@@ -57,9 +57,9 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
                 ]
                 axes.plot(places, medians, "-", color=colour, lw=1.5)
         failed = len(rows) - len(shown)
-        told = f"{failed} runs failed or were never right" if failed else ""
+        given = f"{failed} runs failed or were never right" if failed else ""
         axes.set(
-            xlabel=setting, ylabel=label, title=told,
+            xlabel=setting, ylabel=label, title=given,
             yscale="log" if shown else "linear",
         )  # fmt: skip
         if words:

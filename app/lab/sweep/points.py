@@ -59,12 +59,12 @@ def points_of(file: SweepFile, base: Config) -> list[Point]:
     """All points of a sweep, in the order of its table."""
     sweep = file.sweep
     seeds = range(sweep.first_seed, sweep.first_seed + sweep.seeds)
-    found = []
+    result = []
     everywhere = list(itertools.product(sweep.worlds, sweep.conditions, seeds))
     for settings in file.points(base):
         for world, condition, seed in everywhere:
-            found.append(_point(settings, world, condition, seed, base))
-    return found
+            result.append(_point(settings, world, condition, seed, base))
+    return result
 
 
 def _point(settings: Settings, world: str, condition: str, seed: int, base: Config) -> Point:

@@ -61,16 +61,16 @@ def sweep(
     keys = [_key(file, point) for point in points]
     configs = {key: point.config for key, point in zip(keys, points, strict=True) if point.config}
     kept = Kept(folder / "points")
-    found = {key: one for key in configs if (one := kept.get(key)) is not None}
-    done_before = len(found)
-    left = {key: config for key, config in configs.items() if key not in found}
+    result = {key: item for key in configs if (item := kept.get(key)) is not None}
+    done_before = len(result)
+    left = {key: config for key, config in configs.items() if key not in result}
     with tqdm(total=len(configs), initial=done_before, unit="point", disable=None) as progress:
         # Of several points that ended their worker together, one alone may be to blame.
         for most in (at_once(len(left), workers.count), 1):
             jobs = jobs_of(left, file.sweep.laps, offset, most)
-            found |= _do(jobs, workers, kept, progress)
-            left = {key: config for key, config in left.items() if key not in found}
-    rows = [_row(point, found.get(key)) for point, key in zip(points, keys, strict=True)]
+            result |= _do(jobs, workers, kept, progress)
+            left = {key: config for key, config in left.items() if key not in result}
+    rows = [_row(point, result.get(key)) for point, key in zip(points, keys, strict=True)]
     for setting in file.values:
         plot_setting(folder / "plots" / f"{setting}.svg", setting, rows, bool(offset))
     write_table(folder / f"results.{kind}", rows)
@@ -81,19 +81,19 @@ def _do(
     jobs: list[SweepJob], workers: Workers, kept: Kept, progress: tqdm[None]
 ) -> dict[str, Measured]:
     """What was measured, by key; without points that ended their worker together with others."""
-    found: dict[str, Measured] = {}
+    result: dict[str, Measured] = {}
     for place, outcome in workers.each(follow_all, jobs):
         keys = list(jobs[place].configs)
         if isinstance(outcome, Exception) and len(keys) > 1:
             continue
         for key in keys:
             measured = _measured(outcome, key)
-            found[key] = measured
+            result[key] = measured
             # What failed is tried again the next time: it may have been the machine's fault.
             if not measured["error"]:
                 kept.put(key, measured)
             progress.update()
-    return found
+    return result
 
 
 def _measured(outcome: dict[str, Measured] | Exception, key: str) -> Measured:

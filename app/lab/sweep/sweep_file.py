@@ -96,7 +96,7 @@ class SweepFile:
                 for _ in range(self.sweep.sample)
             ]
         lists = [values for values in self.values.values() if isinstance(values, list)]
-        return [dict(zip(self.values, one, strict=True)) for one in itertools.product(*lists)]
+        return [dict(zip(self.values, item, strict=True)) for item in itertools.product(*lists)]
 
 
 def load_sweep(path: Path) -> SweepFile:
@@ -138,30 +138,30 @@ def _values(
     path: Path, text: str, table: dict[str, Any], sampled: bool
 ) -> dict[str, list[Any] | Interval]:
     known = settings_of(Config())
-    found: dict[str, list[Any] | Interval] = {}
+    result: dict[str, list[Any] | Interval] = {}
     for name, given in _flat(table, known):
         if name not in known or name in NOT_SWEPT:
-            near = [one for one in known if one.rpartition(".")[2] == name.rpartition(".")[2]]
+            near = [item for item in known if item.rpartition(".")[2] == name.rpartition(".")[2]]
             valid = ", ".join(near) or "those of docs/configuration.md, by their path"
             raise _wrong(path, text, name, f"is no setting that can be swept; valid are {valid}")
         try:
-            found[name] = _one(given, sampled)
+            result[name] = _one(given, sampled)
         except SettingError as error:
             raise _wrong(path, text, name, str(error)) from error
-    return found
+    return result
 
 
 def _flat(table: dict[str, Any], known: Settings, above: str = "") -> list[tuple[str, Any]]:
     """Settings by their path: a table's own names are those above it."""
-    found: list[tuple[str, Any]] = []
+    result: list[tuple[str, Any]] = []
     for name, value in table.items():
         path = f"{above}{name}"
-        is_group = any(one.startswith(f"{path}.") for one in known)
+        is_group = any(item.startswith(f"{path}.") for item in known)
         if isinstance(value, dict) and (is_group or "low" not in value):
-            found += _flat(value, known, f"{path}.") or [(path, value)]
+            result += _flat(value, known, f"{path}.") or [(path, value)]
         else:
-            found.append((path, value))
-    return found
+            result.append((path, value))
+    return result
 
 
 def _one(given: Any, sampled: bool) -> list[Any] | Interval:

@@ -51,17 +51,17 @@ def _measured(drive: Drive, config: Config, offset: tuple[float, ...]) -> Measur
     except Exception as error:
         return _failed(error)
     truth = trajectory(run, "truth")
-    found, reckoned = (score(truth, trajectory(run, method)) for method in ("amcl", "odometry"))
-    off, turns = errors(run, run.estimate)
-    translation, rotation = found.relative[SHOWN]
+    result, reckoned = (score(truth, trajectory(run, method)) for method in ("amcl", "odometry"))
+    offsets, turns = errors(run, run.estimate)
+    translation, rotation = result.relative[SHOWN]
     values = (
-        found.ate,
-        found.ate_aligned,
-        found.heading,
+        result.ate,
+        result.ate_aligned,
+        result.heading,
         translation,
         rotation,
         reckoned.ate,
-        time_to_converge(run.stamps, off, turns),
+        time_to_converge(run.stamps, offsets, turns),
         steady_error(run),
         1e3 * float(np.mean(run.cpu)),
     )

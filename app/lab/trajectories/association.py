@@ -33,10 +33,13 @@ def associate(
     """
     truth_asks = len(estimate) > len(truth)
     asking, asked = (truth, estimate) if truth_asks else (estimate, truth)
-    nearest, found = _nearest(asking.stamps, asked.stamps, max_difference)
-    if np.count_nonzero(found) < FEWEST:
-        raise TrajectoryError(_too_few(truth, estimate, int(np.count_nonzero(found))))
-    these, those = asking.picked(found), _with_stamps(asked, nearest[found], asking.stamps[found])
+    nearest, result = _nearest(asking.stamps, asked.stamps, max_difference)
+    if np.count_nonzero(result) < FEWEST:
+        raise TrajectoryError(_too_few(truth, estimate, int(np.count_nonzero(result))))
+    these, those = (
+        asking.picked(result),
+        _with_stamps(asked, nearest[result], asking.stamps[result]),
+    )
     return (these, those) if truth_asks else (those, these)
 
 
@@ -87,22 +90,22 @@ def at(
     before = np.clip(np.searchsorted(known, asked, side="right") - 1, 0, len(known) - 2)
     inside = (asked >= known[0]) & (asked <= known[-1])
     hit = (asked == known[before]) | (asked == known[before + 1])
-    told = inside & (hit | (known[before + 1] - known[before] <= max_gap))
-    if np.count_nonzero(told) < 2:
+    given = inside & (hit | (known[before + 1] - known[before] <= max_gap))
+    if np.count_nonzero(given) < 2:
         raise TrajectoryError(
-            f"{_times(trajectory)} has poses at {np.count_nonzero(told)} of {len(asked)} stamps, "
+            f"{_times(trajectory)} has poses at {np.count_nonzero(given)} of {len(asked)} stamps, "
             f"with gaps up to {max_gap:g} s; valid are 2 and more"
         )
     between = Slerp(known, Rotation.from_quat(trajectory.quaternions))
-    positions = [np.interp(asked[told], known, axis) for axis in trajectory.positions.T]
+    positions = [np.interp(asked[given], known, axis) for axis in trajectory.positions.T]
     poses = Trajectory(
-        asked[told],
+        asked[given],
         np.column_stack(positions),
-        between(asked[told]).as_quat(),
+        between(asked[given]).as_quat(),
         trajectory.source,
         trajectory.notes,
     )
-    return poses, told
+    return poses, given
 
 
 def _too_few(truth: Trajectory, estimate: Trajectory, pairs: int) -> str:

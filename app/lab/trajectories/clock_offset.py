@@ -75,9 +75,9 @@ def estimate_clock_offset(
         TrajectoryError: one is too short or too long, or no offset is in reach.
     """
     from_above = truth.planar or estimate.planar
-    true, found = motion_profile(truth, from_above), motion_profile(estimate, from_above)
-    size = _size(true, found)
-    offsets, alike, overlap = correlations(true, found.scaled(size))
+    true, result = motion_profile(truth, from_above), motion_profile(estimate, from_above)
+    size = _size(true, result)
+    offsets, alike, overlap = correlations(true, result.scaled(size))
     estimate = replace(estimate, positions=size * estimate.positions, lines=None)
     reached = overlap >= OVERLAP
     if search is not None:
@@ -93,7 +93,7 @@ def estimate_clock_offset(
     for peak in _peaks(alike, overlap):
         offset, error = _refined(truth, estimate, _top(offsets, alike, int(peak)))
         likely.append(ClockOffset(offset, float(alike[peak]), float(overlap[peak]), error))
-    return min(likely, key=lambda one: one.error)
+    return min(likely, key=lambda item: item.error)
 
 
 def require_same_run(
@@ -158,11 +158,11 @@ def _refined(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[fl
     return offset + float(best.x), float(best.fun)
 
 
-def _size(true: MotionProfile, found: MotionProfile) -> float:
+def _size(true: MotionProfile, result: MotionProfile) -> float:
     """What an estimate is to be multiplied by; 1 unless it is of quite another size."""
     usual, theirs = (
-        float(np.percentile(one.channels[0, one.known], USUALLY)) if one.known.any() else 0.0
-        for one in (true, found)
+        float(np.percentile(item.channels[0, item.known], USUALLY)) if item.known.any() else 0.0
+        for item in (true, result)
     )
     if min(usual, theirs) <= 0 or max(usual / theirs, theirs / usual) < OTHER_SIZE:
         return 1.0

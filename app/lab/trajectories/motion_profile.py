@@ -133,9 +133,9 @@ def correlations(truth: MotionProfile, estimate: MotionProfile) -> tuple[Array, 
     return truth.start - estimate.start + lags * STEP, np.clip(alike, -1, 1), overlap
 
 
-def _clipped(profile: MotionProfile, to: MotionProfile) -> MotionProfile:
+def _clipped(profile: MotionProfile, target: MotionProfile) -> MotionProfile:
     """Where an estimate jumps it is faster than anything that moves; that would hide the rest."""
-    slowest, fastest = to.channels.min(axis=1), to.channels.max(axis=1)
+    slowest, fastest = target.channels.min(axis=1), target.channels.max(axis=1)
     within = np.clip(profile.channels, slowest[:, None], fastest[:, None])
     return replace(profile, channels=within)
 

@@ -44,7 +44,7 @@ def fit_scale(truth: Trajectory, estimate: Trajectory) -> ScaleFit:
     """
     aligned = align(truth, estimate).apply(estimate)
     true = truth.positions - truth.positions.mean(axis=0)
-    found = aligned.positions - aligned.positions.mean(axis=0)
-    scale = float(np.sum(true * found) / np.sum(found**2))
-    scaled = rms(np.linalg.norm(scale * found - true, axis=1))
+    result = aligned.positions - aligned.positions.mean(axis=0)
+    scale = float(np.sum(true * result) / np.sum(result**2))
+    scaled = rms(np.linalg.norm(scale * result - true, axis=1))
     return ScaleFit(scale, ate_rmse(truth, aligned), scaled)

@@ -173,10 +173,10 @@ def _first_fault(
         (np.append(False, falls(stamps[1:], stamps[:-1])), _not_rising),
         (largest < NO_LENGTH, _no_length),
     )
-    found = [(int(np.argmax(wrong)), message) for wrong, message in faults if wrong.any()]
-    if not found:
+    result = [(int(np.argmax(wrong)), message) for wrong, message in faults if wrong.any()]
+    if not result:
         return None
-    index, message = min(found, key=lambda one: one[0])
+    index, message = min(result, key=lambda item: item[0])
     return index, message(index, stamps)
 
 

@@ -186,16 +186,16 @@ class Scene:
 
     def _show_hypotheses(self, snapshot: Snapshot) -> None:
         """An ellipse for each place where the robot may be, the likeliest with full colour."""
-        found = snapshot.estimate.hypotheses if snapshot.estimate is not None else ()
-        shown = [one for one in found if one.weight >= LIKELY]
+        result = snapshot.estimate.hypotheses if snapshot.estimate is not None else ()
+        shown = [one for one in result if one.weight >= LIKELY]
         node = self._nodes["covariance"]
         if not shown:
             node.points = np.full((1, 2, 3), FAR_AWAY)
             node.colors = np.zeros((1, 2, 3), dtype=np.uint8)
             return
-        marks = [hypothesis_mark(one.pose, one.covariance) for one in shown]
+        marks = [hypothesis_mark(each.pose, each.covariance) for each in shown]
         node.points = _lifted(np.concatenate(marks), LIFT["estimate"])
-        parts = np.repeat([one.weight for one in shown], [len(mark) for mark in marks])
+        parts = np.repeat([item.weight for item in shown], [len(mark) for mark in marks])
         node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
 
     def _show_scan(self, snapshot: Snapshot) -> None:

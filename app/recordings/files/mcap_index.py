@@ -126,7 +126,7 @@ def _from_summary(file: BinaryIO) -> Index:
         raise DamageError("the summary has no chunks")
     if any(channel.schema_id not in (0, *index.schemas) for channel in index.channels.values()):
         raise DamageError("the summary has not all schemas")
-    if any(not one.channels <= index.channels.keys() for one in index.pieces):
+    if any(not piece.channels <= index.channels.keys() for piece in index.pieces):
         raise DamageError("the summary has not all channels")
     return index
 

@@ -38,10 +38,10 @@ def open_recording(path: Path) -> RecordingReader:
         RecordingError: there is no such file, it is something else, damaged from the beginning, or
             without any messages in CDR; says what it is and what would be valid.
     """
-    reader = RecordingReader(path, [McapFile(one) for one in _files(path)])
+    reader = RecordingReader(path, [McapFile(each) for each in _files(path)])
     if not reader.topics:
-        channels = [one for file in reader.files for one in file.index.channels.values()]
-        encodings = {one.message_encoding for one in channels} - {CDR}
+        channels = [item for file in reader.files for item in file.index.channels.values()]
+        encodings = {channel.message_encoding for channel in channels} - {CDR}
         holds = f"has messages in {', '.join(sorted(encodings))}" if encodings else "has no message"
         raise RecordingError(f"{path} {holds}; valid are ROS 2 messages in cdr")
     return reader
@@ -61,10 +61,10 @@ class RecordingReader:
             self.topics |= dict(file.names.values())
             self.metadata |= file.index.metadata
         # Empty chunks have their end before their beginning.
-        pieces = [one for file in files for one in file.pieces if one.start_ns <= one.end_ns]
-        self.start_ns = min((one.start_ns for one in pieces), default=0)
+        pieces = [each for file in files for each in file.pieces if each.start_ns <= each.end_ns]
+        self.start_ns = min((item.start_ns for item in pieces), default=0)
         """Log time of the first message."""
-        self.end_ns = max((one.end_ns for one in pieces), default=0)
+        self.end_ns = max((piece.end_ns for piece in pieces), default=0)
         self.unfinished = any(not file.index.complete for file in files)
         """Whether it was cut off: the program was killed, or the disk was full."""
         self.damage = " ".join(file.index.damage for file in files if file.index.damage)
@@ -88,7 +88,7 @@ class RecordingReader:
             RecordingError: the file is damaged in the middle or gone.
         """
         streams = [file.messages(topics, start_ns) for file in self.files]
-        return heapq.merge(*streams, key=lambda one: one.log_time_ns)
+        return heapq.merge(*streams, key=lambda item: item.log_time_ns)
 
 
 class _Attachments(Mapping[str, bytes]):
@@ -116,12 +116,12 @@ class McapFile:
         with self._open() as file:
             _check_beginning(path, file)
             self.index = index_of(file)
-        self.pieces = sorted(self.index.pieces, key=lambda one: (one.start_ns, one.offset))
+        self.pieces = sorted(self.index.pieces, key=lambda item: (item.start_ns, item.offset))
         schemas = self.index.schemas
         self.names = {
-            one.id: (one.topic, schemas[one.schema_id].name)
-            for one in self.index.channels.values()
-            if one.message_encoding == CDR and one.schema_id in schemas
+            channel.id: (channel.topic, schemas[channel.schema_id].name)
+            for channel in self.index.channels.values()
+            if channel.message_encoding == CDR and channel.schema_id in schemas
         }
         """Topic and type by channel, of all that can be read as CDR."""
 
@@ -173,14 +173,14 @@ def _files(path: Path) -> list[Path]:
     try:
         if not path.is_dir():
             return [path]
-        found = sorted(path.glob("*.mcap"))
-        others = sorted(one.name for one in path.iterdir())[:5]
+        result = sorted(path.glob("*.mcap"))
+        others = sorted(item.name for item in path.iterdir())[:5]
     except (OSError, ValueError) as error:
         raise RecordingError(f"{path} cannot be read: {error}") from error
-    if not found:
+    if not result:
         holds = f"has {', '.join(others)}" if others else "is empty"
         raise RecordingError(f"{path} {holds}; valid is a folder with an .mcap file")
-    return found
+    return result
 
 
 def _check_beginning(path: Path, file: BinaryIO) -> None:

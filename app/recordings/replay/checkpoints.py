@@ -36,14 +36,14 @@ class Checkpoints:
     @property
     def size(self) -> int:
         """All together [bytes]; a block that several share counts once."""
-        blocks = {id(b): len(b.content) for one in self._kept for b in one.checkpoint.blocks}
-        return sum(len(one.checkpoint.content) for one in self._kept) + sum(blocks.values())
+        blocks = {id(b): len(b.content) for each in self._kept for b in each.checkpoint.blocks}
+        return sum(len(item.checkpoint.content) for item in self._kept) + sum(blocks.values())
 
     def due(self, log_ns: int) -> bool:
         """Whether there should be one at a time, as there is none near it."""
-        after = bisect_left(self._kept, log_ns, key=lambda one: one.log_ns)
+        after = bisect_left(self._kept, log_ns, key=lambda item: item.log_ns)
         near = self._kept[max(after - 1, 0) : after + 1]
-        return all(abs(one.log_ns - log_ns) >= self._spacing_ns for one in near)
+        return all(abs(each.log_ns - log_ns) >= self._spacing_ns for each in near)
 
     def add(self, log_ns: int, checkpoint: Checkpoint) -> None:
         """Keep one more."""
@@ -54,8 +54,8 @@ class Checkpoints:
 
     def before(self, log_ns: int) -> Kept | None:
         """The last one before a time."""
-        found = bisect_left(self._kept, log_ns, key=lambda one: one.log_ns)
-        return self._kept[found - 1] if found else None
+        result = bisect_left(self._kept, log_ns, key=lambda item: item.log_ns)
+        return self._kept[result - 1] if result else None
 
     def clear(self) -> None:
         """Give all up: other settings hold."""

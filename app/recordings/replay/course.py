@@ -92,7 +92,7 @@ class Course:
         Args:
             commands: what somebody tells the filter now, besides what it was told then.
         """
-        recorded = [one for told in self.robot.commands() for one in self._again(told)]
+        recorded = [item for command in self.robot.commands() for item in self._again(command)]
         self._note(commands)
         snapshot = self.engine.advance((*recorded, *commands))
         if self.robot.then is not None:
@@ -132,12 +132,12 @@ class Course:
         ahead = log_ns - self.log_ns
         if self._pure and 0 <= ahead < NEAR_NS:
             return None
-        there = self.look(log_ns)
-        picture_ns = there.picture_log_ns if there else None
+        target = self.look(log_ns)
+        picture_ns = target.picture_log_ns if target else None
         # At least one picture has to come in between: a checkpoint has none.
         kept = self.checkpoints.before(picture_ns if picture_ns is not None else -1)
         if self._pure and ahead >= 0 and (kept is None or kept.log_ns <= self.log_ns):
-            return there
+            return target
         if kept is None:
             self._start_anew()
         else:
@@ -146,7 +146,7 @@ class Course:
             self.engine.localization.own.put_back(sensor, motion)
             self.robot.go_to(place)
         self._pure = True
-        return there
+        return target
 
     def ticks_up_to(self, log_ns: int) -> Iterator[Snapshot]:
         """The ticks from here to a time."""
@@ -187,10 +187,10 @@ class Course:
         return self._settings.again(command)
 
     def _note(self, commands: tuple[Command, ...]) -> None:
-        for one in commands:
-            if isinstance(one, (SetParametersCommand, ResetCommand)):
-                self.change(one)
-            if RULES[type(one)].repeat is Repeat.MOMENT:
+        for command in commands:
+            if isinstance(command, (SetParametersCommand, ResetCommand)):
+                self.change(command)
+            if RULES[type(command)].repeat is Repeat.MOMENT:
                 self._pure = False
 
     def _then_of(self, stamp: float, pose: Pose2) -> Then | None:

@@ -197,22 +197,22 @@ def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRo
     wanted = config.start_pose
     as_configured = parts.told and parts.from_start and not wanted.restore_pose
     if not as_configured:
-        found = first_estimate(robot.reader, robot.topics, robot.start_ns)
-        if found is not None and field.contains(found.pose):
-            return Start((found,))
+        result = first_estimate(robot.reader, robot.topics, robot.start_ns)
+        if result is not None and field.contains(result.pose):
+            return Start((result,))
     return start(replace(wanted, restore_pose=False), Path(), field)
 
 
 def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptions) -> list[str]:
-    found = []
+    result = []
     if reader.unfinished:
-        found.append(f"The recording was cut off: {reader.damage or 'it was not finished'}.")
+        result.append(f"The recording was cut off: {reader.damage or 'it was not finished'}.")
     if parts.models and not (options.sensor_model or options.motion_model):
-        found.append(
+        result.append(
             f"It was recorded with models of somebody's own ({', '.join(parts.models)}); they are "
             "not run unless --sensor-model or --motion-model says so."
         )
-    return found
+    return result
 
 
 def _duration(reader: RecordingReader, robot: RecordedRobot) -> float:
@@ -220,8 +220,10 @@ def _duration(reader: RecordingReader, robot: RecordedRobot) -> float:
     last = robot.start_ns
     for back in (2_000_000_000, 60_000_000_000, reader.end_ns):
         try:
-            for one in reader.messages((robot.topics.joint_states,), max(reader.end_ns - back, 0)):
-                last = max(last, one.log_time_ns)
+            for message in reader.messages(
+                (robot.topics.joint_states,), max(reader.end_ns - back, 0)
+            ):
+                last = max(last, message.log_time_ns)
         except RecordingError:
             last = max(last, reader.end_ns)
         if last > robot.start_ns:

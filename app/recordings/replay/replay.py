@@ -135,20 +135,20 @@ class Replay:
         if following is None:
             self._paused = True
             return
-        now = time.monotonic()
+        clock = time.monotonic()
         last_s, next_s = ((t - self._start_ns) / 1e9 for t in (self.course.log_ns, following))
         if self._zero is None or next_s - last_s > LONGEST_GAP_S:
-            self._zero = now - last_s / self._speed
+            self._zero = clock - last_s / self._speed
             if next_s - last_s > LONGEST_GAP_S:
                 self._zero -= (next_s - last_s - LONGEST_GAP_S) / self._speed
         due = self._zero + next_s / self._speed
-        if due > now and self.asked.wait(min(due - now, STANDING_S)):
+        if due > clock and self.asked.wait(min(due - clock, STANDING_S)):
             return
         if due > time.monotonic() + SHORT_S:
             self._show(self.course.linger(self.course.engine.commands.take()))
             return
-        if now - due > BEHIND_S:
-            self._zero += now - due
+        if clock - due > BEHIND_S:
+            self._zero += clock - due
         self._show(self._tick(self.course.engine.commands.take()))
 
     def _stand(self) -> None:
@@ -161,20 +161,20 @@ class Replay:
         if pictures < 0:
             self._go_to(self.course.picture_before(-pictures))
         else:
-            on = self.course.ticks_with_pictures(pictures)
-            self._way = _Way(self.course.log_ns, None, on, None, time.monotonic())
+            enabled = self.course.ticks_with_pictures(pictures)
+            self._way = _Way(self.course.log_ns, None, enabled, None, time.monotonic())
 
     def _go_to(self, log_ns: int) -> None:
         """Set out for a time; the first tick is the nearest to anything before it."""
         log_ns = max(log_ns, self._start_ns)
-        there = self.course.go_near(log_ns)
+        target = self.course.go_near(log_ns)
         self._zero = None
         self._later = []
         self._way = _Way(
             max(self.course.log_ns, self._start_ns),
             log_ns,
             self.course.ticks_up_to(log_ns),
-            self._glimpsed(there),
+            self._glimpsed(target),
             time.monotonic(),
         )
 
@@ -199,15 +199,15 @@ class Replay:
 
     def _change_on_the_way(self, way: _Way) -> bool:
         """Whether other settings are wanted, so that the way begins anew."""
-        told = self.course.engine.commands.take()
+        given = self.course.engine.commands.take()
         if way.to_ns is None:
-            self._later += told
+            self._later += given
             return False
-        changes = [one for one in told if isinstance(one, (ResetCommand, SetParametersCommand))]
-        self._later += [one for one in told if one not in changes]
-        for one in changes:
-            assert isinstance(one, SetParametersCommand | ResetCommand)
-            self.course.change(one)
+        changes = [each for each in given if isinstance(each, (ResetCommand, SetParametersCommand))]
+        self._later += [item for item in given if item not in changes]
+        for change in changes:
+            assert isinstance(change, SetParametersCommand | ResetCommand)
+            self.course.change(change)
         if self.course.pure and not changes:
             return False
         later = self._later
@@ -232,11 +232,11 @@ class Replay:
 
     def _state(self, snapshot: Snapshot) -> ReplayState:
         way, progress = self._way, None
-        then = self.course.estimate_then(snapshot)
+        earlier = self.course.estimate_then(snapshot)
         log_ns = self.course.log_ns
         if way is not None and way.to_ns is not None:
             progress = (log_ns - way.from_ns) / max(way.to_ns - way.from_ns, 1)
-            log_ns, then = way.to_ns, snapshot.scan_pose
+            log_ns, earlier = way.to_ns, snapshot.scan_pose
         return ReplayState(
             self._file,
             min((log_ns - self._start_ns) / 1e9, self.duration_s),
@@ -244,25 +244,25 @@ class Replay:
             self._speed,
             self._paused,
             None if progress is None else min(max(progress, 0.0), 1.0),
-            then,
+            earlier,
         )
 
-    def _glimpsed(self, there: Glimpse | None) -> Snapshot | None:
+    def _glimpsed(self, glimpse: Glimpse | None) -> Snapshot | None:
         """The last tick with what was recorded elsewhere: picture, scan, and what was estimated."""
         last = self._shown
-        if there is None or last is None:
+        if glimpse is None or last is None:
             return None
         scanner = self.course.engine.localization.scanner
         # The stamp as if none had jumped; only shown while the filter is on its way.
-        stamp = (there.log_ns - self._start_ns) / 1e9
-        frame = there.frame and Frame(stamp, there.frame.image)
+        stamp = (glimpse.log_ns - self._start_ns) / 1e9
+        frame = glimpse.frame and Frame(stamp, glimpse.frame.image)
         return replace(
             last,
             stamp=stamp,
             frame=frame,
             line_scan=scanner.scan(frame) if frame else None,
-            scan_pose=there.then,
-            truth=there.truth,
+            scan_pose=glimpse.then,
+            truth=glimpse.truth,
             pose=None,
             estimate=None,
             cloud=NOTHING,

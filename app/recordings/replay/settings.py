@@ -35,8 +35,10 @@ class ReplaySettings:
                 left = {name: v for name, v in command.values.items() if name not in chosen}
                 return (command.model_copy(update={"values": left}),) if left else ()
             case ResetCommand() if self.changed:
-                anew = SetParametersCommand(type="set_parameters", values=dict(self.changed))
-                return command, anew
+                set_parameters_command = SetParametersCommand(
+                    type="set_parameters", values=dict(self.changed)
+                )
+                return command, set_parameters_command
         return () if RULES[type(command)].repeat is Repeat.NEVER else (command,)
 
 

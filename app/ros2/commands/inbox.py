@@ -30,7 +30,7 @@ class Inbox:
     def incoming(self) -> tuple[IncomingTopic, ...]:
         """The topics that are listened to; cmd_vel has one type, by setting."""
         unwanted = TWIST if self.source.settings.stamped_cmd_vel else STAMPED_TWIST
-        return tuple(one for one in INCOMING if one.type != unwanted)
+        return tuple(item for item in INCOMING if item.type != unwanted)
 
     def services(self) -> tuple[Service, ...]:
         """The services that are offered."""

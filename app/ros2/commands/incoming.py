@@ -91,16 +91,16 @@ def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
     frame, wanted = message.header.frame_id.lstrip("/"), source.settings.global_frame_id
     if frame not in ("", wanted):
         raise MessageError(f"initialpose: its frame is {frame!r}; valid is {wanted!r}")
-    at, turn = message.pose.pose.position, message.pose.pose.orientation
+    position, turn = message.pose.pose.position, message.pose.pose.orientation
     whole = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
     flat = whole[np.ix_([0, 1, 5], [0, 1, 5])]
-    numbers = [at.x, at.y, turn.x, turn.y, turn.z, turn.w, *flat.ravel().tolist()]
+    numbers = [position.x, position.y, turn.x, turn.y, turn.z, turn.w, *flat.ravel().tolist()]
     if not all(math.isfinite(value) for value in numbers):
         raise MessageError("initialpose has numbers that are not finite")
     return SetPoseCommand(
         type="set_pose",
-        x=at.x,
-        y=at.y,
+        x=position.x,
+        y=position.y,
         theta=_heading(turn),
         # Nothing said of how sure it is: as sure as is usual.
         covariance=flat.ravel().tolist() if flat.any() else None,

@@ -123,12 +123,12 @@ def plan(
     ]
     readers = [
         Endpoint(
-            settings.full_name(one.name),
-            one.type,
-            type_hash(one.type),
-            reliable=one.name not in NEWEST_COUNTS,
+            settings.full_name(each.name),
+            each.type,
+            type_hash(each.type),
+            reliable=each.name not in NEWEST_COUNTS,
         )
-        for one in incoming
+        for each in incoming
     ]
     return Plan(
         domain=domain(settings, environment),
@@ -136,7 +136,7 @@ def plan(
         name=NODE,
         configuration=configuration,
         confined=confined,
-        shapes=shapes(one.type for one in (*writers, *readers)),
+        shapes=shapes(item.type for item in (*writers, *readers)),
         writers=tuple(writers),
         readers=tuple(readers),
     )

@@ -53,7 +53,7 @@ class Plan:
         """As it arrives."""
         fields = json.loads(data)
         for name in ("writers", "readers"):
-            fields[name] = tuple(Endpoint(**one) for one in fields[name])
+            fields[name] = tuple(Endpoint(**field) for field in fields[name])
         return cls(**fields)
 
 

@@ -114,7 +114,7 @@ def _publish(
     hearing: Hearing,
 ) -> None:
     wire.end.settimeout(ALIVE_S)
-    told = time.monotonic()
+    clock = time.monotonic()
     for number, payload in rest:
         _write(participant, wire, number, payload)
     while True:
@@ -126,8 +126,8 @@ def _publish(
             return
         for number, payload in frames.feed(data or b""):
             _write(participant, wire, number, payload)
-        if time.monotonic() - told >= ALIVE_S:
-            told = time.monotonic()
+        if time.monotonic() - clock >= ALIVE_S:
+            clock = time.monotonic()
             if not hearing.is_alive():
                 raise RuntimeError("it no longer hears commands")
             wire.send(ALIVE)

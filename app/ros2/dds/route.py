@@ -92,7 +92,7 @@ class DdsRoute(Route):
         if find_spec("cyclonedds") is None:
             raise DdsError(NO_CYCLONE)
         self._plan = plan(self._settings, self._host, self._inbox.incoming())
-        self._numbers = {one.topic: number for number, one in enumerate(self._plan.writers)}
+        self._numbers = {writer.topic: number for number, writer in enumerate(self._plan.writers)}
         self._thread = threading.Thread(target=self._keep_running, name="dds", daemon=True)
         self._thread.start()
         self._publisher.add(self)
@@ -157,13 +157,13 @@ class DdsRoute(Route):
             child.close()
 
     def _in_bytes(self, messages: Iterable[Published]) -> Iterator[tuple[int, bytes]]:
-        for one in messages:
+        for message in messages:
             try:
-                data = one.cdr
+                data = message.cdr
             except MessageError as error:
                 self._complain(str(error))
             else:
-                yield self._numbers[self._settings.full_name(one.topic.name)], data
+                yield self._numbers[self._settings.full_name(message.topic.name)], data
 
     def _hear(self, child: Child) -> None:
         came = child.receive_some()

@@ -11,27 +11,27 @@ from app.ros2.message_types import typestore
 
 def shapes(type_names: Iterable[str]) -> Shapes:
     """Of these message types and of all that is in them, parts before the whole."""
-    found: Shapes = {}
+    result: Shapes = {}
     for name in type_names:
-        _add(name, found)
-    return found
+        _add(name, result)
+    return result
 
 
-def _add(name: str, found: Shapes) -> None:
-    if name not in found:
+def _add(name: str, result: Shapes) -> None:
+    if name not in result:
         _, fields = typestore().fielddefs[name]
-        found[name] = [(field, _kind(described, found)) for field, described in fields]
+        result[name] = [(field, _kind(described, result)) for field, described in fields]
 
 
-def _kind(described: Any, found: Shapes) -> Kind:
+def _kind(described: Any, result: Shapes) -> Kind:
     """Of a field as rosbags describes it: (form, what it is made of)."""
     form, of = described
     match form.name:
         case "BASE":
             return str(of[0])
         case "NAME":
-            _add(of, found)
+            _add(of, result)
             return str(of)
         case _:
             inner, size = of
-            return [_kind(inner, found), form.name.lower(), size]
+            return [_kind(inner, result), form.name.lower(), size]

@@ -54,9 +54,9 @@ def amcl(config: Config, field: Field) -> dict[str, Any]:
     ours: dict[str, Any] = {}
     for group in dataclasses.fields(config.localization):
         ours |= dataclasses.asdict(getattr(config.localization, group.name))
-    found = {name: ours[name] for name in AMCL_NAMES}
+    result = {name: ours[name] for name in AMCL_NAMES}
     kind = str(ours["robot_model_type"])
-    return found | {
+    return result | {
         "robot_model_type": AMCL_MODELS.get(kind, AMCL_MODELS["differential"]),
         "laser_max_range": config.scanner.range_max,
         "base_frame_id": ros2.base_frame_id,

@@ -29,8 +29,8 @@ def diagnostics(source: TopicSource, snapshot: Snapshot) -> Message:
         _health(source, "brickpose: robot", faults, {}),
         _localization(source, snapshot.integrity),
     ]
-    at = header(source, snapshot.stamp, "")
-    return new("diagnostic_msgs/msg/DiagnosticArray", header=at, status=status)
+    position = header(source, snapshot.stamp, "")
+    return new("diagnostic_msgs/msg/DiagnosticArray", header=position, status=status)
 
 
 def _figures(snapshot: Snapshot) -> dict[str, str]:

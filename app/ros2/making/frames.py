@@ -45,16 +45,16 @@ def heading_of(turn: Message) -> float:
     return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
 
-def pose(at: Pose2) -> Message:
+def pose(pose2: Pose2) -> Message:
     """geometry_msgs/Pose on the floor."""
-    position = new("geometry_msgs/msg/Point", x=float(at.x), y=float(at.y), z=0.0)
-    return new("geometry_msgs/msg/Pose", position=position, orientation=turned(at.theta))
+    position = new("geometry_msgs/msg/Point", x=float(pose2.x), y=float(pose2.y), z=0.0)
+    return new("geometry_msgs/msg/Pose", position=position, orientation=turned(pose2.theta))
 
 
-def pose_with_covariance(at: Pose2, covariance: Array) -> Message:
+def pose_with_covariance(pose2: Pose2, covariance: Array) -> Message:
     """geometry_msgs/PoseWithCovariance of a covariance (3, 3) [m, m, rad]."""
     return new(
-        "geometry_msgs/msg/PoseWithCovariance", pose=pose(at), covariance=in_space(covariance)
+        "geometry_msgs/msg/PoseWithCovariance", pose=pose(pose2), covariance=in_space(covariance)
     )
 
 
@@ -65,9 +65,11 @@ def in_space(covariance: Array) -> Array:
     return whole
 
 
-def transform(source: TopicSource, stamp: float, parent: str, child: str, at: Pose2) -> Message:
+def transform(source: TopicSource, stamp: float, parent: str, child: str, pose2: Pose2) -> Message:
     """geometry_msgs/TransformStamped on the floor."""
-    return stamped_transform(source, stamp, parent, child, vector(at.x, at.y), turned(at.theta))
+    return stamped_transform(
+        source, stamp, parent, child, vector(pose2.x, pose2.y), turned(pose2.theta)
+    )
 
 
 def link_transform(source: TopicSource, stamp: float, link: Link, turn: Quaternion) -> Message:

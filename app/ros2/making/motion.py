@@ -50,21 +50,21 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     """map -> odom once the robot knows where it is, odom -> robot, and the wheels."""
     stamp, settings = snapshot.stamp, source.settings
     odom, base = settings.odom_frame_id, settings.base_frame_id
-    found = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
+    result = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
     if snapshot.pose is not None and settings.tf_broadcast:
         map_from_odom = snapshot.pose @ snapshot.odom_from_robot.inverse()
-        found.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
+        result.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
     angles: Array = snapshot.reading.positions
     for wheel, angle in zip(source.links.wheels, angles.tolist(), strict=True):
-        found.append(link_transform(source, stamp, wheel, wheel.turned(angle)))
-    return new("tf2_msgs/msg/TFMessage", transforms=found)
+        result.append(link_transform(source, stamp, wheel, wheel.turned(angle)))
+    return new("tf2_msgs/msg/TFMessage", transforms=result)
 
 
 def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     """Where everything sits that does not move on the robot."""
     stamp = snapshot.stamp
-    found = [link_transform(source, stamp, one, one.turn) for one in source.links.fixed]
-    return new("tf2_msgs/msg/TFMessage", transforms=found)
+    result = [link_transform(source, stamp, item, item.turn) for item in source.links.fixed]
+    return new("tf2_msgs/msg/TFMessage", transforms=result)
 
 
 def joint_states(source: TopicSource, snapshot: Snapshot) -> Message:

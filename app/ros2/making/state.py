@@ -61,9 +61,9 @@ def told(source: TopicSource, snapshot: Snapshot) -> Message:
 
 def _told(snapshot: Snapshot) -> list[dict[str, object]]:
     return [
-        one.model_dump(mode="json", exclude_none=True)
-        for one in snapshot.commands
-        if not isinstance(one, PingCommand)
+        command.model_dump(mode="json", exclude_none=True)
+        for command in snapshot.commands
+        if not isinstance(command, PingCommand)
     ]
 
 
@@ -95,5 +95,5 @@ def _covariance(command: SetPoseCommand, snapshot: Snapshot) -> Array:
 
 
 def _initial_pose(snapshot: Snapshot) -> SetPoseCommand | None:
-    poses = [one for one in snapshot.commands if isinstance(one, SetPoseCommand)]
+    poses = [command for command in snapshot.commands if isinstance(command, SetPoseCommand)]
     return poses[-1] if poses else None

@@ -33,11 +33,11 @@ class Bridge:
         Raises:
             MessageError: there is none of that name; lists those that are.
         """
-        found = self.names.service(name)
-        if found is None:
+        result = self.names.service(name)
+        if result is None:
             valid = ", ".join([*self.names.service_types(), *self.rosapi.names()])
             raise MessageError(f"{name} is no service; valid are {valid}")
-        return found
+        return result
 
     def request_of(self, service: Service, arguments: Any) -> Message:
         """A request from its fields by name, or in a list in their order.

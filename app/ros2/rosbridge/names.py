@@ -74,8 +74,8 @@ class Names:
 
     def _may_be_heard(self, topic: Topic) -> bool:
         """A name has one type: a Twist that is listened to is not told as a TwistStamped."""
-        told = self.incoming.get(topic.name)
-        return told is None or told.type == topic.type
+        given = self.incoming.get(topic.name)
+        return given is None or given.type == topic.type
 
 
 def check_type(topic: Topic | IncomingTopic | Service, type_name: str | None) -> None:

@@ -58,10 +58,10 @@ def maybe_text(request: Request, name: str) -> str | None:
 
 def request_id(request: Request) -> str | int | None:
     """The id, as far as it can be repeated in an answer."""
-    found = request.get("id")
-    if isinstance(found, str):
-        return found if len(found) <= LONGEST_NAME and found.isprintable() else None
-    return found if type(found) is int and found.bit_length() <= 64 else None
+    result = request.get("id")
+    if isinstance(result, str):
+        return result if len(result) <= LONGEST_NAME and result.isprintable() else None
+    return result if type(result) is int and result.bit_length() <= 64 else None
 
 
 class Pieces:

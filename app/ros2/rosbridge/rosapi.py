@@ -89,8 +89,8 @@ class RosApi:
         return {"topics": [topic for topic, its in types.items() if its == wanted]}
 
     def _service_type(self, service: str) -> Answer:
-        found = self._names.service(service)
-        return {"type": found.type if found else ""}
+        result = self._names.service(service)
+        return {"type": result.type if result else ""}
 
     def _services_for_type(self, name: str) -> Answer:
         wanted = full_type(name, "srv")

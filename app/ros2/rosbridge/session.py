@@ -88,14 +88,14 @@ class Session(Route):
         """Whether one of its subscriptions is due."""
         subscriptions = self._by_topic.get(topic.name, ())
         # All are asked: each that says yes counts it as sent.
-        self._due = [one for one in subscriptions if one.due(stamp)]
+        self._due = [subscription for subscription in subscriptions if subscription.due(stamp)]
         return bool(self._due)
 
     def take(self, published: Published) -> None:
         """Put the message where the event loop finds it."""
-        for one in self._due:
-            data = self._bridge.encoder.encode(published, one.name, one.compression)
-            self._outbox.put(one.name, data, one.queue)
+        for item in self._due:
+            data = self._bridge.encoder.encode(published, item.name, item.compression)
+            self._outbox.put(item.name, data, item.queue)
         self._wake()
 
     def _do(self, request: Request) -> list[Request]:
@@ -159,8 +159,8 @@ class Session(Route):
         """Subscriptions by topic; a route only while there are some, as each tick asks all."""
         before = self._by_topic
         after: dict[str, tuple[Subscription, ...]] = {}
-        for one in self._subscriptions.values():
-            after[one.topic.name] = (*after.get(one.topic.name, ()), one)
+        for subscription in self._subscriptions.values():
+            after[subscription.topic.name] = (*after.get(subscription.topic.name, ()), subscription)
         self._by_topic = after
         self._hold_the_clock(self._holds and bool(after))
         if after and not before:
@@ -189,9 +189,9 @@ class Session(Route):
     def _called(self, name: str, request: Request) -> Any:
         arguments = request.get("args")
         arguments = {} if arguments is None else arguments
-        told = self._bridge.rosapi.call(name, arguments)
-        if told is not None:
-            return told
+        given = self._bridge.rosapi.call(name, arguments)
+        if given is not None:
+            return given
         service = self._bridge.service(name)
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
@@ -216,5 +216,5 @@ class Session(Route):
 
 
 def _with_id(request: Request, answer: Request) -> Request:
-    found = request_id(request)
-    return answer if found is None else {**answer, "id": found}
+    result = request_id(request)
+    return answer if result is None else {**answer, "id": result}

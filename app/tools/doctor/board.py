@@ -80,22 +80,22 @@ def check_board(
 
 def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> BoardState:
     """Wait until all is well, or what is not will not change any more."""
-    begin = since = now = time.monotonic()
+    begin = since = clock = time.monotonic()
     answered_after = LONGEST_S
     news = progress = ""
-    while now - begin < LONGEST_S and link.failure is None:
-        state = board.state(now)
+    while clock - begin < LONGEST_S and link.failure is None:
+        state = board.state(clock)
         if state.supply_v is not None:
-            answered_after = min(answered_after, now - begin)
+            answered_after = min(answered_after, clock - begin)
         if news != (news := _news(board, state)):
-            since = now
+            since = clock
             if progress != (progress := _progress(board, state)):
                 tell(progress)
-        if now - since > _patience(board, state, answered_after):
+        if clock - since > _patience(board, state, answered_after):
             break
         time.sleep(LOOK_S)
-        now = time.monotonic()
-    return board.state(now)
+        clock = time.monotonic()
+    return board.state(clock)
 
 
 def _news(board: Board, state: BoardState) -> str:
@@ -123,7 +123,7 @@ def _patience(board: Board, state: BoardState, answered_after: float) -> float:
 
 
 def judged(
-    board: Board, state: BoardState, settings: BuildHatSettings, now: float
+    board: Board, state: BoardState, settings: BuildHatSettings, current: float
 ) -> Iterator[Finding]:
     """What the state of a board means.
 
@@ -131,16 +131,16 @@ def judged(
         board: it, still at work.
         state: its state.
         settings: the robot's.
-        now: the clock of the board [s].
+        current: the clock of the board [s].
     """
     if state.supply_v is None:
         yield problem(sentence("; ".join(state.faults)) or "The Build HAT does not answer")
         return
     yield ok(f"The Build HAT answers, with firmware {board.bring_up.version}")
-    low = _complaints(state.supply_v, settings.low_supply, now)
+    low = _complaints(state.supply_v, settings.low_supply, current)
     yield supply(state.supply_v, low)
-    faults = {motor.fault(now) for motor in board.motors}
-    yield from (motor_line(motor, now) for motor in board.motors)
+    faults = {motor.fault(current) for motor in board.motors}
+    yield from (motor_line(motor, current) for motor in board.motors)
     yield from (
         problem(sentence(fault)) for fault in state.faults if fault not in faults | set(low)
     )
@@ -148,23 +148,23 @@ def judged(
 
 def supply(volts: float, complaints: list[str]) -> Finding:
     """What the motors are driven with [V], and what the driver has against it."""
-    told = f"The Build HAT's supply is {volts:.2f} V"
+    given = f"The Build HAT's supply is {volts:.2f} V"
     if complaints:
-        return problem(f"{told}. {' '.join(complaints)}")
+        return problem(f"{given}. {' '.join(complaints)}")
     if volts < WEAK_V:
-        return warning(f"{told}: weak", "charge the battery")
+        return warning(f"{given}: weak", "charge the battery")
     if volts > STRONG_V:
-        return warning(f"{told}: too much", "take a supply of 8 V")
-    return ok(told)
+        return warning(f"{given}: too much", "take a supply of 8 V")
+    return ok(given)
 
 
-def motor_line(motor: Motor, now: float) -> Finding:
+def motor_line(motor: Motor, current: float) -> Finding:
     """Whether a joint's motor can be used."""
-    fault = motor.fault(now)
+    fault = motor.fault(current)
     if fault is not None:
         return problem(fault)
     where = f"Port {motor.wiring.port} ({motor.wiring.name})"
-    if not motor.is_ready(now):
+    if not motor.is_ready(current):
         return problem(
             f"{where}: the motor does not tell its position", "pull its plug, wait, plug"
         )
@@ -172,9 +172,9 @@ def motor_line(motor: Motor, now: float) -> Finding:
     return ok(f"{where}: {kind}, tells its position")
 
 
-def _complaints(volts: float, low_v: float, now: float) -> list[str]:
+def _complaints(volts: float, low_v: float, current: float) -> list[str]:
     """What the driver would say to a voltage that stays."""
     judge = Supply(low_v)
     judge.told(volts)
     judge.told(volts)
-    return judge.complaints(now)
+    return judge.complaints(current)

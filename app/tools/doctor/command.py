@@ -18,12 +18,12 @@ from robot.description.spec import RobotSpec
 
 def doctor(config: Config, machine: Machine | None = None) -> int:
     """Check the machine, and with the robot ``buildhat`` that robot; returns 1 on a problem."""
-    found = []
+    result = []
     for finding in _findings(config, machine or Machine()):
         say(str(finding))
-        found.append(finding)
-    say(_verdict([one.level for one in found]))
-    return int(any(one.level == PROBLEM for one in found))
+        result.append(finding)
+    say(_verdict([each.level for each in result]))
+    return int(any(item.level == PROBLEM for item in result))
 
 
 def _findings(config: Config, machine: Machine) -> Iterator[Finding]:

@@ -111,9 +111,9 @@ def _requirements() -> Iterator[tuple[str, bool]]:
     except metadata.PackageNotFoundError:
         return
     for line in lines:
-        found = REQUIREMENT.match(line)
-        if found and "extra ==" not in line:
-            yield found[1], found[2] is not None
+        result = REQUIREMENT.match(line)
+        if result and "extra ==" not in line:
+            yield result[1], result[2] is not None
 
 
 def _opencv() -> str:

@@ -49,14 +49,14 @@ def check_camera(
 def _watched(camera: Camera, lens: Lens, frame_rate: float, patience: float) -> Iterator[Finding]:
     ages: list[float] = []
     end = time.monotonic() + patience
-    while (now := time.monotonic()) < end:
+    while (clock := time.monotonic()) < end:
         frame = camera.newest()
         if frame is None:
             time.sleep(LOOK_S)
             continue
         if not ages:
-            end = now + WATCH_S
-        ages.append(now - frame.stamp)
+            end = clock + WATCH_S
+        ages.append(clock - frame.stamp)
     if not ages:
         yield problem(sentence(camera.problem or f"{camera.name} sends no pictures"))
         return
@@ -66,19 +66,19 @@ def _watched(camera: Camera, lens: Lens, frame_rate: float, patience: float) -> 
 
 def pictures(name: str, lens: Lens, rate: float, wanted: float) -> Finding:
     """Whether enough pictures come: ``rate`` of ``wanted`` a second."""
-    told = f"{sentence(name)}: {lens.width} x {lens.height}, {rate:.0f} pictures/s"
+    given = f"{sentence(name)}: {lens.width} x {lens.height}, {rate:.0f} pictures/s"
     if rate < SLOW * wanted:
         return warning(
-            f"{told} of {wanted:g}", "more light, or a lower frame_rate in [camera] of --config"
+            f"{given} of {wanted:g}", "more light, or a lower frame_rate in [camera] of --config"
         )
-    return ok(told)
+    return ok(given)
 
 
 def age(seconds: float) -> Finding:
     """Whether pictures are stamped by the clock that the wheels are, and come soon."""
-    told = f"Pictures are {1000 * seconds:.0f} ms old when they come"
+    given = f"Pictures are {1000 * seconds:.0f} ms old when they come"
     if seconds < 0:
-        return problem(f"{told}: their stamps are of another clock")
+        return problem(f"{given}: their stamps are of another clock")
     if seconds > OLD_S:
-        return warning(told, "end other programs; a camera with time stamps is quicker to know")
-    return ok(told)
+        return warning(given, "end other programs; a camera with time stamps is quicker to know")
+    return ok(given)

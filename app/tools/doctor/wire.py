@@ -47,7 +47,7 @@ def device_of(machine: Machine, setting: str) -> str:
 
 def usable(findings: list[Finding]) -> bool:
     """Whether it is worth while to open the port."""
-    return all(one.level != PROBLEM or one.cure == CONSOLE_OFF for one in findings)
+    return all(finding.level != PROBLEM or finding.cure == CONSOLE_OFF for finding in findings)
 
 
 def _port(machine: Machine, device: str, right: str) -> Iterator[Finding]:
@@ -105,8 +105,8 @@ def users_of(machine: Machine, path: Path) -> Iterator[str]:
 def console(machine: Machine, device: str) -> Finding:
     """Whether the kernel or a login shell talks on the port too."""
     names = _names(machine, device)
-    told = set(re.findall(r"console=(\w+)", machine.text("/proc/cmdline")))
-    if told & names or _has_login_shell(machine, names):
+    given = set(re.findall(r"console=(\w+)", machine.text("/proc/cmdline")))
+    if given & names or _has_login_shell(machine, names):
         return problem(f"A login console talks on {device}, into the Build HAT", CONSOLE_OFF)
     return ok("No console on the serial port")
 

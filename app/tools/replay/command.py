@@ -57,12 +57,12 @@ def _check(given: dict[str, Any], out: Path | None) -> None:
 
 
 def _write(path: Path, options: ReplayOptions, out: Path) -> int:
-    told = _progress if sys.stderr.isatty() else None
-    replayed = replay(path, options, told)
-    if told is not None:
+    given = _progress if sys.stderr.isatty() else None
+    replayed = replay(path, options, given)
+    if given is not None:
         sys.stderr.write("\r      \r")
     written = write(replayed, out, f"run: {path.name} of {replayed.stamps[-1]:.3f} s")
-    say(f"{', '.join(one.name for one in written)} are in {out}")
+    say(f"{', '.join(item.name for item in written)} are in {out}")
     return 0
 
 

@@ -69,8 +69,8 @@ def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: floa
     for _ in range(_REFINEMENTS):
         points = curve(parameters)
         start, step = parameters[:-1], np.diff(parameters)
-        off = [_distance(curve(start + k * step), points[:-1], points[1:]) for k in _LOOKED_AT]
-        far = np.max(off, axis=0) > tolerance
+        offset = [_distance(curve(start + k * step), points[:-1], points[1:]) for k in _LOOKED_AT]
+        far = np.max(offset, axis=0) > tolerance
         if not far.any():
             break
         middle = start[far] + step[far] / 2
@@ -83,8 +83,8 @@ def _distance(points: Array, start: Array, end: Array) -> Array:
     along, across = end - start, points - start
     square = (along**2).sum(axis=1)
     share = np.clip((across * along).sum(axis=1) / np.where(square > 0, square, 1), 0, 1)
-    off: Array = across - share[:, None] * along
-    return np.hypot(off[:, 0], off[:, 1])
+    offset: Array = across - share[:, None] * along
+    return np.hypot(offset[:, 0], offset[:, 1])
 
 
 def _turning(chords: Array) -> Array:

@@ -189,20 +189,20 @@ def _pen(element: Any, values: dict[str, Any]) -> Pen:
 
 def _number(values: dict[str, Any], name: str, default: float) -> float:
     text = str(values.get(name, default)).removesuffix("px")
-    found = numbers(text)
-    if found is None or len(found) != 1:
+    result = numbers(text)
+    if result is None or len(result) != 1:
         raise SvgError(f"{name} is {shown(text)}; valid is a number")
-    return found[0]
+    return result[0]
 
 
 def _dashes(values: dict[str, Any]) -> tuple[float, ...]:
     text = str(values.get("stroke-dasharray", "none")).strip()
     if text == "none":
         return ()
-    found = numbers(text)
-    if not found or min(found) < 0:
+    result = numbers(text)
+    if not result or min(result) < 0:
         raise SvgError(f"stroke-dasharray is {shown(text)}; valid are none or lengths from 0")
-    return tuple(found)
+    return tuple(result)
 
 
 def _lines(segments: Any, half_width: float, tolerance: float) -> Iterator[Polyline]:

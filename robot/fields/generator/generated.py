@@ -94,7 +94,7 @@ def _marked(
         draw = MARKS[int(rng.choice(len(MARKS), p=[share for _, share in MARKS]))][0]
         more = draw(rng, area)
         if same:
-            more += [one.turned() for one in more]
+            more += [item.turned() for item in more]
         laid = _laid(strokes, more)
         if laid and _can_be_laid(laid, area):
             strokes = laid
@@ -105,18 +105,18 @@ def _marked(
 def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
     """Old and new lines; none if there is nothing new, or it lies along another line."""
     laid = list(strokes)
-    for one in more:
+    for item in more:
         tape = shapely.union_all([other.area for other in laid])
-        shared = shapely.get_parts(shapely.intersection(tape, one.area))
+        shared = shapely.get_parts(shapely.intersection(tape, item.area))
         if max((part.area for part in shared), default=0.0) > _CROSSING:
             return []
-        laid.append(one)
+        laid.append(item)
     return laid if more else []
 
 
 def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
     """Whether no slits are between the lines, and enough floor is left."""
-    tape = shapely.union_all([one.area for one in strokes])
+    tape = shapely.union_all([stroke.area for stroke in strokes])
     closed = shapely.buffer(shapely.buffer(tape, _ALIKE), -_ALIKE)
     slits = shapely.get_parts(shapely.difference(closed, shapely.buffer(tape, 0.5)))
     widest = max((slit.area for slit in slits), default=0.0)
@@ -128,7 +128,7 @@ def _start(
     rng: np.random.Generator, strokes: list[Stroke], area: shapely.Geometry
 ) -> tuple[float, float, float]:
     """x, y [mm] and heading [degrees]: as near to the middle as is clear of tape."""
-    tape = shapely.union_all([one.area for one in strokes])
+    tape = shapely.union_all([stroke.area for stroke in strokes])
     heading = float(rng.integers(-11, 13) * 15)
     middle = shapely.centroid(area)
     for margin in _CLEAR:
@@ -140,13 +140,13 @@ def _start(
 
 
 def _page(title: str, strokes: list[Stroke], start: tuple[float, float, float]) -> str:
-    lines = shapely.union_all([one.line for one in strokes])
+    lines = shapely.union_all([item.line for item in strokes])
     xmin, ymin, xmax, ymax = shapely.bounds(lines)
     left, top = np.floor(xmin) - MARGIN, np.floor(-ymax) - MARGIN
     width = np.ceil(xmax) + MARGIN - left
     height = np.ceil(-ymin) + MARGIN - top
     shown = f"{start[0]:g} {start[1]:g} {start[2]:g}"
-    drawn = "\n".join(f"    {one.element()}" for one in strokes)
+    drawn = "\n".join(f"    {stroke.element()}" for stroke in strokes)
     return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" \
 viewBox="{left:g} {top:g} {width:g} {height:g}" data-start="{shown}">

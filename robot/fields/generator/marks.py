@@ -41,8 +41,8 @@ def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
 def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     """A line from a side inward."""
     ring = shapely.LineString(shapely.get_coordinates(area))
-    at = rng.uniform(0, ring.length)
-    before, foot, after = (ring.interpolate((at + s) % ring.length) for s in (-5, 0, 5))
+    position = rng.uniform(0, ring.length)
+    before, foot, after = (ring.interpolate((position + s) % ring.length) for s in (-5, 0, 5))
     dx, dy = after.x - before.x, after.y - before.y
     across_side = np.array([-dy, dx]) / max(math.hypot(dx, dy), 1e-9)
     start = np.array([foot.x, foot.y])
@@ -57,7 +57,7 @@ def dashes(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     turn = float(rng.choice([0.0, math.pi / 2]))
     dash, gap = rng.integers(8, 16) * 10, rng.integers(6, 12) * 10
     return [
-        Stroke(one.path, one.line, f"{dash} {gap}") for one in across(rng, area, turn)
+        Stroke(item.path, item.line, f"{dash} {gap}") for item in across(rng, area, turn)
     ]  # fmt: skip
 
 
@@ -71,21 +71,21 @@ def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     corners = [(xmin, low), (first, low), (last, high), (xmax, high)]
     if rng.random() < 0.5:
         corners = [(-x, y) for x, y in corners]
-    one = bent(corners, float(rng.integers(BEND, 300)))
-    return [one] if shapely.buffer(area, -100).covers(one.line) else []
+    item = bent(corners, float(rng.integers(BEND, 300)))
+    return [item] if shapely.buffer(area, -100).covers(item.line) else []
 
 
 def island(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
     """A small closed shape."""
     half = float(rng.integers(BEND, 210))
-    x, y = (float(np.round(one)) for one in _place(rng, area, half + 120))
+    x, y = (float(np.round(item)) for item in _place(rng, area, half + 120))
     if rng.random() < 0.5:
-        one = oval(x, y, half, half)
+        each = oval(x, y, half, half)
     else:
         other = float(rng.integers(BEND, 210))
         corners = [(x - half, y - other), (x + half, y - other), (x + half, y + other)]
-        one = bent([*corners, (x - half, y + other)], closed=True)
-    return [one] if shapely.buffer(area, -100).covers(one.line) else []
+        each = bent([*corners, (x - half, y + other)], closed=True)
+    return [each] if shapely.buffer(area, -100).covers(each.line) else []
 
 
 MARKS: tuple[tuple[Draw, float], ...] = (

@@ -56,16 +56,16 @@ def ellipse(_rng: np.random.Generator, width: float, height: float, _same: bool)
 
 def streets(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
     """Two or three streets each way, which cross and end freely."""
-    found = []
+    result = []
     for long, across, lies in ((width, height, True), (height, width, False)):
-        for at in _street_places(rng, across, same):
+        for street_place in _street_places(rng, across, same):
             begin, end = -long / 2, long / 2
             if not same:
                 begin += _grid(rng.uniform(0, 0.2) * long)
                 end -= _grid(rng.uniform(0, 0.2) * long)
-            ends = [(begin, at), (end, at)]
-            found.append(bent(ends if lies else [(y, x) for x, y in ends]))
-    return found
+            ends = [(begin, street_place), (end, street_place)]
+            result.append(bent(ends if lies else [(y, x) for x, y in ends]))
+    return result
 
 
 OUTLINES: tuple[tuple[Draw, float], ...] = (

@@ -129,9 +129,9 @@ def _pair(point: Array) -> str:
 
 def straight_parts(geometry: shapely.Geometry, shortest: float) -> list[Stroke]:
     """The straight lines of a geometry that are at least so long [mm]."""
-    found = []
+    result = []
     for part in shapely.get_parts(geometry):
         if part.geom_type == "LineString" and part.length >= shortest:
             ends = [(x, y) for x, y in part.coords]
-            found += [bent(pair) for pair in pairwise(ends)]
-    return found
+            result += [bent(pair) for pair in pairwise(ends)]
+    return result

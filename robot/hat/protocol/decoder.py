@@ -34,12 +34,12 @@ class Decoder:
     def feed(self, data: bytes) -> list[Event]:
         """The events that these bytes complete; any bytes are taken, in pieces of any size."""
         events: list[Event] = []
-        at = 0
+        position = 0
         for end in LINE_END.finditer(data):
-            self._take(data[at : end.start()], events)
-            at = end.end()
+            self._take(data[position : end.start()], events)
+            position = end.end()
             self._end_line(end.group(), events)
-        self._take(data[at:], events)
+        self._take(data[position:], events)
         return events
 
     def _take(self, piece: bytes, events: list[Event]) -> None:
@@ -50,8 +50,8 @@ class Decoder:
         if self._skipping:
             return
         *before, rest = (self._begun + piece).split(PROMPT)
-        for one in before:
-            self._tell(one, events, even_empty=False)
+        for item in before:
+            self._tell(item, events, even_empty=False)
             events.append(BootloaderPrompt())
             self._echoes = True
         self._begun = rest

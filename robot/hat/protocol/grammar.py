@@ -154,7 +154,7 @@ PATTERNS = tuple((re.compile(pattern), meaning) for pattern, meaning in MEANINGS
 def read_line(line: bytes) -> Event:
     """What a line without its end means; ``Unknown`` if nothing known."""
     for pattern, meaning in PATTERNS:
-        found = pattern.fullmatch(line)
-        if found is not None:
-            return meaning(found.groups())
+        result = pattern.fullmatch(line)
+        if result is not None:
+            return meaning(result.groups())
     return Unknown(line)

@@ -76,81 +76,81 @@ class BringUp:
         self._wrong_version: int | None = None
         """What it answered last, if that was not the right one."""
 
-    def begin(self, now: float) -> bytes:
+    def begin(self, current: float) -> bytes:
         """The port has been opened, or the board has fallen silent: find out what is there."""
         self.ready = False
         self.wants_reset = False
         self.trouble = None
         self.version = None
         self._reset_in_vain = False
-        return self._ask_anew(now)
+        return self._ask_anew(current)
 
-    def receive(self, events: Sequence[Event], now: float) -> bytes:
+    def receive(self, events: Sequence[Event], current: float) -> bytes:
         """What the board said, all of it, at any stage; returns what to send."""
-        return b"".join(self._hear(event, now) for event in events)
+        return b"".join(self._hear(event, current) for event in events)
 
-    def tick(self, now: float) -> bytes:
+    def tick(self, current: float) -> bytes:
         """Time goes on; returns what to send."""
         if self._upload is not None:
-            sent = self._upload.tick(now)
-            return sent + self._follow_upload(now)
-        passed = now - self._since
+            sent = self._upload.tick(current)
+            return sent + self._follow_upload(current)
+        passed = current - self._since
         match self.stage:
             case Stage.ASKING if passed >= ASK_S:
-                return self._ask_in_vain(now)
+                return self._ask_in_vain(current)
             case Stage.LISTING if passed >= LIST_S:
-                return self._list_again(now)
+                return self._list_again(current)
             case Stage.RESETTING if not self.wants_reset and passed >= BOOT_S:
-                return self._ask_anew(now)
+                return self._ask_anew(current)
             case Stage.FAILED if passed >= AGAIN_S:
-                return self._ask_anew(now)
+                return self._ask_anew(current)
         return b""
 
-    def was_reset(self, now: float) -> None:
+    def was_reset(self, current: float) -> None:
         """The board has been reset by its pin; it is asked again when it is awake."""
         self.wants_reset = False
-        self._enter(Stage.RESETTING, now)
+        self._enter(Stage.RESETTING, current)
 
-    def cannot_reset(self, reason: str, now: float) -> None:
+    def cannot_reset(self, reason: str, current: float) -> None:
         """The pin could not be used; the board is asked again later."""
         self.wants_reset = False
         if self.version is None:
-            self._enter(Stage.ASKING, now)
+            self._enter(Stage.ASKING, current)
             return
-        self._fail(troubles.no_reset(self.version, reason), now)
+        self._fail(troubles.no_reset(self.version, reason), current)
 
-    def _ask_in_vain(self, now: float) -> bytes:
+    def _ask_in_vain(self, current: float) -> bytes:
         """Nothing has answered; ask again, and in the end reset the board."""
-        silent = now - self._silent_since
+        silent = current - self._silent_since
         if silent >= SILENT_S:
             self.trouble = self._diagnosis()
         if silent < RESET_S or self._reset_in_vain:
-            return self._ask(now)
+            return self._ask(current)
         self._reset_in_vain = self.wants_reset = True
-        self._enter(Stage.RESETTING, now)
+        self._enter(Stage.RESETTING, current)
         return b""
 
-    def _hear(self, event: Event, now: float) -> bytes:
+    def _hear(self, event: Event, current: float) -> bytes:
         if self._upload is not None:
-            sent = self._upload.receive(event, now)
+            sent = self._upload.receive(event, current)
             self.stage = self._upload.stage
-            return sent + self._follow_upload(now)
+            return sent + self._follow_upload(current)
         match self.stage:
             case Stage.ASKING:
-                return self._hear_answer(event, now)
+                return self._hear_answer(event, current)
             case Stage.LISTING | Stage.RUNNING if _restarted(event):
-                return self.begin(now)
+                return self.begin(current)
             case Stage.LISTING:
                 self._hear_port(event)
         return b""
 
-    def _hear_answer(self, event: Event, now: float) -> bytes:
+    def _hear_answer(self, event: Event, current: float) -> bytes:
         match event:
             case FirmwareVersion(version):
                 self.version = version
-                return self._hear_version(version, now)
+                return self._hear_version(version, current)
             case BootloaderVersion():
-                return self._begin_upload(now)
+                return self._begin_upload(current)
             case Unknown(raw):
                 self._strange = raw
             case Answered() | Echo():
@@ -160,19 +160,19 @@ class BringUp:
                 self._heard = True
         return b""
 
-    def _hear_version(self, version: int, now: float) -> bytes:
+    def _hear_version(self, version: int, current: float) -> bytes:
         if version == EXPECTED_VERSION:
             self._lists = 0
             self._listed = set()
-            return commands.stop() + commands.echo_off_and_quiet() + self._list(now)
+            return commands.stop() + commands.echo_off_and_quiet() + self._list(current)
         if version != self._wrong_version:
             # A digit may have been garbled, and a reset costs eight seconds: ask once more.
             self._wrong_version = version
-            return self._ask(now)
+            return self._ask(current)
         self._wrong_version = None
         self.trouble = troubles.wrong_version(version)
         self.wants_reset = True
-        self._enter(Stage.RESETTING, now)
+        self._enter(Stage.RESETTING, current)
         return b""
 
     def _hear_port(self, event: Event) -> None:
@@ -183,64 +183,64 @@ class BringUp:
             self.ready = True
             self.trouble = None
 
-    def _begin_upload(self, now: float) -> bytes:
+    def _begin_upload(self, current: float) -> bytes:
         self.trouble = None
         self.version = None
         try:
-            self._upload = Upload(self._image(), now)
+            self._upload = Upload(self._image(), current)
         except FirmwareImageError as error:
-            self._fail(str(error), now)
+            self._fail(str(error), current)
             return b""
-        sent = self._upload.begin(now)
+        sent = self._upload.begin(current)
         self.stage = self._upload.stage
         return sent
 
-    def _follow_upload(self, now: float) -> bytes:
+    def _follow_upload(self, current: float) -> bytes:
         """Go on after an upload that has come to an end, whichever."""
         upload = self._upload
         assert upload is not None
         self.stage = upload.stage
         if upload.failed is not None:
             self._upload = None
-            self._fail(troubles.upload_failed(TRIES, upload.failed), now)
+            self._fail(troubles.upload_failed(TRIES, upload.failed), current)
         elif upload.done:
             self._upload = None
-            return self._ask_anew(now)
+            return self._ask_anew(current)
         return b""
 
-    def _ask_anew(self, now: float) -> bytes:
+    def _ask_anew(self, current: float) -> bytes:
         self._upload = None
-        self._silent_since = now
+        self._silent_since = current
         self._strange = None
         self._heard = False
         self._asked = 0
-        return self._ask(now)
+        return self._ask(current)
 
-    def _ask(self, now: float) -> bytes:
+    def _ask(self, current: float) -> bytes:
         """First end a line that an earlier program may have left half sent."""
-        self._enter(Stage.ASKING, now)
+        self._enter(Stage.ASKING, current)
         stop = b"" if self._asked % STOP_EVERY else commands.stop()
         self._asked += 1
         return commands.line() + stop + commands.version()
 
-    def _list(self, now: float) -> bytes:
+    def _list(self, current: float) -> bytes:
         self._lists += 1
-        self._enter(Stage.LISTING, now)
+        self._enter(Stage.LISTING, current)
         return commands.devices()
 
-    def _list_again(self, now: float) -> bytes:
+    def _list_again(self, current: float) -> bytes:
         if self._lists < LISTS:
-            return self._list(now)
+            return self._list(current)
         self.trouble = troubles.HALF_HEARD
-        return self._ask_anew(now)
+        return self._ask_anew(current)
 
-    def _enter(self, stage: Stage, now: float) -> None:
+    def _enter(self, stage: Stage, current: float) -> None:
         self.stage = stage
-        self._since = now
+        self._since = current
 
-    def _fail(self, trouble: str, now: float) -> None:
+    def _fail(self, trouble: str, current: float) -> None:
         self.trouble = trouble
-        self._enter(Stage.FAILED, now)
+        self._enter(Stage.FAILED, current)
 
     def _diagnosis(self) -> str:
         """Why nobody answers, by what was heard instead."""

@@ -46,7 +46,7 @@ FAILURES: dict[type[Event], str] = {
 class Upload:
     """Sends an image and starts it; again from the beginning after a failure, three times."""
 
-    def __init__(self, image: FirmwareImage, now: float) -> None:
+    def __init__(self, image: FirmwareImage, current: float) -> None:
         self.stage = Stage.PAUSING
         self.done = False
         """Whether the firmware has started."""
@@ -54,69 +54,69 @@ class Upload:
         """Why the last try failed, when there is no further one."""
         self._image = image
         self._tries = 0
-        self._since = self._heard = now
+        self._since = self._heard = current
         self._prompted = False
         self._payload: bytes | None = None
 
-    def begin(self, now: float) -> bytes:
+    def begin(self, current: float) -> bytes:
         """A new try."""
         self._tries += 1
         self._prompted = False
-        self._enter(Stage.CLEARING, now)
+        self._enter(Stage.CLEARING, current)
         # A firmware that has started unheard tells its version; to it, clear is clear_faults.
         return commands.clear() + commands.version()
 
-    def receive(self, event: Event, now: float) -> bytes:
+    def receive(self, event: Event, current: float) -> bytes:
         """What the board said; returns what to send."""
-        self._heard = now
+        self._heard = current
         if self.stage in (Stage.LOADING, Stage.SIGNING, Stage.REBOOTING):
             failure = FAILURES.get(type(event))
             if failure is not None:
-                return self._fail(failure, now)
+                return self._fail(failure, current)
         match self.stage, event:
             case Stage.CLEARING, BootloaderPrompt():
                 self._prompted = True
-            case Stage.LOADING, BootloaderPrompt() if now - self._since > SETTLE_S:
+            case Stage.LOADING, BootloaderPrompt() if current - self._since > SETTLE_S:
                 # It listens to commands again: its complaint was lost on the way.
-                return self._fail(FAILURES[UploadTimeout], now)
+                return self._fail(FAILURES[UploadTimeout], current)
             case Stage.LOADING, ChecksumOk():
                 signature = self._image.signature
-                self._announce(Stage.SIGNING, signature, now)
+                self._announce(Stage.SIGNING, signature, current)
                 return commands.signature(len(signature))
             case Stage.SIGNING, SignatureReceived():
-                self._enter(Stage.REBOOTING, now)
+                self._enter(Stage.REBOOTING, current)
                 return commands.reboot()
             case _, InitDone() | FirmwareVersion():
                 self.done = True
         return b""
 
-    def tick(self, now: float) -> bytes:
+    def tick(self, current: float) -> bytes:
         """Time goes on; returns what to send."""
-        passed = now - self._since
+        passed = current - self._since
         if self._payload is not None and passed >= PAYLOAD_AFTER_S:
             payload, self._payload = self._payload, None
             return commands.payload(payload)
-        if self.stage is Stage.PAUSING and now - self._heard >= QUIET_S:
-            return self.begin(now)
+        if self.stage is Stage.PAUSING and current - self._heard >= QUIET_S:
+            return self.begin(current)
         if self.stage is Stage.CLEARING and self._prompted and passed >= SETTLE_S:
             data = self._image.data
-            self._announce(Stage.LOADING, data, now)
+            self._announce(Stage.LOADING, data, current)
             return commands.load(len(data), self._image.checksum)
         if passed >= LIMITS_S[self.stage]:
-            return self._fail(f"no answer while {self.stage.value}", now)
+            return self._fail(f"no answer while {self.stage.value}", current)
         return b""
 
-    def _enter(self, stage: Stage, now: float) -> None:
+    def _enter(self, stage: Stage, current: float) -> None:
         self.stage = stage
-        self._since = now
+        self._since = current
         self._payload = None
 
-    def _announce(self, stage: Stage, payload: bytes, now: float) -> None:
-        self._enter(stage, now)
+    def _announce(self, stage: Stage, payload: bytes, current: float) -> None:
+        self._enter(stage, current)
         self._payload = payload
 
-    def _fail(self, reason: str, now: float) -> bytes:
+    def _fail(self, reason: str, current: float) -> bytes:
         if self._tries >= TRIES:
             self.failed = reason
-        self._enter(Stage.PAUSING, now)
+        self._enter(Stage.PAUSING, current)
         return b""

@@ -100,18 +100,18 @@ def _variances(boxes: Boxes, noise: Array) -> Array:
 
 def _blur(shifts: Array) -> Array:
     """The least variance that shares can have whose mean lies between the middles of boxes."""
-    off = np.abs(shifts - np.rint(shifts))
-    least: Array = off * (1 - off)
+    offset = np.abs(shifts - np.rint(shifts))
+    least: Array = offset * (1 - offset)
     return least
 
 
 def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
     """Share what is in each box with its neighbours; shifts and variances (turns, 3), in boxes."""
     nearest = np.rint(shifts)
-    off = shifts - nearest
-    square = np.maximum(variances, _blur(shifts)) + off * off
+    offset = shifts - nearest
+    square = np.maximum(variances, _blur(shifts)) + offset * offset
     # Shares of the three with the sum 1, the mean ``off`` and the mean square ``square``.
-    shares = np.stack([(square - off) / 2, 1 - square, (square + off) / 2], axis=-1)
+    shares = np.stack([(square - offset) / 2, 1 - square, (square + offset) / 2], axis=-1)
     cells, mass = grid.cells, grid.mass
     # The heading last: the others go by the heading that the step began with.
     for axis in range(3):
@@ -135,17 +135,17 @@ def _share(
     """
     turns = len(nearest)
     table, once, total = no_boxes(3 * len(cells))
-    found = 0
+    result = 0
     for i in range(len(cells)):
         turn = cells[i, 2]
         x, y, t = cells[i, 0], cells[i, 1], turn
         for k in range(3):
-            to = nearest[turn] + k - 1
+            target = nearest[turn] + k - 1
             if axis == 0:
-                x = cells[i, 0] + to
+                x = cells[i, 0] + target
             elif axis == 1:
-                y = cells[i, 1] + to
+                y = cells[i, 1] + target
             else:
-                t = (turn + to) % turns
-            found = add_box(x, y, t, mass[i] * shares[turn, k], table, once, total, found)
-    return once[:found].copy(), total[:found].copy()
+                t = (turn + target) % turns
+            result = add_box(x, y, t, mass[i] * shares[turn, k], table, once, total, result)
+    return once[:result].copy(), total[:result].copy()

@@ -73,11 +73,11 @@ def cloud_grid(finest: Boxes, cloud: Cloud, few: int = 8) -> PoseGrid:
     return PoseGrid.of(boxes, cells, weights)
 
 
-def _share(cells: Indices, mass: Array, axis: int, off: Array) -> tuple[Indices, Array]:
+def _share(cells: Indices, mass: Array, axis: int, offset: Array) -> tuple[Indices, Array]:
     """Part of each mass goes to the next box along an axis, on the side that it is off (n,)."""
     beside = cells.copy()
-    beside[:, axis] += np.where(off < 0, -1, 1)
-    part = np.abs(off)
+    beside[:, axis] += np.where(offset < 0, -1, 1)
+    part = np.abs(offset)
     return np.concatenate([cells, beside]), np.concatenate([mass * (1 - part), mass * part])
 
 

@@ -101,10 +101,10 @@ def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
     Boxes without any mass are left out.
     """
     table, once, total = no_boxes(len(cells))
-    found = 0
+    result = 0
     for i in range(len(cells)):
-        found = add_box(cells[i, 0], cells[i, 1], cells[i, 2], mass[i], table, once, total, found)
-    return once[:found].copy(), total[:found].copy()
+        result = add_box(cells[i, 0], cells[i, 1], cells[i, 2], mass[i], table, once, total, result)
+    return once[:result].copy(), total[:result].copy()
 
 
 @njit(cache=True, nogil=True)
@@ -125,24 +125,24 @@ def add_box(
     table: Indices,
     once: Indices,
     total: Array,
-    found: int,
+    result: int,
 ) -> int:
     """Add mass to a box, which may be a new one; returns how many there are then.
 
     The table has open addressing: a box that finds its slot taken takes the next free one.
     """
     if not mass > 0:
-        return found
+        return result
     # Large odd numbers: the products wrap, and their high bits depend on all bits of the places.
     mixed = x * 0x1E3779B97F4A7C15 + y * 0x42B2AE3D27D4EB4F + t * 0x165667B19E3779F9
     slot = ((mixed ^ (mixed >> 32)) * 0x1FD7046C5EF9AB4D >> 20) & (len(table) - 1)
     while table[slot] >= 0:
-        at = table[slot]
-        if once[at, 0] == x and once[at, 1] == y and once[at, 2] == t:
-            total[at] += mass
-            return found
+        position = table[slot]
+        if once[position, 0] == x and once[position, 1] == y and once[position, 2] == t:
+            total[position] += mass
+            return result
         slot = (slot + 1) & (len(table) - 1)
-    table[slot] = found
-    once[found, 0], once[found, 1], once[found, 2] = x, y, t
-    total[found] = mass
-    return found + 1
+    table[slot] = result
+    once[result, 0], once[result, 1], once[result, 2] = x, y, t
+    total[result] = mass
+    return result + 1

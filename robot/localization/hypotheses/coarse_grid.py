@@ -119,10 +119,10 @@ def _sharpen(
     resolution: float,
     blur: float,
 ) -> Array:
-    found = poses.copy()
+    result = poses.copy()
     args = ends, distances, origin, resolution, blur
     tried = np.empty(3)
-    for pose in found:
+    for pose in result:
         least = _cost(pose, *args)
         for halving in range(1, HALVINGS + 1):
             centre = pose.copy()
@@ -133,7 +133,7 @@ def _sharpen(
                 if cost < least:
                     least = cost
                     pose[:] = tried
-    return found
+    return result
 
 
 @njit(cache=True, nogil=True)

@@ -29,7 +29,7 @@ class FoundPlace:
 def found_places(
     search: PlaceSearch,
     tracks: Sequence[Track],
-    told: Sequence[Prior],
+    priors: Sequence[Prior],
     log_elsewhere: float,
     whole: bool,
     p: HypothesisParameters,
@@ -39,7 +39,7 @@ def found_places(
     Args:
         search: that is done.
         tracks: heaviest first.
-        told: what was said of the start.
+        priors: what was said of the start.
         log_elsewhere: log-weight of being at none of the tracks.
         whole: whether nothing but the short map tells the tracks from others.
         p: says what scans are worth.
@@ -54,7 +54,7 @@ def found_places(
         evidence = log_weight + worth * float((life.fits - reference).sum())
         pose, weight = life.pose @ search.since, evidence
         if tracks and not whole:
-            prior = log_prior(told, pose, p.log_kidnapped)
+            prior = log_prior(priors, pose, p.log_kidnapped)
             # One of the places elsewhere is no likelier than all of them together.
             weight = min(weight + prior, max(log_elsewhere, prior))
         places.append(FoundPlace(pose, life.covariance, weight, evidence))

@@ -31,13 +31,13 @@ class GivenPlace:
     cloud: Cloud | None = None
     """The poses, if there were any."""
 
-    def begin(self, one: Filter) -> None:
+    def begin(self, item: Filter) -> None:
         """Let a filter start there."""
         if self.cloud is not None and len(self.cloud.weights) >= ENOUGH:
-            one.set_cloud(self.cloud)
+            item.set_cloud(self.cloud)
         else:
             covariance = self.hypothesis.covariance + LEAST_VARIANCE
-            one.set_pose(self.hypothesis.pose, covariance)
+            item.set_pose(self.hypothesis.pose, covariance)
 
 
 def begun_at(
@@ -48,10 +48,10 @@ def begun_at(
     total = sum(place.hypothesis.weight for place in places)
     for place in places:
         given = place.hypothesis
-        one = new_filter(setup, given.weight / total)
-        place.begin(one)
+        item = new_filter(setup, given.weight / total)
+        place.begin(item)
         log_weight = math.log(given.weight / places[0].hypothesis.weight)
-        tracks.append(Track(one, log_weight))
+        tracks.append(Track(item, log_weight))
         told.append(Prior(given.pose, given.covariance, log_weight))
     return tracks, told
 
@@ -60,13 +60,16 @@ def clusters_of(cloud: Cloud, setup: Setup) -> list[GivenPlace]:
     """The places that a cloud is made of, heaviest first; none if it is all over the field."""
     p = setup.hypotheses
     cells = Cells(setup.filter.cell_xy, max(1, round(2 * math.pi / setup.filter.cell_theta)))
-    found = find_clusters(cloud.poses, cloud.weights, cells, p.max_hypotheses)
+    result = find_clusters(cloud.poses, cloud.weights, cells, p.max_hypotheses)
     places = []
-    for label, one in enumerate(found.hypotheses):
-        if one.weight > 0 and math.sqrt(one.covariance[:2, :2].trace()) < WIDEST * p.same_xy:
-            mine = np.flatnonzero(found.labels == label)
+    for label, hypothesis in enumerate(result.hypotheses):
+        if (
+            hypothesis.weight > 0
+            and math.sqrt(hypothesis.covariance[:2, :2].trace()) < WIDEST * p.same_xy
+        ):
+            mine = np.flatnonzero(result.labels == label)
             weights = cloud.weights[mine]
-            places.append(GivenPlace(one, Cloud(cloud.poses[mine], weights / weights.sum())))
+            places.append(GivenPlace(hypothesis, Cloud(cloud.poses[mine], weights / weights.sum())))
     covered = sum(place.hypothesis.weight for place in places)
     if covered < COVERED:
         return []

@@ -35,10 +35,10 @@ def missing_images(
             continue
         for turned in symmetries:
             pose = turned @ track.pose
-            there = [one for one in tracks if parameters.alike(pose, one.pose)]
-            for one in there:
-                one.log_weight = max(one.log_weight, track.log_weight)
-            if not there:
+            target = [item for item in tracks if parameters.alike(pose, item.pose)]
+            for each in target:
+                each.log_weight = max(each.log_weight, track.log_weight)
+            if not target:
                 covariance = _turned(track.best.covariance, turned.theta)
                 yield Image(pose, covariance, track.log_weight)
 

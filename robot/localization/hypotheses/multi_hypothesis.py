@@ -86,12 +86,12 @@ class MultiHypothesisFilter:
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """All of all tracks, heaviest first; none while nothing was found yet."""
-        found = [
-            replace(one, weight=one.weight * weight)
+        result = [
+            replace(hypothesis, weight=hypothesis.weight * weight)
             for track, weight in zip(self._tracks, self._weights().tolist(), strict=True)
-            for one in track.hypotheses
+            for hypothesis in track.hypotheses
         ]
-        return tuple(sorted(found, key=lambda one: -one.weight))
+        return tuple(sorted(result, key=lambda item: -item.weight))
 
     @property
     def cloud(self) -> Cloud:
@@ -129,14 +129,14 @@ class MultiHypothesisFilter:
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
         """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
-        one = self._new_filter(self.setup, 1.0)
-        one.set_pose(pose, covariance)
-        self._start([Track(one, 0.0)], [Prior(pose, covariance)])
+        item = self._new_filter(self.setup, 1.0)
+        item.set_pose(pose, covariance)
+        self._start([Track(item, 0.0)], [Prior(pose, covariance)])
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
         """Start anew at the likeliest of some places; their weights are relative to each other."""
         best = sorted((h for h in hypotheses if h.weight > 0), key=lambda h: -h.weight)
-        places = [GivenPlace(one) for one in best[: self.setup.hypotheses.max_hypotheses]]
+        places = [GivenPlace(item) for item in best[: self.setup.hypotheses.max_hypotheses]]
         self._start(*begun_at(places, self._new_filter, self.setup))
 
     def set_cloud(self, cloud: Cloud) -> None:
@@ -271,12 +271,12 @@ class MultiHypothesisFilter:
             if place.log_weight > p.log_hopeless:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A place that is new, and not hopeless, may be the first of more.
-        found = len(self._tracks) > before
-        self._patience = SOON if found else min(2 * self._patience, LATE)
+        result = len(self._tracks) > before
+        self._patience = SOON if result else min(2 * self._patience, LATE)
         if places:
             self._wait = min(self._wait, self._patience)
             self._select()
-        if whole and found:
+        if whole and result:
             # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
 
@@ -286,14 +286,14 @@ class MultiHypothesisFilter:
         born.loosen(self._looseness)
         self._tracks.append(Track(born, log_weight, self._scans))
 
-    def _start(self, tracks: list[Track], told: list[Prior]) -> None:
+    def _start(self, tracks: list[Track], priors: list[Prior]) -> None:
         p = self.setup.hypotheses
         self._tracks = tracks
-        self._told = told
+        self._told = priors
         self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search, self._wait, self._patience = None, FIRST, SOON
-        self._confirmation, self._anchored = Confirmation(), bool(told)
+        self._confirmation, self._anchored = Confirmation(), bool(priors)
         self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:

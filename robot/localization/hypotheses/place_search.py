@@ -167,10 +167,10 @@ class PlaceSearch:
         """The best of those that are about in the same place; not too many, and no bad ones."""
         kept: list[Pose2] = []
         fits = sorted(fits, key=lambda fit: -fit.log_likelihood)
-        for one in fits:
-            near = any(self._parameters.alike(one.pose, other) for other in kept)
-            if not near and one.log_likelihood > fits[0].log_likelihood - WORSE:
-                kept.append(one.pose)
+        for item in fits:
+            near = any(self._parameters.alike(item.pose, other) for other in kept)
+            if not near and item.log_likelihood > fits[0].log_likelihood - WORSE:
+                kept.append(item.pose)
         return kept[: self._parameters.max_hypotheses]
 
 

@@ -32,15 +32,15 @@ class Prior:
 
     def log_likelihood(self, pose: Pose2) -> float:
         """Of a pose, relative to the likeliest that was told."""
-        off = self.pose.offset_to(pose)
+        offset = self.pose.offset_to(pose)
         return self.log_weight - 0.5 * float(
-            off @ np.linalg.solve(self.covariance + LEAST_VARIANCE, off)
+            offset @ np.linalg.solve(self.covariance + LEAST_VARIANCE, offset)
         )
 
 
-def log_prior(told: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> float:
+def log_prior(priors: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> float:
     """How likely a pose was before it was found, beside the one that is followed."""
-    if not told:
+    if not priors:
         return log_kidnapped
-    likeliest = max(prior.log_likelihood(pose) for prior in told)
+    likeliest = max(prior.log_likelihood(pose) for prior in priors)
     return float(np.logaddexp(likeliest, log_kidnapped))

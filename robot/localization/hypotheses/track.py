@@ -68,9 +68,13 @@ class Track:
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The filter's, but for stray particles: they would make equal weights flicker."""
-        found = self.filter.hypotheses
-        kept = [one for one in found if one.weight > STRAY * found[0].weight]
-        all_of_it = sum(one.weight for one in found) / sum(one.weight for one in kept)
+        hypotheses = self.filter.hypotheses
+        kept = [
+            hypothesis
+            for hypothesis in hypotheses
+            if hypothesis.weight > STRAY * hypotheses[0].weight
+        ]
+        all_of_it = sum(each.weight for each in hypotheses) / sum(item.weight for item in kept)
         return tuple(replace(one, weight=one.weight * all_of_it) for one in kept)
 
     @property
@@ -97,16 +101,16 @@ class Track:
         fitting = match.pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
-        here = setup.evidence.log_likelihood(best.pose, rays)
-        there = setup.evidence.log_likelihood(fitting, rays)
+        current = setup.evidence.log_likelihood(best.pose, rays)
+        target = setup.evidence.log_likelihood(fitting, rays)
         # (C^-1 + S)^-1 of the covariance and what the scan says, also where either is singular.
         seen = match.information - known
         left = solved(np.eye(3) + best.covariance @ seen, best.covariance)
-        there = max(there, _best_around(fitting, left, rays, setup))
+        target = max(target, _best_around(fitting, left, rays, setup))
         self._fitting = fitting
-        self._gains = (*self._gains, there - here)[-STUCK:] if far > FAR else ()
+        self._gains = (*self._gains, target - current)[-STUCK:] if far > FAR else ()
         # Farther than it may be, it would live on what fits another place.
-        return there if far < FARTHEST else here
+        return target if far < FARTHEST else current
 
     def fit_unlaid(self, rays: Array, setup: Setup) -> float:
         """How well rays fit as the filter has it.
@@ -114,8 +118,8 @@ class Track:
         Laid on the edges, a wrong place would fit too well to be noticed.
         """
         best = self.best
-        here = setup.evidence.log_likelihood(best.pose, rays)
-        return max(here, _best_around(best.pose, best.covariance, rays, setup))
+        current = setup.evidence.log_likelihood(best.pose, rays)
+        return max(current, _best_around(best.pose, best.covariance, rays, setup))
 
     def lose(self, loss: float, most: float) -> None:
         """Take off what a scan tells against this place, and for the best one.

@@ -128,8 +128,8 @@ def _cast_fan(
     if index.columns * index.rows > 1:
         for j in range(len(near)):
             start_x, start_y = x + near[j] * dx[j], y + near[j] * dy[j]
-            found, _ = cast_toward(start_x, start_y, dx[j], dy[j], index, range_max - near[j])
-            expected[j] = near[j] + found
+            result, _ = cast_toward(start_x, start_y, dx[j], dy[j], index, range_max - near[j])
+            expected[j] = near[j] + result
         return
     for edge in range(len(index.edges)):
         x0, y0 = index.edges[edge, 0] - x, index.edges[edge, 1] - y
@@ -176,10 +176,10 @@ def _log_likelihood(
                 total += log_missed
             continue
         p = false + (rays[3, j] if z <= expected[j] else 0.0)
-        off = (z - expected[j]) / sd
+        offset = (z - expected[j]) / sd
         # Beyond that, a normal distribution is less than rounding.
-        if -8.0 < off < 8.0:
-            p += hit * math.exp(-0.5 * off * off)
+        if -8.0 < offset < 8.0:
+            p += hit * math.exp(-0.5 * offset * offset)
         # One logarithm for many factors, before they leave the range of numbers.
         product *= p
         if not 1e-100 < product < 1e100:

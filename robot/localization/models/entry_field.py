@@ -93,9 +93,9 @@ def _distances(
     """Distance [m] of cells (c, 2) from edges given as points in a tree, with normals (p, 2)."""
     _, index = tree.query(cells, distance_upper_bound=max_distance, workers=-1)
     nearest = np.asarray(index)
-    found = nearest < tree.n
-    away = cells[found] - tree.data[nearest[found]]
-    normal = normals[nearest[found]]
+    results = nearest < tree.n
+    away = cells[results] - tree.data[nearest[results]]
+    normal = normals[nearest[results]]
     across = (away * normal).sum(axis=1)
     along = np.abs(away[:, 0] * normal[:, 1] - away[:, 1] * normal[:, 0])
     # A point stands for the piece of edge half a step to either side.
@@ -103,5 +103,5 @@ def _distances(
     exact = np.hypot(across, past_end)
     near = exact < SIGNED_CELLS * cell
     result = np.full(len(cells), max_distance)
-    result[found] = np.where(near, np.copysign(exact, across), exact)
+    result[results] = np.where(near, np.copysign(exact, across), exact)
     return result

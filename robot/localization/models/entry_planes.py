@@ -68,13 +68,13 @@ def _rounded(slopes: Array, fraction: float | Array) -> NDArray[np.int64]:
 
 
 def distance_at(
-    words: NDArray[np.int32], resolution: float, max_distance: float, at: tuple[Array, ...]
+    words: NDArray[np.int32], resolution: float, max_distance: float, position: tuple[Array, ...]
 ) -> Array:
     """Distances [m], with sign, at places (direction, row, column), the latter two with fractions.
 
     What the compiled look-ups do, in plain NumPy.
     """
-    direction, row, column = at
+    direction, row, column = position
     r, c = np.floor(row).astype(int), np.floor(column).astype(int)
     word = words[direction.astype(int), r, c].astype(np.int64)
     value, along_x, along_y = word / 2**VALUE_SHIFT, _low(word, 18) / 2**9, _low(word, 9)

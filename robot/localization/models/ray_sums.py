@@ -48,14 +48,14 @@ def ray_ends(
     (4, k): ends x, y [m], direction [rad], and 1 / (s^2 (1 + slope r^2)^2 + extra^2) [1 / m^2] of
     their ranges r, with s, slope and extra as ``spread``.
     """
-    found = np.flatnonzero(np.isfinite(ranges))
-    used = min(len(found), most)
+    result = np.flatnonzero(np.isfinite(ranges))
+    used = min(len(result), most)
     rays = np.empty((4, used), dtype=np.float32)
     x, y, theta = robot_from_scan
     sd, slope, extra = spread
-    step = (len(found) - 1) / max(used - 1, 1)
+    step = (len(result) - 1) / max(used - 1, 1)
     for j in range(used):
-        ray = found[int(j * step)]
+        ray = result[int(j * step)]
         direction = theta + bearings[ray]
         rays[0, j] = x + ranges[ray] * math.cos(direction)
         rays[1, j] = y + ranges[ray] * math.sin(direction)

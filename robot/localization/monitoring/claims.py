@@ -38,7 +38,7 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
     """
     if standing is Standing.LOST:
         return Integrity(State.LOST, alerts=doubt.alerts)
-    if sum(one.weight for one in hypotheses) < ANY:
+    if sum(hypothesis.weight for hypothesis in hypotheses) < ANY:
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if hypotheses[0].weight <= CERTAIN:
         return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)

@@ -118,19 +118,21 @@ class Monitor:
             evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
 
-    def caught_up(self, one: Hypothesis) -> Hypothesis:
+    def caught_up(self, hypothesis: Hypothesis) -> Hypothesis:
         """Where the robot is at the scan's stamp, if its picture was taken before."""
         if self.lateness == 0.0:
-            return one
-        return replace(one, pose=one.pose @ self._odometry.twist.integrate(self.lateness))
+            return hypothesis
+        return replace(
+            hypothesis, pose=hypothesis.pose @ self._odometry.twist.integrate(self.lateness)
+        )
 
     def corrected_step(self, moved: Pose2) -> Pose2:
         """A step by odometry as it would be with wheels of the size that they seem to have."""
         forward, turn_by_way, turn = self._wheels
         theta = moved.theta * (1 + turn) + moved.x * turn_by_way
         half = 0.5 * (theta - moved.theta)
-        there = Pose2(theta=half).apply(np.array([[moved.x, moved.y]]) * (1 + forward))[0]
-        return Pose2(float(there[0]), float(there[1]), theta)
+        target = Pose2(theta=half).apply(np.array([[moved.x, moved.y]]) * (1 + forward))[0]
+        return Pose2(float(target[0]), float(target[1]), theta)
 
     def corrected(self, scan: Scan) -> Scan:
         """A scan as it would be without the tilt that the camera seems to have."""
@@ -144,11 +146,11 @@ class Monitor:
         bearings[hit], ranges[hit] = heading_angles(local), np.hypot(local[:, 0], local[:, 1])
         return replace(scan, bearings=bearings, ranges=ranges)
 
-    def observe(self, one: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
+    def observe(self, hypothesis: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
         """Take the heaviest hypothesis after a scan.
 
         Args:
-            one: where the robot should be.
+            hypothesis: where the robot should be.
             scan: that was taken there, as ``corrected``.
             odometry: the robot in the odom frame then.
             spread: share of the cloud that is effective; 1 is a scan that told nothing.
@@ -157,12 +159,12 @@ class Monitor:
         self._stamp = scan.stamp
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
-        if expected is not None and _is_far(expected, one.pose):
+        if expected is not None and _is_far(expected, hypothesis.pose):
             self._odometry.begin_anew()
             self._causes.forget()
         # On bent tape a pose that is centimetres off would leave what looks like a tilt.
         pitch, roll = self._camera.applied.tolist()
-        laid = self._matcher.match(one.pose, rays, LOOSE).pose
+        laid = self._matcher.match(hypothesis.pose, rays, LOOSE).pose
         sums, used, returned = residual_sums(
             laid.to_array(),
             rays,
@@ -174,13 +176,13 @@ class Monitor:
             roll,
             self._camera.exactness,
         )
-        self._judge_fit(one.pose, expected, rays)
-        self._last = one.pose, odometry
+        self._judge_fit(hypothesis.pose, expected, rays)
+        self._last = hypothesis.pose, odometry
         # At a wrong place nothing is learnt of the robot.
-        trusted = one.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
+        trusted = hypothesis.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
         if trusted:
             self._camera.observe(sums, used, elapsed)
-            self._odometry.observe(scan.stamp, one.pose, odometry, one.covariance)
+            self._odometry.observe(scan.stamp, hypothesis.pose, odometry, hypothesis.covariance)
         else:
             self._odometry.jump()
             self._camera.look(sums)
@@ -192,7 +194,7 @@ class Monitor:
             mounting,
             returned,
             spread,
-            math.sqrt(float(np.trace(one.covariance[:2, :2]))),
+            math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
             self._pulled,
         )
         self._causes.judge(findings)
@@ -204,7 +206,7 @@ class Monitor:
             self._doubted = scan.stamp
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
-        self.doubt = self._doubt(one.pose, findings)
+        self.doubt = self._doubt(hypothesis.pose, findings)
 
     def _expected(self, odometry: Pose2) -> Pose2 | None:
         """Where the last pose is by now, by odometry."""

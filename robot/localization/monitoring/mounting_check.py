@@ -104,11 +104,11 @@ class MountingCheck:
     def _solved(self, worth: float) -> MountingError:
         information = worth * self._sums[:3, :3] + PRIOR
         covariance = inverse(information)
-        found = covariance @ (worth * self._sums[:3, 3])
+        result = covariance @ (worth * self._sums[:3, 3])
         whole = max(float(self._sums[3, 3]), 1e-12)
-        explained = float(2 * found @ self._sums[:3, 3] - found @ self._sums[:3, :3] @ found)
+        explained = float(2 * result @ self._sums[:3, 3] - result @ self._sums[:3, :3] @ result)
         rest = (whole - explained) / max(self._rays, 1.0)
-        pitch, roll, scale = found.tolist()
+        pitch, roll, scale = result.tolist()
         return MountingError(pitch, roll, scale, covariance, explained / whole, rest)
 
     def pose_error(self, error: MountingError, scale_sd: float) -> tuple[Array, Array]:

@@ -121,11 +121,11 @@ class OdometryCheck:
             twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
         self.twist = twist
         self._followed += elapsed if elapsed < LONGEST else 0.0
-        now = _Step(stamp, pose, odometry, local, twist)
+        current = _Step(stamp, pose, odometry, local, twist)
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
-            self._compare(before, now, elapsed)
-        self._steps.append(now)
+            self._compare(before, current, elapsed)
+        self._steps.append(current)
         while self._steps and stamp - self._steps[0].stamp > LONGEST:
             self._steps.popleft()
 
@@ -137,22 +137,22 @@ class OdometryCheck:
             before = step
         return before
 
-    def _compare(self, before: _Step, now: _Step, elapsed: float) -> None:
-        moved = before.odometry.inverse() @ now.odometry
-        went = before.pose.inverse() @ now.pose
-        off = (moved.inverse() @ went).to_array()
+    def _compare(self, before: _Step, __step: _Step, elapsed: float) -> None:
+        moved = before.odometry.inverse() @ __step.odometry
+        went = before.pose.inverse() @ __step.pose
+        offset = (moved.inverse() @ went).to_array()
         way = abs(moved.x) + 0.06 * abs(moved.theta)
         spread = np.array([0.0003 + 0.012 * way, 0.0002 + 0.003 * way, 0.001 + 0.18 * way])
-        variance = np.square(spread) + np.diag(before.covariance) + np.diag(now.covariance)
+        variance = np.square(spread) + np.diag(before.covariance) + np.diag(__step.covariance)
         columns = step_columns(
             moved.to_array(),
             np.array([before.twist.v, 0.0, before.twist.omega]),
-            np.array([now.twist.v, 0.0, now.twist.omega]),
+            np.array([__step.twist.v, 0.0, __step.twist.omega]),
         )
         # Steps overlap; but what a change of speed tells, few of them tell.
-        share = elapsed / max(now.stamp - before.stamp, 1e-3)
+        share = elapsed / max(__step.stamp - before.stamp, 1e-3)
         keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
-        left = off - columns @ self.errors.values
+        left = offset - columns @ self.errors.values
         self._recent = recent * self._recent + share
         self._left = recent * self._left + share * left
         # What stays off is no slip, though it may not be learnt yet.
@@ -164,10 +164,10 @@ class OdometryCheck:
         weights = share / (wide * (1 + unsteady / TAIL))
         self._information *= keep
         self._pull *= keep
-        self._learn(columns, off, weights / CORRELATION)
-        if _has_changed(before.twist, now.twist):
+        self._learn(columns, offset, weights / CORRELATION)
+        if _has_changed(before.twist, __step.twist):
             # What its wheels are off by is not told by the one second in which it changes.
-            beside_wheels = off - columns[:, WHEELS] @ self.errors.values[WHEELS]
+            beside_wheels = offset - columns[:, WHEELS] @ self.errors.values[WHEELS]
             columns[:, WHEELS] = 0.0
             self._learn(columns, beside_wheels, min(TELLING, 1 / share) * weights)
         self._squares = recent * self._squares + share * np.minimum(unsteady, MOST)
@@ -175,9 +175,9 @@ class OdometryCheck:
         self._count = keep * self._count + share
         self.errors = self._estimate()
 
-    def _learn(self, columns: Array, off: Array, weights: Array) -> None:
+    def _learn(self, columns: Array, offset: Array, weights: Array) -> None:
         self._information += (columns.T * weights) @ columns
-        self._pull += (columns.T * weights) @ off
+        self._pull += (columns.T * weights) @ offset
 
     @property
     def wiggle(self) -> Array:

@@ -75,8 +75,8 @@ def residual_sums(
         ex, ey = tangent_at(x + expected * dx, y + expected * dy, edge, index)
         size = math.hypot(ex, ey)
         nx, ny = ey / size, -ex / size
-        off = (length - near - expected) * (nx * dx + ny * dy)
-        if abs(off) > GATE:
+        offset = (length - near - expected) * (nx * dx + ny * dy)
+        if abs(offset) > GATE:
             continue
         used += 1
         # Where the end is due, from the robot: along the map's axes, and along the robot's from the
@@ -93,9 +93,9 @@ def residual_sums(
             row[3] = ((X * X + h * h) * ahead_n + X * Y * aside_n) / h
             row[4] = (X * Y * ahead_n + (Y * Y + h * h) * aside_n) / h
         row[5] = nx * ux + ny * uy
-        row[6] = off + row[3] * pitch + row[4] * roll
+        row[6] = offset + row[3] * pitch + row[4] * roll
         spread = exactness * SPREAD * (1 + SLOPE * length * length)
-        weight = 1 / (spread * spread + off * off / TAIL)
+        weight = 1 / (spread * spread + offset * offset / TAIL)
         for a in range(COLUMNS):
             for b in range(COLUMNS):
                 sums[a, b] += weight * row[a] * row[b]

@@ -55,11 +55,11 @@ class Clusters:
 
 def find_clusters(poses: Array, weights: Array, cells: Cells, most: int = 8) -> Clusters:
     """Group particles (n, 3) with weights (n,) that sum to one; describe the heaviest groups."""
-    found = _find(poses, weights, cells.size_xy, cells.turns, most)
-    _, _, mass, means, covariances = found
+    result = _find(poses, weights, cells.size_xy, cells.turns, most)
+    _, _, mass, means, covariances = result
     described = zip(mass.tolist(), means.tolist(), covariances, strict=True)
     hypotheses = tuple([Hypothesis(w, Pose2(*mean), spread) for w, mean, spread in described])
-    return Clusters(*found, hypotheses)
+    return Clusters(*result, hypotheses)
 
 
 @njit(cache=True, nogil=True)
@@ -119,9 +119,9 @@ def _slot(x: int, y: int, theta: int, cells: Index, table: NDArray[np.int32]) ->
     mask = len(table) - 1
     slot = ((x * 73856093) ^ (y * 19349669) ^ (theta * 83492791)) & mask
     while True:
-        there = table[slot]
-        if there < 0 or (
-            cells[there, 0] == x and cells[there, 1] == y and cells[there, 2] == theta
+        target = table[slot]
+        if target < 0 or (
+            cells[target, 0] == x and cells[target, 1] == y and cells[target, 2] == theta
         ):
             return slot
         slot = (slot + 1) & mask

@@ -167,9 +167,9 @@ class ParticleFilter:
         """
         share, scans = self.parameters.min_effective, self.parameters.resample_interval
         least = len(weights) * math.pow(share, (self._scans % scans + 1) / scans)
-        now = effective_sample_size(weights)
+        current = effective_sample_size(weights)
         # There are fewer already if they were given so: also then a scan counts.
-        return least if least < now else now * math.pow(share, 1 / scans)
+        return least if least < current else current * math.pow(share, 1 / scans)
 
     def _should_resample(self) -> bool:
         if self._scans % self.parameters.resample_interval:
@@ -183,8 +183,8 @@ class ParticleFilter:
         kept = low_variance(weights, self._wanted(weights), self._rng)
         spread = regularize(poses, self._clusters, kept, self.parameters.regularization, self._rng)
         if share := self._recovery.share():
-            anew = self._rng.random(len(spread)) < share
-            spread[anew] = self.field.free_poses(self._rng, int(anew.sum()))
+            renewed = self._rng.random(len(spread)) < share
+            spread[renewed] = self.field.free_poses(self._rng, int(renewed.sum()))
             self._recovery = Recovery()  # as in nav2: a fall counts once
         self._particles = Cloud.even(spread)
 

@@ -72,8 +72,8 @@ def _spread(
         start, count = end, len(x)
         if count > 1:
             bandwidth = min(scale * (4 / (5 * count)) ** (1 / 7), 1.0)
-            middle, now = _add_noise(x, y, theta, means[k], covariances[k], bandwidth, chance)
-            stretch = _as_wide(now, covariances[k])
+            middle, current = _add_noise(x, y, theta, means[k], covariances[k], bandwidth, chance)
+            stretch = _as_wide(current, covariances[k])
             if count < FEW or np.trace(stretch) > 3 * MOST_STRETCH:
                 middle, stretch = np.zeros(3), np.eye(3)
             _place(x, y, theta, means[k], middle, stretch)
@@ -152,12 +152,12 @@ def _place(
 
 
 @njit(cache=True, nogil=True)
-def _as_wide(now: Array, covariance: Array) -> Array:
+def _as_wide(current: Array, covariance: Array) -> Array:
     """A matrix (3, 3) by which offsets of one covariance (3, 3) get another.
 
     The root of that which is wanted by the inverse of that which is; triangular as they are.
     """
-    have, want = lower_root(now), lower_root(covariance)
+    have, want = lower_root(current), lower_root(covariance)
     stretch = np.eye(3)
     for a in range(3):
         for b in range(a, -1, -1):

@@ -96,8 +96,8 @@ class Device(Protocol):
         """It has just been given power: what it counts starts again from here."""
         ...
 
-    def sample(self, now: float) -> bool:
-        """Measure if its own time has come; ``now`` [s] is the board's clock and never goes back.
+    def sample(self, current: float) -> bool:
+        """Measure if its time has come; ``current`` [s] is the board's clock and never goes back.
 
         Returns:
             Whether there is a new message. To be called every millisecond, or as often as wanted.

@@ -68,7 +68,9 @@ class LegoMotor:
             KindError: no angular motor has this type number.
         """
         if type_id not in MOTOR_FIGURES:
-            valid = ", ".join(f"{number:02X} ({one.name})" for number, one in MOTOR_FIGURES.items())
+            valid = ", ".join(
+                f"{number:02X} ({item.name})" for number, item in MOTOR_FIGURES.items()
+            )
             raise KindError(f"no angular motor has type {type_id:02X}; valid are {valid}")
         self.type_id = type_id
         self.connect_seconds = connect_seconds
@@ -92,10 +94,10 @@ class LegoMotor:
         self._start = self._count()
         self._latch()
 
-    def sample(self, now: float) -> bool:
+    def sample(self, current: float) -> bool:
         """Measure if 10 ms have gone by, or for the first time since power-up; see ``Device``."""
         # A clock that adds up milliseconds is a hair early or late.
-        samples = math.floor((now - self._phase) / self._period + 1e-6)
+        samples = math.floor((current - self._phase) / self._period + 1e-6)
         last = self._samples
         if not self.responding or (last is not None and samples <= last):
             return False

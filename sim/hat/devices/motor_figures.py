@@ -72,8 +72,8 @@ _LARGE = (7.2, 951.0, 0.42, 0.023, 0.045, 20_000.0)
 _SMALL = (6.0, 762.0, 0.053, 0.009, 0.010, 22_000.0)
 
 MOTOR_FIGURES: Mapping[int, MotorFigures] = {
-    one.type_id: one
-    for one in (
+    item.type_id: item
+    for item in (
         MotorFigures("medium", "medium angular", 0x30, *_MEDIUM),
         MotorFigures("large", "large angular", 0x31, *_LARGE),
         MotorFigures("small", "small angular", 0x41, *_SMALL),

@@ -38,7 +38,7 @@ class PassiveDevice:
     def power_up(self) -> None:
         """Nothing to start."""
 
-    def sample(self, now: float) -> bool:
+    def sample(self, current: float) -> bool:
         """It never has a message."""
         return False
 

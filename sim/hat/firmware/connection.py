@@ -114,11 +114,11 @@ class Connection:
         """So many errors come in the data of the device that is connected."""
         self._errors = (framing, checksum)
 
-    def passed(self, now: int, seconds: float) -> None:
-        """It is later: ``now`` [ms] by the firmware, ``seconds`` by the board's clock."""
-        if now >= self._due:
-            self._now, self._seconds = now, seconds
-            self._due = now + next(self._life)
+    def passed(self, current: int, seconds: float) -> None:
+        """It is later: ``current`` [ms] by the firmware, ``seconds`` by the board's clock."""
+        if current >= self._due:
+            self._now, self._seconds = current, seconds
+            self._due = current + next(self._life)
 
     def _search(self, known: int = 0) -> Iterator[int]:
         """Look for devices for ever, ``known``: the type of a passive one that is connected."""
@@ -127,17 +127,17 @@ class Connection:
                 self._vacate()
             yield PROBE
             link = self._plugged
-            found = 0 if link is None or not link.device.passive else link.device.type_id
+            result = 0 if link is None or not link.device.passive else link.device.type_id
             if self._hears_active():
                 known = 0
                 yield from self._active()
-            elif found == 0 or known not in (0, found):
+            elif result == 0 or known not in (0, result):
                 known = self._matches = 0
             elif self._matches < MATCHES:
-                known = found
+                known = result
                 self._matches += 1
             else:
-                known = found
+                known = result
                 yield from self._passive(link)
 
     def _known(self, link: DeviceLink) -> Iterator[int]:

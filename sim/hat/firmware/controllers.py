@@ -82,8 +82,8 @@ class Controller:
         if trace is not None:
             names = ("pv", "sp", ": e", "ie", "de", "cv")
             terms = (value, setpoint, error, integral, derivative, drive)
-            told = " ".join(
+            given = " ".join(
                 f"{name}={float_text(term)}" for name, term in zip(names, terms, strict=True)
             )
-            trace(told.replace(" :", ":"))
+            trace(given.replace(" :", ":"))
         return drive

@@ -76,11 +76,11 @@ class Port:
             if wanted is not None:
                 self.bridge.drive(wanted)
 
-    def receive(self, payload: bytes, mode: int, now: int) -> None:
+    def receive(self, payload: bytes, mode: int, current: int) -> None:
         """A data message of the device, in a mode, at a time [ms]."""
         self.data[mode].store(payload)
         if mode == self.selection.mode:
-            self.selection.arrived(now)
+            self.selection.arrived(current)
 
     def report(self, modes: Modes) -> None:
         """Write what is selected."""

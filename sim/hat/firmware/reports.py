@@ -56,26 +56,26 @@ class Selection:
         """The next ``select`` tells the device again; until then nothing is reported."""
         self.mode = None
 
-    def arrived(self, now: int) -> None:
+    def arrived(self, current: int) -> None:
         """A message in the selected mode came [ms]; the first one starts the time to a report."""
         if not self.fresh:
             self.fresh = True
-            self.since = now
+            self.since = current
 
-    def is_due(self, now: int, has_room: Callable[[], bool]) -> bool:
+    def is_due(self, current: int, has_room: Callable[[], bool]) -> bool:
         """Whether to report at a time [ms]; if so, this counts as the report.
 
         ``has_room``: the transmit ring is less than half full; otherwise reports wait.
         """
         if not self.fresh or self.mode is None or self.period == OFF:
             return False
-        if now - self.since < self.period or not has_room():
+        if current - self.since < self.period or not has_room():
             return False
         if self.period == ONCE:
             self.period = OFF
         elif self.period == EACH_MESSAGE:
             self.fresh = False
-        self.since = now
+        self.since = current
         return True
 
 

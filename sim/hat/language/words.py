@@ -104,12 +104,12 @@ class Words:
         Raises:
             CommandError: there is no digit; nothing is consumed then.
         """
-        found = DECIMAL.match(self._text, self._at)
-        assert found is not None
-        sign, whole, _, fraction = found.groups()
+        result = DECIMAL.match(self._text, self._at)
+        assert result is not None
+        sign, whole, _, fraction = result.groups()
         if not whole and not fraction:
             raise CommandError(f"a number is expected, not {self._text[self._at :]!r}")
-        self._at = found.end()
+        self._at = result.end()
         self._skip(" ")
         value = _decimal(whole, fraction)
         return -value if sign == "-" else value
@@ -128,12 +128,12 @@ class Words:
         return name
 
     def _whole(self, digits: re.Pattern[str], radix: int) -> int:
-        found = digits.match(self._text, self._at)
-        if found is None:
+        result = digits.match(self._text, self._at)
+        if result is None:
             raise CommandError(f"digits are expected, not {self._text[self._at :]!r}")
-        self._at = found.end()
+        self._at = result.end()
         self._skip(" ")
-        return int(found.group(), radix) % 2**32
+        return int(result.group(), radix) % 2**32
 
     def _skip(self, characters: str) -> None:
         while self._at < len(self._text) and self._text[self._at] in characters:

@@ -53,21 +53,21 @@ class Claims:
     @property
     def off(self) -> Array:
         """(n, 3) estimate less truth [m, m, rad]; nan without an estimate."""
-        off = self.poses - self.truth
-        off[:, 2] = wrap_angle(off[:, 2])
-        return off
+        offset = self.poses - self.truth
+        offset[:, 2] = wrap_angle(offset[:, 2])
+        return offset
 
     @property
     def distances(self) -> Array:
         """(n,) from the truth [m]; inf without an estimate."""
-        found: Array = np.nan_to_num(np.hypot(*self.off[:, :2].T), nan=math.inf)
-        return found
+        result: Array = np.nan_to_num(np.hypot(*self.off[:, :2].T), nan=math.inf)
+        return result
 
     @property
     def turns(self) -> Array:
         """(n,) from the true heading [rad], absolute; inf without an estimate."""
-        found: Array = np.nan_to_num(np.abs(self.off[:, 2]), nan=math.inf)
-        return found
+        result: Array = np.nan_to_num(np.abs(self.off[:, 2]), nan=math.inf)
+        return result
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +173,7 @@ def _claims(rows: list[_Row], carry_stamp: float | None) -> Claims:
         np.array([row.weight for row in rows]),
         tuple(one.state for one in claimed),
         np.array([one.radius for one in claimed]),
-        np.array([one.heading_bound for one in claimed]),
-        tuple(one.alerts[0].cause if one.alerts else None for one in claimed),
+        np.array([each.heading_bound for each in claimed]),
+        tuple(item.alerts[0].cause if item.alerts else None for item in claimed),
         carry_stamp,
     )

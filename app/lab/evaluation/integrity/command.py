@@ -34,8 +34,11 @@ def integrity_command(given: dict[str, Any]) -> int:
         crew.close()
     for group in results["summary"]["groups"]:
         say(_line(group))
-    for one in results["failures"]:
-        say(f"failed: seed {one['seed']} on {one['map']}, {one['condition']}: {one['error']}")
+    for result in results["failures"]:
+        say(
+            f"failed: seed {result['seed']} on {result['map']}, {result['condition']}: "
+            f"{result['error']}"
+        )
     say(f"the report is {folder / 'report.html'}")
     return 0
 

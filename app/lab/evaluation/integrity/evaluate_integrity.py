@@ -81,7 +81,7 @@ def _results(
             "versions": versions(),
         },
         "runs": rows,
-        "failures": [asdict(one) for one in failures],
+        "failures": [asdict(failure) for failure in failures],
         "summary": summary_of(rows),
     }
 

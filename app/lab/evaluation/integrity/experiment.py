@@ -55,7 +55,7 @@ class IntegrityExperiment:
 
     def jobs(self) -> list[IntegrityJob]:
         """All drives; those of one field follow each other, as tables of it are kept."""
-        laps = tuple(one for one in self.starts if one != CARRIED)
+        laps = tuple(start for start in self.starts if start != CARRIED)
         groups = [group for group in (laps, (CARRIED,) * (CARRIED in self.starts)) if group]
         return [
             IntegrityJob(self._config(name, condition, seed), condition, group, self.laps)

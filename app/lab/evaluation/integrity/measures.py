@@ -90,9 +90,9 @@ def longest(stamps: Array, some: Mask) -> float:
     """The longest time [s] without a break; each picture's claim holds until the next one."""
     ends = np.append(stamps[1:], stamps[-1] + np.median(np.diff(stamps)))
     longest_yet, begin = 0.0, math.inf
-    for stamp, end, here in zip(stamps, ends, some, strict=True):
-        begin = min(begin, stamp) if here else math.inf
-        if here:
+    for stamp, end, current in zip(stamps, ends, some, strict=True):
+        begin = min(begin, stamp) if current else math.inf
+        if current:
             longest_yet = max(longest_yet, float(end - begin))
     return longest_yet
 
@@ -136,14 +136,14 @@ def _consistency(claims: Claims) -> Measures:
     """
     one_place = certain(claims) | _in_state(claims, State.APPROXIMATE)
     used = one_place & (claims.stamps >= claims.stamps[0] + SETTLE)
-    off, covariance = claims.off[used], claims.covariance[used]
-    sound = np.isfinite(off).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
-    off, covariance = off[sound], covariance[sound]
+    offset, covariance = claims.off[used], claims.covariance[used]
+    sound = np.isfinite(offset).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
+    offset, covariance = offset[sound], covariance[sound]
     sound = np.linalg.det(covariance) > 0
     if not sound.any():
         return {"nees_mean": None, "nees_median": None, "inside_95": None}
-    nees = _squared(off[sound], covariance[sound])
-    place = _squared(off[sound, :2], covariance[sound, :2, :2])
+    nees = _squared(offset[sound], covariance[sound])
+    place = _squared(offset[sound, :2], covariance[sound, :2, :2])
     return {
         "nees_mean": float(nees.mean()),
         "nees_median": float(np.median(nees)),
@@ -151,11 +151,11 @@ def _consistency(claims: Claims) -> Measures:
     }
 
 
-def _squared(off: Array, covariance: Array) -> Array:
+def _squared(offset: Array, covariance: Array) -> Array:
     """e' P^-1 e (n,)."""
-    solved = np.linalg.solve(covariance, off[..., None])[..., 0]
-    found: Array = (off * solved).sum(axis=1)
-    return found
+    solved = np.linalg.solve(covariance, offset[..., None])[..., 0]
+    result: Array = (offset * solved).sum(axis=1)
+    return result
 
 
 def _cause_measures(claims: Claims) -> Measures:
@@ -179,7 +179,7 @@ def _cause_measures(claims: Claims) -> Measures:
 
 
 def _in_state(claims: Claims, state: State) -> Mask:
-    return np.array([one is state for one in claims.states], dtype=bool)
+    return np.array([item is state for item in claims.states], dtype=bool)
 
 
 def _share(some: Mask) -> float:

@@ -88,7 +88,7 @@ def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) 
         setup: lays rays on edges.
     """
     last_doubt = 0
-    here = [
+    current = [
         max(
             evidence.log_likelihood(truth, way.rays(place)),
             evidence.log_likelihood(_laid(truth, way.rays(place), setup), way.rays(place)),
@@ -96,26 +96,26 @@ def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) 
         for place, truth in enumerate(way.truths)
     ]
     for rival in rivals:
-        last_doubt = max(last_doubt, _last_doubt(way, rival, here, evidence, setup))
+        last_doubt = max(last_doubt, _last_doubt(way, rival, current, evidence, setup))
     return float(way.stamps[last_doubt]) if last_doubt < len(way.stamps) else math.inf
 
 
 def _last_doubt(
-    way: Way, rival: Pose2, here: list[float], evidence: RayEvidence, setup: Setup
+    way: Way, rival: Pose2, current: list[float], evidence: RayEvidence, setup: Setup
 ) -> int:
     """The place in the way from which on a rival is out; 0 if it turns out to be the truth."""
     total, out = 0.0, 0
     for place, truth in enumerate(way.truths):
         rival = rival @ way.step(place)
         rays = way.rays(place)
-        there = evidence.log_likelihood(rival, rays)
+        target = evidence.log_likelihood(rival, rays)
         laid = _laid(rival, rays, setup)
         fits = evidence.log_likelihood(laid, rays)
-        if fits > there:
-            rival, there = laid, fits
+        if fits > target:
+            rival, target = laid, fits
         if rival.distance_to(truth) < PLACE_XY and abs(rival.turn_to(truth)) < PLACE_THETA:
             return 0
-        total += float(np.clip(WORTH * (here[place] - there), -MOST, MOST))
+        total += float(np.clip(WORTH * (current[place] - target), -MOST, MOST))
         if total <= DECIDED:
             out = place + 1
         if total > SETTLED:
@@ -142,12 +142,12 @@ def decision_measures(claims: Claims, stamp: float) -> dict[str, Any]:
     before, after = counted & (claims.stamps < stamp), counted & (claims.stamps >= stamp)
     is_sure, is_right = certain(claims), right(claims)
     first = claims.stamps[counted][0] if counted.any() else math.nan
-    found = after & is_right
+    result = after & is_right
     return {
         "decided_s": float(stamp - first) if math.isfinite(stamp) else None,
         "unfounded": float((is_sure & before).sum() / max(counted.sum(), 1)),
         "right_after_decided": float(is_right[after].mean()) if after.any() else None,
-        "sure_after_decided": float(is_sure[found].mean()) if found.any() else None,
+        "sure_after_decided": float(is_sure[result].mean()) if result.any() else None,
         "right_after_decided_s": _seconds_to_right(claims, after),
     }
 

@@ -82,35 +82,35 @@ def rivals_of(
         before: where the robot was before it was carried off.
         setup: how places are looked for.
     """
-    here = way.truths[0]
+    current = way.truths[0]
     claimed = _claimed(way, claims)
     if start == "told-wrong":
         dx, dy, turn = OFFSET
-        rivals = [Pose2(here.x + dx, here.y + dy, here.theta + turn), *claimed]
+        rivals = [Pose2(current.x + dx, current.y + dy, current.theta + turn), *claimed]
     else:
         rivals = [*lookalikes(way, setup), *claimed]
     if before is not None:
         rivals.append(before)
-    return distinct(rivals, here)
+    return distinct(rivals, current)
 
 
 def lookalikes(way: Way, setup: Setup) -> list[Pose2]:
     """Rivals that the field itself has, whatever a filter claims: turned and searched ones."""
-    here = way.truths[0]
-    return distinct([*_turned(here, setup.field), *_searched(way, setup)], here)
+    current = way.truths[0]
+    return distinct([*_turned(current, setup.field), *_searched(way, setup)], current)
 
 
-def distinct(rivals: list[Pose2], here: Pose2) -> list[Pose2]:
+def distinct(rivals: list[Pose2], pose2: Pose2) -> list[Pose2]:
     """The rivals, each once, and none that is the true place."""
     kept: list[Pose2] = []
-    for one in rivals:
-        if not any(_alike(one, other) for other in (here, *kept)):
-            kept.append(one)
+    for rival in rivals:
+        if not any(_alike(rival, other) for other in (pose2, *kept)):
+            kept.append(rival)
     return kept
 
 
-def _alike(one: Pose2, other: Pose2) -> bool:
-    return one.distance_to(other) < APART_XY and abs(one.turn_to(other)) < APART_THETA
+def _alike(pose2: Pose2, other: Pose2) -> bool:
+    return pose2.distance_to(other) < APART_XY and abs(pose2.turn_to(other)) < APART_THETA
 
 
 def _turned(pose: Pose2, field: Field) -> list[Pose2]:
@@ -125,7 +125,7 @@ def _searched(way: Way, setup: Setup) -> list[Pose2]:
     """What a search over the whole field finds for the way so far, at some moments of it."""
     local = LocalMap.of(setup.hypotheses)
     left = [way.stamps[0] + seconds for seconds in SEARCHES]
-    found: list[Pose2] = []
+    pose2s: list[Pose2] = []
     for place, scan in enumerate(way.scans):
         local.move(way.step(place))
         local.add(scan)
@@ -135,8 +135,8 @@ def _searched(way: Way, setup: Setup) -> list[Pose2]:
             while not search.advance():
                 pass
             truth = way.truths[place]
-            found += [way.at_first(life.pose @ search.since, truth) for life in search.found]
-    return found
+            pose2s += [way.at_first(life.pose @ search.since, truth) for life in search.found]
+    return pose2s
 
 
 def _claimed(way: Way, claims: Claims) -> list[Pose2]:
@@ -153,5 +153,5 @@ def _claimed(way: Way, claims: Claims) -> list[Pose2]:
                 break
         else:
             groups.append((pose, 1))
-    groups.sort(key=lambda one: -one[1])
+    groups.sort(key=lambda item: -item[1])
     return [pose for pose, _ in groups[:MOST_CLAIMED]]

@@ -47,10 +47,10 @@ def summary_of(rows: Sequence[Row]) -> dict[str, Any]:
 
 def grouped(rows: Iterable[Row], names: tuple[str, ...]) -> dict[tuple[str, ...], list[Row]]:
     """Rows by what they have in common."""
-    found: defaultdict[tuple[str, ...], list[Row]] = defaultdict(list)
+    result: defaultdict[tuple[str, ...], list[Row]] = defaultdict(list)
     for row in rows:
-        found[tuple(row[name] for name in names)].append(row)
-    return dict(found)
+        result[tuple(row[name] for name in names)].append(row)
+    return dict(result)
 
 
 def group_summary(rows: Sequence[Row]) -> Row:
@@ -60,7 +60,7 @@ def group_summary(rows: Sequence[Row]) -> Row:
     def over_pictures(name: str) -> float | None:
         return _weighted([row.get(name) for row in rows], weights)
 
-    found = {
+    result = {
         "drives": len(rows),
         "pictures": int(weights.sum()),
         "misleading_drives": sum(row["misleading"] > 0 for row in rows),
@@ -83,12 +83,12 @@ def group_summary(rows: Sequence[Row]) -> Row:
     )  # fmt: skip
     later = [row["misleading_later_longest_s"] for row in rows if "misleading_later" in row]
     if later:
-        found["misleading_later_longest_s"] = max(later)
+        result["misleading_later_longest_s"] = max(later)
     while_right = weights * np.array([row["right"] for row in rows])
     if while_right.any():
         sure = [row["sure_while_right"] for row in rows]
-        found["sure_while_right"] = _weighted(sure, while_right)
-    return {name: over_pictures(name) for name in shares} | found
+        result["sure_while_right"] = _weighted(sure, while_right)
+    return {name: over_pictures(name) for name in shares} | result
 
 
 def causes_of(condition: str, rows: Sequence[Row]) -> Row:

@@ -95,14 +95,19 @@ def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
         for axes, (title, runs) in zip(grid.flat, conditions.items(), strict=True):
             for method in METHODS:
                 stroke = STROKES[method]
-                off = 1e3 * np.array([errors(run, poses_of(run, method))[0] for run in runs])
+                offset = 1e3 * np.array([errors(run, poses_of(run, method))[0] for run in runs])
                 stamps = runs[0].stamps
                 axes.plot(
-                    stamps, np.median(off, axis=0), stroke.dashes, color=stroke.colour, lw=1.4,
+                    stamps, np.median(offset, axis=0), stroke.dashes, color=stroke.colour, lw=1.4,
                     label=f"{stroke.label}, median",
                 )  # fmt: skip
                 axes.fill_between(
-                    stamps, off.min(axis=0), off.max(axis=0), color=stroke.colour, alpha=0.2, lw=0
+                    stamps,
+                    offset.min(axis=0),
+                    offset.max(axis=0),
+                    color=stroke.colour,
+                    alpha=0.2,
+                    lw=0,
                 )
             axes.set(title=title, yscale="log", ylabel="error [mm]")
             axes.set_ylim(bottom=LEAST_MM)
@@ -121,7 +126,7 @@ def boxes(conditions: dict[str, dict[str, Sequence[float]]], label: str) -> str:
         places = np.arange(len(conditions))
         for shift, method in zip((-0.18, 0.18), METHODS, strict=True):
             stroke = STROKES[method]
-            values = [[1e3 * v for v in one[method]] for one in conditions.values()]
+            values = [[1e3 * v for v in condition[method]] for condition in conditions.values()]
             where = places + shift
             box = axes.boxplot(
                 values, positions=where, widths=0.28, showfliers=False, manage_ticks=False,

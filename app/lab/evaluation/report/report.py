@@ -123,13 +123,13 @@ def _digits(value: float) -> str:
     return f"{value:.{max(2 - math.floor(math.log10(abs(value))), 0)}f}"
 
 
-def _title(world: str, told: str) -> str:
-    return f"{world}, {TOLD[told]}"
+def _title(world: str, given: str) -> str:
+    return f"{world}, {TOLD[given]}"
 
 
 def _each(table: dict[str, Any], method: str) -> Sequence[float]:
-    found: list[float] = table["methods"][method]["ate_rmse_m"]["per_seed"]
-    return found
+    result: list[float] = table["methods"][method]["ate_rmse_m"]["per_seed"]
+    return result
 
 
 def _row(key: tuple[str, str], table: dict[str, Any], method: str) -> dict[str, Any]:

@@ -78,7 +78,7 @@ class Bag:
             store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
         )
         try:
-            self._readers = [self._stack.enter_context(self._open(one)) for one in _files(path)]
+            self._readers = [self._stack.enter_context(self._open(file)) for file in _files(path)]
         except BagError:
             raise
         except Exception as error:  # whatever a foreign file makes the library stumble over
@@ -126,7 +126,7 @@ class Bag:
             raise BagError(f"{where}. {_cure(self.path)}") from error
 
     def _of_reader(self, reader: Any, names: Collection[str]) -> Iterator[Message]:
-        chosen = [one for one in reader.connections if one.topic in names]
+        chosen = [item for item in reader.connections if item.topic in names]
         if not chosen:
             return
         for connection, logged, raw in reader.messages(connections=chosen):
@@ -146,7 +146,7 @@ def _files(path: Path) -> list[Path]:
         return [path]
     if (path / "metadata.yaml").is_file():
         return [path]
-    parts = sorted((one for one in path.iterdir() if one.suffix in STORAGE), key=_natural)
+    parts = sorted((item for item in path.iterdir() if item.suffix in STORAGE), key=_natural)
     if not parts:
         raise BagError(
             f"the folder {path} has no metadata.yaml and no {' or '.join(STORAGE)} file; "

@@ -83,15 +83,15 @@ def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -
         return Layout(_identity(), f"the laser's frame is the robot's, {laser}", laser, ODOM)
     frames = Frames()
     for frames in _growing(bag, chosen) if search else ():
-        found = frames.between(bases[0], laser)
-        if found is not None:
-            return Layout(found, f"the transform {bases[0]} to {laser}", bases[0], ODOM)
+        result = frames.between(bases[0], laser)
+        if result is not None:
+            return Layout(result, f"the transform {bases[0]} to {laser}", bases[0], ODOM)
     for other in bases[1:]:  # the robot's frame by another name
-        found = frames.between(other, laser) if other != laser else _identity()
-        if found is not None:
-            return Layout(found, f"the transform {other} to {laser}", bases[0], ODOM)
-    told = f"nothing: no transform leads from {bases[0]} to {laser or 'the laser'}"
-    return Layout(_identity(), told, bases[0], ODOM, assumed=True)
+        result = frames.between(other, laser) if other != laser else _identity()
+        if result is not None:
+            return Layout(result, f"the transform {other} to {laser}", bases[0], ODOM)
+    given = f"nothing: no transform leads from {bases[0]} to {laser or 'the laser'}"
+    return Layout(_identity(), given, bases[0], ODOM, assumed=True)
 
 
 def _by_transforms(bag: Bag, chosen: Chosen, laser: str) -> Layout:
@@ -102,8 +102,8 @@ def _by_transforms(bag: Bag, chosen: Chosen, laser: str) -> Layout:
         seen = [name for name, _ in line]
         for (base, base_from_laser), (parent, _) in pairwise(line):
             if parent.split("/")[-1] == ODOM:
-                told = f"the transform {base} to {laser}"
-                return Layout(base_from_laser, told, base, parent)
+                given = f"the transform {base} to {laser}"
+                return Layout(base_from_laser, given, base, parent)
     raise BagError(
         f"{bag.path} has no nav_msgs/msg/Odometry, and its {TRANSFORMS} do not lead from "
         f"{laser or 'the laser'} to {ODOM}; they lead to {' - '.join(seen)}"

@@ -44,13 +44,13 @@ class LeftOut:
 
     def lines(self) -> list[str]:
         """What to tell; nothing of what did not happen."""
-        told = {
+        given = {
             "scans without usable angles or ranges": self.unusable_scans,
             "scans whose stamps do not rise": self.out_of_order,
             "scans without odometry around them": self.without_odometry,
             "odometry messages that are not finite or whose stamps do not rise": self.odometry,
         }
-        return [f"{count} {what} were left out" for what, count in told.items() if count]
+        return [f"{count} {what} were left out" for what, count in given.items() if count]
 
 
 class Pairing:
@@ -118,17 +118,17 @@ class Pairing:
             pose = message.content.pose.pose
             self._add(message, message.content.header, pose.position, pose.orientation)
             return
-        for one in message.content.transforms:
-            frames = frame_name(one.header.frame_id), frame_name(one.child_frame_id)
+        for transform in message.content.transforms:
+            frames = frame_name(transform.header.frame_id), frame_name(transform.child_frame_id)
             if frames == (self._layout.odom_frame, self._layout.base_frame):
-                shift, turn = one.transform.translation, one.transform.rotation
-                self._add(message, one.header, shift, turn)
+                shift, turn = transform.transform.translation, transform.transform.rotation
+                self._add(message, transform.header, shift, turn)
 
     def _add(self, message: Message, header: Any, position: Any, orientation: Any) -> None:
         stamp = self._stamp(header, message.logged)
         self._note("odometry", stamp)
-        found = Rigid3.of(position, orientation) if self._fits(message, stamp) else None
-        self._track.add(stamp, None if found is None else found.planar())
+        result = Rigid3.of(position, orientation) if self._fits(message, stamp) else None
+        self._track.add(stamp, None if result is None else result.planar())
 
     def _fits(self, message: Message, stamp: float) -> bool:
         return self._by_log or self._clocks[message.topic].fits(stamp, message.logged)

@@ -41,8 +41,8 @@ def choose(bag: Bag, scan: str | None = None, odometry: str | None = None) -> Ch
     laser = _one(bag, LASER_SCAN, scan, "--scan-topic")
     if laser is None:
         raise BagError(f"{bag.path} has no {LASER_SCAN}; {_held(bag)}")
-    found = bag.of_type(ODOMETRY)
-    if odometry is None and len(found) > 1 and USUAL in [topic.name for topic in found]:
+    result = bag.of_type(ODOMETRY)
+    if odometry is None and len(result) > 1 and USUAL in [topic.name for topic in result]:
         odometry = USUAL
     wheels = _one(bag, ODOMETRY, odometry, "--odom-topic")
     if wheels is None and not transforms:
@@ -51,18 +51,19 @@ def choose(bag: Bag, scan: str | None = None, odometry: str | None = None) -> Ch
 
 
 def _one(bag: Bag, kind: str, wanted: str | None, option: str) -> str | None:
-    found = [topic.name for topic in bag.of_type(kind)]
+    result = [topic.name for topic in bag.of_type(kind)]
     if wanted is not None:
-        name = wanted if wanted in found else f"/{wanted.lstrip('/')}"
-        if name not in found:
-            valid = ", ".join(found) or f"none, as it has no {kind}"
+        name = wanted if wanted in result else f"/{wanted.lstrip('/')}"
+        if name not in result:
+            valid = ", ".join(result) or f"none, as it has no {kind}"
             raise SettingError(f"{option} {wanted} is not in {bag.path}; valid are {valid}")
         return name
-    if len(found) > 1:
+    if len(result) > 1:
         raise SettingError(
-            f"{bag.path} has {len(found)} topics of {kind}; choose by {option}: {', '.join(found)}"
+            f"{bag.path} has {len(result)} topics of {kind}; "
+            f"choose by {option}: {', '.join(result)}"
         )
-    return found[0] if found else None
+    return result[0] if result else None
 
 
 def _held(bag: Bag) -> str:

@@ -72,20 +72,23 @@ class Frames:
 
     def add(self, message: Any) -> None:
         """Take a TFMessage; what says nothing is left out."""
-        for one in message.transforms:
-            found = Rigid3.of(one.transform.translation, one.transform.rotation)
-            child, parent = frame_name(one.child_frame_id), frame_name(one.header.frame_id)
-            if found is not None and child and parent and child != parent:
-                self._parents[child] = parent, found
+        for transform in message.transforms:
+            rigid3 = Rigid3.of(transform.transform.translation, transform.transform.rotation)
+            child, parent = (
+                frame_name(transform.child_frame_id),
+                frame_name(transform.header.frame_id),
+            )
+            if rigid3 is not None and child and parent and child != parent:
+                self._parents[child] = parent, rigid3
 
     def lineage(self, frame: str) -> list[tuple[str, Rigid3]]:
         """A frame, its parent and so on, each with ``it_from_frame``."""
-        found = [(frame, Rigid3(np.eye(3), np.zeros(3)))]
-        while found[-1][0] in self._parents and len(found) <= MOST:
-            name, from_frame = found[-1]
+        result = [(frame, Rigid3(np.eye(3), np.zeros(3)))]
+        while result[-1][0] in self._parents and len(result) <= MOST:
+            name, from_frame = result[-1]
             parent, parent_from_name = self._parents[name]
-            found.append((parent, parent_from_name @ from_frame))
-        return found
+            result.append((parent, parent_from_name @ from_frame))
+        return result
 
     def between(self, base: str, frame: str) -> Rigid3 | None:
         """``base_from_frame``; None if nothing is known to connect them."""

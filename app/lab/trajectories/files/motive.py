@@ -139,11 +139,11 @@ def _order(settings: dict[str, str], source: str) -> str | None:
 def _bodies(header: list[Row]) -> dict[str, list[int]]:
     """Columns of each rigid body."""
     types, names = header[0][1], header[1][1]
-    found: dict[str, list[int]] = {}
+    result: dict[str, list[int]] = {}
     for column, kind in enumerate(types[: len(names)]):
         if kind == "Rigid Body":
-            found.setdefault(names[column], []).append(column)
-    return found
+            result.setdefault(names[column], []).append(column)
+    return result
 
 
 def _chosen(header: list[Row], body: str | None, source: str) -> str:
@@ -164,7 +164,7 @@ def _columns(header: list[Row], body: str, order: str | None, source: str) -> _B
     """Where rotation and position of a rigid body stand."""
     (line, properties), (_, axes) = header[-2], header[-1]
     width = min(len(properties), len(axes))
-    at = {(properties[one], axes[one]): one for one in _bodies(header)[body] if one < width}
+    at = {(properties[item], axes[item]): item for item in _bodies(header)[body] if item < width}
     rotation = [("Rotation", axis) for axis in order or "XYZW"]
     position = [("Position", axis) for axis in "XYZ"]
     missing = [" ".join(key) for key in rotation + position if key not in at]

@@ -50,7 +50,7 @@ def parse_mrclam(text: str, source: str) -> Trajectory:
     """
     content = content_of(text)
     if content is None:
-        valid = " or ".join(repr(one.value) for one in Content)
+        valid = " or ".join(repr(item.value) for item in Content)
         raise TrajectoryError(f"{source}: no comment tells what it holds; valid are {valid}")
     lines, rows = rows_of_numbers(text, source, content.value)
     table = np.array(rows, dtype=np.float64).reshape(-1, len(content.value.split()))
@@ -67,7 +67,7 @@ def _followed(table: Array, source: str, notes: tuple[str, ...], lines: list[int
         raise TrajectoryError(f"{source}, line {line}: valid are velocities up to {FASTEST:g}")
     last = np.append(np.diff(table[:, 0]) != 0, True)[: len(table)]
     kept = table[last]
-    numbers = [number for number, one in zip(lines, last, strict=True) if one]
+    numbers = [number for number, item in zip(lines, last, strict=True) if item]
     # The stamps are checked before they are integrated over.
     Trajectory.of_poses(kept[:, 0], np.zeros((len(kept), 3)), source, notes, numbers)
     return Trajectory.of_poses(kept[:, 0], integrated(*kept.T), source, notes, numbers)

@@ -53,15 +53,15 @@ def header_of(text: str) -> Header | None:
     A row that begins with no number, above all rows of numbers. A comment is one if it has as many
     cells as the first row of numbers, and either both have commas or several names are known.
     """
-    found: list[Header] = []
+    headers: list[Header] = []
     for line, row in numbered(text):
         bare = row.lstrip("#%").strip()
         if bare == row and _is_number(_cells(row, "," in row)[0]):
-            return next((one for one in reversed(found) if _fits(one, row)), None)
+            return next((item for item in reversed(headers) if _fits(item, row)), None)
         header = Header(line, tuple(_cells(bare, "," in bare)), "," in bare)
         if bare == row:
             return header if _known(header) else None
-        found.append(header)
+        headers.append(header)
     return None
 
 
@@ -83,7 +83,7 @@ def parse_named(text: str, source: str, header: Header) -> Trajectory:
                 f"{source}, line {line}: {len(cells)} cells; "
                 f"valid are {len(header.cells)}, as in the header in line {header.line}"
             )
-        rows.append(as_numbers([cells[one] for one in columns.values()], source, line))
+        rows.append(as_numbers([cells[column] for column in columns.values()], source, line))
         lines.append(line)
     table = np.array(rows, dtype=np.float64).reshape(-1, len(QUANTITIES))
     stamp, *position = (_unit(header, columns[name], source) for name in QUANTITIES[:4])
@@ -91,7 +91,7 @@ def parse_named(text: str, source: str, header: Header) -> Trajectory:
         stamp = 1e9 if (np.abs(table[:, 0]) >= NANOSECONDS_FROM).all() else 1.0
     return Trajectory(
         table[:, 0] / stamp,
-        table[:, 1:4] / [one or 1.0 for one in position],
+        table[:, 1:4] / [item or 1.0 for item in position],
         table[:, 4:],
         source,
         comments(text),
@@ -117,12 +117,12 @@ def _columns(header: Header, source: str) -> Mapping[str, int]:
 
 def _known(header: Header) -> dict[str, list[int]]:
     """Columns by the quantity that their names say."""
-    found: dict[str, list[int]] = {}
+    result: dict[str, list[int]] = {}
     for column, cell in enumerate(header.cells):
         quantity = _quantity(_SUFFIX.sub("", _UNIT.sub("", cell).strip().lower()))
         if quantity:
-            found.setdefault(quantity, []).append(column)
-    return found
+            result.setdefault(quantity, []).append(column)
+    return result
 
 
 def _quantity(name: str) -> str | None:
@@ -137,10 +137,10 @@ def _unit(header: Header, column: int, source: str) -> float | None:
     """How many of a column's unit are a second or a metre; None where it names none."""
     cell = header.cells[column].lower()
     units = SECONDS if column == _known(header)["stamp"][0] else METRES
-    told = _UNIT.search(cell) or _SUFFIX.search(cell)
-    if told is None or not told[1].strip():
+    given = _UNIT.search(cell) or _SUFFIX.search(cell)
+    if given is None or not given[1].strip():
         return None
-    unit = told[1].strip()
+    unit = given[1].strip()
     if unit not in units:
         raise TrajectoryError(
             f"{source}, line {header.line}: {header.cells[column]!r} has the unit {unit!r}; "

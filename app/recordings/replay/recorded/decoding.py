@@ -52,10 +52,10 @@ def joints_of(cdr: bytes, names: Sequence[str]) -> tuple[int, Array, Array | Non
 
 
 def _numbers(values: Any, places: list[int]) -> Array | None:
-    found = np.asarray(values, dtype=np.float64)
-    if len(found) <= max(places) or not np.isfinite(found[places]).all():
+    result = np.asarray(values, dtype=np.float64)
+    if len(result) <= max(places) or not np.isfinite(result[places]).all():
         return None
-    return found[places]
+    return result[places]
 
 
 def picture_of(cdr: bytes, size: tuple[int, int]) -> tuple[int, NDArray[np.uint8]]:
@@ -79,12 +79,12 @@ def picture_of(cdr: bytes, size: tuple[int, int]) -> tuple[int, NDArray[np.uint8
     return stamp_ns(message), np.asarray(image, dtype=np.uint8)
 
 
-def _check_size(found: Sequence[int] | None, size: tuple[int, int], unreadable: str) -> None:
-    if found is None:
+def _check_size(result: Sequence[int] | None, size: tuple[int, int], unreadable: str) -> None:
+    if result is None:
         raise ContentError(unreadable)
-    if tuple(found) != size:
+    if tuple(result) != size:
         raise ContentError(
-            f"a picture has {found[1]} x {found[0]} pixels; this robot's camera has "
+            f"a picture has {result[1]} x {result[0]} pixels; this robot's camera has "
             f"{size[1]} x {size[0]}"
         )
 
@@ -95,11 +95,11 @@ def pose_of(pose: Any) -> Pose2:
     Raises:
         ContentError: it has numbers that are none.
     """
-    at, turn = pose.position, pose.orientation
-    found = Pose2(float(at.x), float(at.y), heading_of(turn))
-    if not found.is_finite():
+    position, turn = pose.position, pose.orientation
+    pose2 = Pose2(float(position.x), float(position.y), heading_of(turn))
+    if not pose2.is_finite():
         raise ContentError("a pose has numbers that are not finite")
-    return found
+    return pose2
 
 
 def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
@@ -129,8 +129,8 @@ def truth_of(cdr: bytes) -> tuple[int, Pose2]:
 def twist_of(cdr: bytes) -> Twist2 | None:
     """The velocity of a TwistStamped; None if it is none."""
     twist = from_cdr(cdr, "geometry_msgs/msg/TwistStamped").twist
-    found = Twist2(float(twist.linear.x), float(twist.angular.z))
-    return found if math.isfinite(found.v) and math.isfinite(found.omega) else None
+    twist2 = Twist2(float(twist.linear.x), float(twist.angular.z))
+    return twist2 if math.isfinite(twist2.v) and math.isfinite(twist2.omega) else None
 
 
 def volts_of(cdr: bytes) -> float | None:
@@ -142,11 +142,11 @@ def volts_of(cdr: bytes) -> float | None:
 def health_of(cdr: bytes) -> tuple[bool, tuple[str, ...]] | None:
     """Whether the robot was connected, and its faults, of our DiagnosticArray; None of another."""
     message = from_cdr(cdr, "diagnostic_msgs/msg/DiagnosticArray")
-    status = {one.name: one for one in message.status}
+    status = {statu.name: statu for statu in message.status}
     program, robot = status.get("brickpose: program"), status.get("brickpose: robot")
     if program is None or robot is None:
         return None
-    figures = {one.key: one.value for one in program.values}
+    figures = {value.key: value.value for value in program.values}
     # The level is a byte, which some readers give as such.
     bad = robot.level not in (0, b"\0")
     return figures.get("connected") != "false", (str(robot.message),) if bad else ()
@@ -161,8 +161,8 @@ def commands_of(cdr: bytes) -> tuple[Command, ...]:
     text = from_cdr(cdr, "std_msgs/msg/String").data
     try:
         content = json.loads(text)
-        told = content if isinstance(content, list) else [content]
-        return tuple(COMMAND.validate_json(json.dumps(one)) for one in told)
+        given = content if isinstance(content, list) else [content]
+        return tuple(COMMAND.validate_json(json.dumps(item)) for item in given)
     except (ValidationError, ValueError, RecursionError) as error:
         raise ContentError(f"a recorded command cannot be read: {str(error)[:200]}") from error
 

@@ -31,10 +31,10 @@ def first_estimate(
     if not topics.amcl_pose:
         return None
     try:
-        for one in reader.messages((topics.amcl_pose,)):
-            if one.log_time_ns > start_ns + SOON_NS:
+        for message in reader.messages((topics.amcl_pose,)):
+            if message.log_time_ns > start_ns + SOON_NS:
                 return None
-            _, pose, covariance = believed_of(one.cdr)
+            _, pose, covariance = believed_of(message.cdr)
             spread = covariance + SINCE
             if np.linalg.eigvalsh(spread)[0] <= 0:
                 continue

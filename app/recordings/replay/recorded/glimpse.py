@@ -44,12 +44,12 @@ def glimpse(
         log_ns: the time [ns since 1970].
         size: height and width of the pictures.
     """
-    found = None
+    result = None
     for back in (*LOOKED_BACK_NS, log_ns):
-        found = _found(reader, topics, max(log_ns - back, 0), log_ns, size) or found
-        if (found and found.picture_log_ns is not None) or log_ns - back <= reader.start_ns:
+        result = _found(reader, topics, max(log_ns - back, 0), log_ns, size) or result
+        if (result and result.picture_log_ns is not None) or log_ns - back <= reader.start_ns:
             break
-    return found
+    return result
 
 
 def picture_before(
@@ -66,15 +66,15 @@ def picture_before(
     """
     names = topics.joint_states, topics.picture
     for back in (*LOOKED_BACK_NS, max(log_ns, 0)):
-        found: list[int] = []
+        result: list[int] = []
         with contextlib.suppress(RecordingError):
-            for one in ticks(reader.messages(names, max(log_ns - back, 0)), topics):
-                if one.log_ns >= log_ns:
+            for tick in ticks(reader.messages(names, max(log_ns - back, 0)), topics):
+                if tick.log_ns >= log_ns:
                     break
-                if topics.picture in one.newest:
-                    found.append(one.log_ns)
-        if len(found) >= count:
-            return found[-count]
+                if topics.picture in tick.newest:
+                    result.append(tick.log_ns)
+        if len(result) >= count:
+            return result[-count]
         if log_ns - back <= start_ns:
             break
     return start_ns
@@ -92,13 +92,13 @@ def _found(
     picture_log_ns = None
     # A recording that is damaged ends there.
     with contextlib.suppress(RecordingError):
-        for one in ticks(reader.messages(topics.names, start_ns), topics):
-            if one.log_ns > log_ns:
+        for item in ticks(reader.messages(topics.names, start_ns), topics):
+            if item.log_ns > log_ns:
                 break
-            tick = one
-            newest |= one.newest
-            if topics.picture in one.newest:
-                picture_log_ns = one.log_ns
+            tick = item
+            newest |= item.newest
+            if topics.picture in item.newest:
+                picture_log_ns = item.log_ns
     if tick is None:
         return None
     return Glimpse(

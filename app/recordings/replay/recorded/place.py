@@ -75,35 +75,39 @@ class Place:
     trouble_ns: int = 0
     """When that was."""
 
-    def after(self, one: NextTick) -> Place:
+    def after(self, next_tick: NextTick) -> Place:
         """The place after a tick, with its clock."""
-        last, log_ns = self, one.tick.log_ns
+        last, log_ns = self, next_tick.tick.log_ns
         if last.counted is None:
-            nought = np.zeros(len(one.positions))
+            nought = np.zeros(len(next_tick.positions))
             return replace(
-                last, log_ns=log_ns, shift_ns=-one.stamp_ns, counted=one.positions, ahead=nought
+                last,
+                log_ns=log_ns,
+                shift_ns=-next_tick.stamp_ns,
+                counted=next_tick.positions,
+                ahead=nought,
             )
-        place = replace(last, log_ns=log_ns, counted=one.positions)
-        now_ns = one.stamp_ns + last.shift_ns
+        place = replace(last, log_ns=log_ns, counted=next_tick.positions)
+        now_ns = next_tick.stamp_ns + last.shift_ns
         if now_ns > last.now_ns:
             return replace(place, now_ns=now_ns)
         lasted = min(max(log_ns - last.log_ns, USUAL_NS), LONGEST_NS)
-        back, leap = last.now_ns - now_ns, last.counted - one.positions
+        back, leap = last.now_ns - now_ns, last.counted - next_tick.positions
         counted_anew = np.abs(leap).max() > LEAP
         return replace(
             place,
             now_ns=last.now_ns + lasted,
-            shift_ns=last.now_ns + lasted - one.stamp_ns,
+            shift_ns=last.now_ns + lasted - next_tick.stamp_ns,
             ahead=last.ahead + leap if counted_anew else last.ahead,
             trouble=f"In the recording, the stamps jump back by {back / 1e9:.3g} s; "
             "what follows is taken as what came next.",
             trouble_ns=log_ns,
         )
 
-    def turned(self, one: NextTick, after: Place) -> Array:
+    def turned(self, next_tick: NextTick, after: Place) -> Array:
         """How far the joints turned (j,) [rad] to a tick, and the place after it."""
         if self.counted is None or after.counted is None:
-            return np.zeros(len(one.positions))
+            return np.zeros(len(next_tick.positions))
         turned: Array = after.counted + after.ahead - self.counted - self.ahead
         return turned
 
@@ -112,13 +116,13 @@ class Place:
         known = self.truth is not None and self.now_ns - self.truth_ns < TRUE_NS
         return replace(self, truth=self.truth @ moved if known and self.truth else None)
 
-    def told(self, told: Told, topics: RecordedTopics) -> Place:
+    def told(self, given: Told, topics: RecordedTopics) -> Place:
         """With what is told now and then: it holds until it is told anew."""
         place = self
-        volts = told.of(topics.battery_state, volts_of)
+        volts = given.of(topics.battery_state, volts_of)
         if volts is not None:
             place = replace(place, battery_v=volts)
-        health = told.of(topics.diagnostics, health_of)
+        health = given.of(topics.diagnostics, health_of)
         if health is not None:
             place = replace(place, connected=health[0], faults=health[1])
         return place

@@ -92,15 +92,15 @@ class RecordedRobot:
         """What was told in the tick that comes next."""
         if self._next is None:
             return ()
-        found: list[Command] = []
+        commands: list[Command] = []
         for topic, cdr in self._next.tick.told:
             # What cannot be read is named by ``read``.
             with contextlib.suppress(*BAD):
                 if topic == self.topics.command:
-                    found.extend(commands_of(cdr))
+                    commands.extend(commands_of(cdr))
                 else:
-                    found.append(told_pose_of(cdr))
-        return tuple(found)
+                    commands.append(told_pose_of(cdr))
+        return tuple(commands)
 
     def read(self) -> Reading:
         """The next tick.
@@ -110,8 +110,8 @@ class RecordedRobot:
         """
         if self._next is None:
             raise RobotError(f"the recording is over{self._why()}")
-        one, self._next = self._next, None
-        reading = self._reading(one)
+        item, self._next = self._next, None
+        reading = self._reading(item)
         self._next = self._fetched()
         if self._next is None and self.damage:
             over = f"The recording is over here: {self.damage}."
@@ -155,26 +155,26 @@ class RecordedRobot:
             self.damage = str(error)
         return None
 
-    def _reading(self, one: NextTick) -> Reading:
-        before, place = self.at, self.at.after(one)
-        turned = before.turned(one, place)
-        measured = one.velocities
+    def _reading(self, next_tick: NextTick) -> Reading:
+        before, place = self.at, self.at.after(next_tick)
+        turned = before.turned(next_tick, place)
+        measured = next_tick.velocities
         if measured is None:
             measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
-        told = _Told(one)
-        place = place.moved(self._drive.moved(turned)).told(told, self.topics)
-        place = self._with_truth(told, before, place, turned)
-        frame = self._frame(told, place.shift_ns)
+        given = _Told(next_tick)
+        place = place.moved(self._drive.moved(turned)).told(given, self.topics)
+        place = self._with_truth(given, before, place, turned)
+        frame = self._frame(given, place.shift_ns)
         if frame is not None:
-            place = replace(place, picture_log_ns=one.tick.log_ns)
-        self._tell_then(told, place.shift_ns)
-        self._tell_applied(told, measured)
-        if told.trouble:
-            place = place.troubled(f"In the recording, {told.trouble}.")
+            place = replace(place, picture_log_ns=next_tick.tick.log_ns)
+        self._tell_then(given, place.shift_ns)
+        self._tell_applied(given, measured)
+        if given.trouble:
+            place = place.troubled(f"In the recording, {given.trouble}.")
         self.at = place
         return Reading(
             place.now_ns / 1e9,
-            one.positions + place.ahead,
+            next_tick.positions + place.ahead,
             measured,
             frame,
             place.battery_v,
@@ -183,38 +183,40 @@ class RecordedRobot:
             (*place.faults, *place.troubles),
         )
 
-    def _with_truth(self, told: _Told, before: Place, place: Place, turned: Array) -> Place:
-        found = told.of(self.topics.truth, truth_of)
-        if found is None:
+    def _with_truth(self, __told: _Told, before: Place, place: Place, turned: Array) -> Place:
+        result = __told.of(self.topics.truth, truth_of)
+        if result is None:
             return place
         # It may have come a moment late, and be of the tick before: the wheels carry it on.
-        late = place.now_ns - found[0] - place.shift_ns
+        late = place.now_ns - result[0] - place.shift_ns
         part = min(max(late / max(place.now_ns - before.now_ns, 1), 0.0), 2.0)
-        truth = found[1] @ self._drive.moved(part * turned)
+        truth = result[1] @ self._drive.moved(part * turned)
         return replace(place, truth=truth, truth_ns=place.now_ns)
 
-    def _frame(self, told: _Told, shift_ns: int) -> Frame | None:
+    def _frame(self, __told: _Told, shift_ns: int) -> Frame | None:
         lens = self.spec.lens
-        found = told.of(self.topics.picture, lambda cdr: picture_of(cdr, (lens.height, lens.width)))
-        return None if found is None else Frame((found[0] + shift_ns) / 1e9, found[1])
+        result = __told.of(
+            self.topics.picture, lambda cdr: picture_of(cdr, (lens.height, lens.width))
+        )
+        return None if result is None else Frame((result[0] + shift_ns) / 1e9, result[1])
 
-    def _tell_then(self, told: _Told, shift_ns: int) -> None:
-        found = told.of(self.topics.amcl_pose, believed_of)
-        self.then = None if found is None else ((found[0] + shift_ns) / 1e9, found[1])
+    def _tell_then(self, __told: _Told, shift_ns: int) -> None:
+        result = __told.of(self.topics.amcl_pose, believed_of)
+        self.then = None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
 
-    def _tell_applied(self, told: _Told, measured: Array) -> None:
-        twist = told.of(self.topics.cmd_vel, twist_of)
+    def _tell_applied(self, __told: _Told, measured: Array) -> None:
+        twist = __told.of(self.topics.cmd_vel, twist_of)
         self._applied = measured if twist is None else self._drive.wheels(twist)
-        for topic, cdr in told.tick.told:
-            told.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
+        for topic, cdr in __told.tick.told:
+            __told.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
 
 
 class _Told:
     """What came with a tick; what cannot be read is told in words, and is as if it had not come."""
 
-    def __init__(self, one: NextTick) -> None:
-        self.tick = one.tick
-        self.trouble = one.trouble
+    def __init__(self, next_tick: NextTick) -> None:
+        self.tick = next_tick.tick
+        self.trouble = next_tick.trouble
 
     def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
         """What the newest message of a topic tells; None if there is none."""

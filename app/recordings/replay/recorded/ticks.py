@@ -32,18 +32,20 @@ def ticks(
         topics: of the recording.
     """
     newest: dict[str, bytes] = {}
-    told: list[tuple[str, bytes]] = []
+    given: list[tuple[str, bytes]] = []
     tick: RecordedTick | None = None
-    for one in messages:
-        if tick is not None and (one.log_time_ns > tick.log_ns or one.topic == topics.joint_states):
+    for message in messages:
+        if tick is not None and (
+            message.log_time_ns > tick.log_ns or message.topic == topics.joint_states
+        ):
             yield tick
-            newest, told, tick = {}, [], None
-        if one.topic == topics.joint_states:
-            tick = RecordedTick(one.log_time_ns, one.cdr, newest, told)
-        elif one.topic in (topics.command, topics.initialpose):
-            told.append((one.topic, one.cdr))
+            newest, given, tick = {}, [], None
+        if message.topic == topics.joint_states:
+            tick = RecordedTick(message.log_time_ns, message.cdr, newest, given)
+        elif message.topic in (topics.command, topics.initialpose):
+            given.append((message.topic, message.cdr))
         else:
-            newest[one.topic] = one.cdr
+            newest[message.topic] = message.cdr
     if tick is not None:
         yield tick
 
@@ -53,8 +55,8 @@ def joined(before: list[RecordedTick], tick: RecordedTick) -> RecordedTick:
     if not before:
         return tick
     newest: dict[str, bytes] = {}
-    told: list[tuple[str, bytes]] = []
-    for one in (*before, tick):
-        newest |= one.newest
-        told += one.told
-    return RecordedTick(tick.log_ns, tick.joints, newest, told)
+    given: list[tuple[str, bytes]] = []
+    for item in (*before, tick):
+        newest |= item.newest
+        given += item.told
+    return RecordedTick(tick.log_ns, tick.joints, newest, given)

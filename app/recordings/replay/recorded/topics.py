@@ -42,11 +42,11 @@ class RecordedTopics:
         Raises:
             RecordingError: wheels or pictures are missing; lists what there is.
         """
-        found = {role: _find(types, *wanted) for role, wanted in cls.WANTED.items()}
+        result = {role: _find(types, *wanted) for role, wanted in cls.WANTED.items()}
         missing = [
             "{} ({})".format(*cls.WANTED[role])
             for role in ("joint_states", "picture")
-            if not found[role]
+            if not result[role]
         ]
         if missing:
             has = ", ".join(f"{name} ({kind})" for name, kind in sorted(types.items()))
@@ -54,9 +54,9 @@ class RecordedTopics:
                 f"the recording has no {' and no '.join(missing)}, which a replay needs; "
                 f"it has {has or 'nothing'}"
             )
-        if found["command"]:
-            found["initialpose"] = ""  # it is among the commands
-        return cls(**found)
+        if result["command"]:
+            result["initialpose"] = ""  # it is among the commands
+        return cls(**result)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,5 +66,7 @@ class RecordedTopics:
 
 def _find(types: Mapping[str, str], name: str, kind: str) -> str:
     """The topic of a name, in whatever namespace; the shortest if there are several."""
-    fitting = [one for one, its in types.items() if its == kind and f"/{one}".endswith(f"/{name}")]
+    fitting = [
+        item for item, its in types.items() if its == kind and f"/{item}".endswith(f"/{name}")
+    ]
     return min(fitting, key=len, default="")

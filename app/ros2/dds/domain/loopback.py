@@ -44,8 +44,8 @@ def _udp_sockets() -> Iterator[socket.socket]:
         with contextlib.suppress(OSError):  # the folder's own descriptor is closed by now
             if not str(entry.readlink()).startswith("socket:"):
                 continue
-            one = socket.socket(fileno=os.dup(int(entry.name)))
-            if one.family in (socket.AF_INET, socket.AF_INET6) and one.type == socket.SOCK_DGRAM:
-                yield one
+            item = socket.socket(fileno=os.dup(int(entry.name)))
+            if item.family in (socket.AF_INET, socket.AF_INET6) and item.type == socket.SOCK_DGRAM:
+                yield item
             else:
-                one.close()
+                item.close()

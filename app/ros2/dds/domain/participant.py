@@ -48,9 +48,9 @@ class Participant:
             confine_to_this_machine()  # before there is anything to hear
         self._types = raw_types(plan.shapes | graph.SHAPES)
         self._writers = [self._writer(one, dds_topic(one.topic)) for one in plan.writers]
-        self._readers = [self._reader(one) for one in plan.readers]
-        self._names = [one.topic for one in plan.writers]
-        self._latched = [one.latched for one in plan.writers]
+        self._readers = [self._reader(each) for each in plan.readers]
+        self._names = [item.topic for item in plan.writers]
+        self._latched = [writer.latched for writer in plan.writers]
         self._waiting: dict[int, bytes] = {}
         self._graph = self._writer(graph.ENDPOINT, graph.TOPIC)
         self._tell_node(plan)
@@ -68,48 +68,48 @@ class Participant:
             WriteError: these bytes are not of the topic's type.
         """
         waiting, self._waiting = self._waiting | {number: data}, {}
-        for one, message in waiting.items():
+        for item, message in waiting.items():
             try:
-                self._writers[one].write(filled(self._writers[one].data_type, message))
+                self._writers[item].write(filled(self._writers[item].data_type, message))
             except DDSException as error:
                 if error.code != DDSException.DDS_RETCODE_TIMEOUT:
-                    raise WriteError(f"{self._names[one]}: {_reason(error)}") from error
-                if self._latched[one]:
-                    self._waiting[one] = message
+                    raise WriteError(f"{self._names[item]}: {_reason(error)}") from error
+                if self._latched[item]:
+                    self._waiting[item] = message
 
     def heard(self, seconds: float) -> list[tuple[int, bytes]]:
         """The newest message of each topic that something came for within a time; maybe none."""
         self._waitset.wait(duration(seconds=seconds))
-        found = []
+        result = []
         for number, (reader, condition) in enumerate(
             zip(self._readers, self._conditions, strict=True)
         ):
             taken: list[object] = list(reader.take(1, condition=condition))
             # That a writer is gone comes as a message without data.
-            found += [(number, one.data) for one in taken if isinstance(one, RawSample)]
-        return found
+            result += [(number, item.data) for item in taken if isinstance(item, RawSample)]
+        return result
 
     def wake(self) -> None:
         """Let ``heard`` return at once, from now on."""
         self._ending.set(True)
 
-    def _writer(self, one: Endpoint, topic: str) -> DataWriter[IdlStruct]:
-        named = Topic(self._participant, topic, self._types[one.type])
-        return DataWriter(self._participant, named, _quality(one))
+    def _writer(self, endpoint: Endpoint, topic: str) -> DataWriter[IdlStruct]:
+        named = Topic(self._participant, topic, self._types[endpoint.type])
+        return DataWriter(self._participant, named, _quality(endpoint))
 
-    def _reader(self, one: Endpoint) -> DataReader[IdlStruct]:
-        named = Topic(self._participant, dds_topic(one.topic), self._types[one.type])
-        return DataReader(self._participant, named, _quality(one))
+    def _reader(self, endpoint: Endpoint) -> DataReader[IdlStruct]:
+        named = Topic(self._participant, dds_topic(endpoint.topic), self._types[endpoint.type])
+        return DataReader(self._participant, named, _quality(endpoint))
 
     def _tell_node(self, plan: Plan) -> None:
-        told = graph.entities(
+        given = graph.entities(
             self._participant.guid.bytes,
             plan.namespace,
             plan.name,
             [reader.guid.bytes for reader in self._readers],
             [writer.guid.bytes for writer in self._writers],
         )
-        self._graph.write(filled(self._graph.data_type, told))
+        self._graph.write(filled(self._graph.data_type, given))
 
 
 def _reason(error: DDSException) -> str:
@@ -118,14 +118,14 @@ def _reason(error: DDSException) -> str:
     return str(error).partition(" Occurred")[0]
 
 
-def _quality(one: Endpoint) -> Qos:
+def _quality(endpoint: Endpoint) -> Qos:
     """Of both ends; XCDR1 only: with XCDR2 on offer, Fast DDS matches and then drops all data."""
     return Qos(
         Policy.Reliability.Reliable(duration(seconds=BLOCKING_S))
-        if one.reliable
+        if endpoint.reliable
         else Policy.Reliability.BestEffort,
-        Policy.Durability.TransientLocal if one.latched else Policy.Durability.Volatile,
-        Policy.History.KeepLast(one.depth),
+        Policy.Durability.TransientLocal if endpoint.latched else Policy.Durability.Volatile,
+        Policy.History.KeepLast(endpoint.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False),
-        Policy.Userdata(graph.endpoint_data(one.type_hash)),
+        Policy.Userdata(graph.endpoint_data(endpoint.type_hash)),
     )

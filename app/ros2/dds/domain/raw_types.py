@@ -44,11 +44,11 @@ def raw_types(shapes: Shapes) -> dict[str, type[IdlStruct]]:
     for name, fields in shapes.items():
         members = {field: _kind(kind, made) for field, kind in fields}
         typename = dds_type(name).replace("::", ".")
-        one: Any = make_idl_struct(name.rpartition("/")[2], typename, members)
-        one.serialize = _serialize
-        one.deserialize = staticmethod(RawSample)
-        one.deserialize_key = staticmethod(RawSample)
-        made[name] = one
+        item: Any = make_idl_struct(name.rpartition("/")[2], typename, members)
+        item.serialize = _serialize
+        item.deserialize = staticmethod(RawSample)
+        item.deserialize_key = staticmethod(RawSample)
+        made[name] = item
     return made
 
 

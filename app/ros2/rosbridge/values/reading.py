@@ -55,8 +55,8 @@ def default(kind: Kind) -> Any:
     """What a field is when nobody says: zeros, no text, nothing in a list, no rotation."""
     if kind.nested:
         empty = {name: default(inner) for name, inner in fields(kind.name).items()}
-        one = _made(kind.name, empty, False)
-        return [one for _ in range(kind.length)] if kind.many else one
+        item = _made(kind.name, empty, False)
+        return [item for _ in range(kind.length)] if kind.many else item
     if not kind.many:
         return NUMBERS[kind.name].type(0).item() if kind.name in NUMBERS else ""
     if kind.name in NUMBERS:
@@ -88,7 +88,7 @@ def _read_list(value: Any, kind: Kind, path: str) -> Any:
         raise _wrong(path, value, "a list")
     if kind.length and len(value) != kind.length:
         raise MessageError(f"{path} has {len(value)} values; valid is {kind.length}")
-    read = [_read(one, kind.one, f"{path}[{place}]") for place, one in enumerate(value)]
+    read = [_read(item, kind.one, f"{path}[{place}]") for place, item in enumerate(value)]
     if kind.nested or kind.name not in NUMBERS:
         return read
     with np.errstate(over="ignore"):  # too large for single precision is infinite

@@ -17,14 +17,14 @@ def type_details(type_name: str) -> list[dict[str, Any]]:
     Raises:
         MessageError: the type is unknown.
     """
-    found: dict[str, dict[str, Any]] = {}
+    result: dict[str, dict[str, Any]] = {}
     waiting = [type_name]
     while waiting:
         name = waiting.pop(0)
-        if name not in found:
-            found[name] = _details(name)
+        if name not in result:
+            result[name] = _details(name)
             waiting += [kind.name for kind in fields(name).values() if kind.nested]
-    return list(found.values())
+    return list(result.values())
 
 
 def _details(name: str) -> dict[str, Any]:

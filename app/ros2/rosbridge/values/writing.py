@@ -65,7 +65,7 @@ def _cbor_field(kind: Kind) -> Writer:
 
 def _nested(kind: Kind, of_field: Callable[[Kind], Writer]) -> Writer:
     write = _object_writer(kind.name, of_field)
-    return (lambda many: [write(one) for one in many]) if kind.many else write
+    return (lambda many: [write(item) for item in many]) if kind.many else write
 
 
 def _json_array(kind: Kind) -> Writer:
@@ -98,4 +98,4 @@ def _json_floats(values: np.ndarray) -> list[float | None]:
     listed: list[float | None] = values.tolist()
     if np.isfinite(values).all():
         return listed
-    return [_json_float(one) for one in listed]  # type: ignore[arg-type]
+    return [_json_float(item) for item in listed]  # type: ignore[arg-type]

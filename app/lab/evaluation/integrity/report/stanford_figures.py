@@ -52,8 +52,8 @@ def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
         grid: Any = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True)
         for axes in grid.flat[len(diagrams) :]:
             axes.set_visible(False)
-        for axes, (name, one) in zip(grid.flat, diagrams.items(), strict=False):
-            _diagram(axes, one.place, 1e3 * PLACE_BINS, True)
+        for axes, (name, item) in zip(grid.flat, diagrams.items(), strict=False):
+            _diagram(axes, item.place, 1e3 * PLACE_BINS, True)
             axes.set_title(name)
         figure.supxlabel("error [mm]", fontsize=9)
         figure.supylabel("claimed bound [mm]", fontsize=9)
@@ -65,9 +65,9 @@ def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
     done: list[str] = []
     with drawn(5.6, 3.2, done) as figure:
         axes = figure.add_subplot()
-        for place, (name, one) in enumerate(diagrams.items()):
-            pictures = int(one.place.sum()) + one.unavailable
-            available, outside = trade(one, pictures)
+        for place, (name, item) in enumerate(diagrams.items()):
+            pictures = int(item.place.sum()) + item.unavailable
+            available, outside = trade(item, pictures)
             dashes = ("-", "--", ":")[place // len(COLOURS) % 3]
             axes.plot(
                 100 * outside, 100 * available, dashes, lw=1.3, label=name,
@@ -92,16 +92,16 @@ def heading_diagram(stanford: Stanford) -> str:
 
 def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float | None) -> str:
     """Error and bound of one drive over time; where it is misleading is marked."""
-    off = 1e3 * np.hypot(numbers["x"] - numbers["true_x"], numbers["y"] - numbers["true_y"])
+    offset = 1e3 * np.hypot(numbers["x"] - numbers["true_x"], numbers["y"] - numbers["true_y"])
     bound = 1e3 * np.where(np.isfinite(numbers["radius"]), numbers["radius"], np.nan)
     stamps = numbers["stamp"]
     done: list[str] = []
     with drawn(5.6, 2.0, done) as figure:
         axes = figure.add_subplot()
-        axes.plot(stamps, np.maximum(off, 0.05), color=NAVY, lw=1.2, label="error")
+        axes.plot(stamps, np.maximum(offset, 0.05), color=NAVY, lw=1.2, label="error")
         axes.plot(stamps, bound, "--", color=ORANGE, lw=1.2, label="bound")
-        bad = certain & (off > np.nan_to_num(bound, nan=np.inf))
-        axes.plot(stamps[bad], off[bad], ".", color=MISLEADING, ms=4, label="misleading")
+        bad = certain & (offset > np.nan_to_num(bound, nan=np.inf))
+        axes.plot(stamps[bad], offset[bad], ".", color=MISLEADING, ms=4, label="misleading")
         axes.fill_between(
             stamps, 0, 1, where=certain, transform=axes.get_xaxis_transform(),
             color="#009e73", alpha=0.12, lw=0, label="says certain",
