@@ -16,11 +16,11 @@ def recorded_eight(folder, seconds=SECONDS, **settings):
 
 def course_of(path, **options):
     """A replay that nobody paces."""
-    return open_replay(path, ReplayOptions(**options)).replay.course
+    return open_replay(path, ReplayOptions(**options)).replay.timeline
 
 
-def to_the_end(course):
-    return list(course.ticks_up_to(2**62))
+def to_the_end(timeline):
+    return list(timeline.ticks_up_to(2**62))
 
 
 def gist(snapshot):
@@ -29,9 +29,9 @@ def gist(snapshot):
     return snapshot.stamp, snapshot.pose, cloud.poses.tobytes(), cloud.weights.tobytes()
 
 
-def go(course, seconds):
+def go(timeline, seconds):
     """Go to a time as the page does; what is shown there."""
-    log_ns = course.robot.start_ns + round(seconds * 1e9)
-    course.go_near(log_ns)
-    *_, shown = (None, *course.ticks_up_to(log_ns))
-    return shown or course.linger(())
+    log_ns = timeline.robot.start_ns + round(seconds * 1e9)
+    timeline.go_near(log_ns)
+    *_, shown = (None, *timeline.ticks_up_to(log_ns))
+    return shown or timeline.linger(())

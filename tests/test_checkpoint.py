@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.engine.build import build_program
-from app.engine.checkpoint import LARGE, CheckpointError, Keeper
+from app.engine.checkpoint import LARGE, CheckpointError, CheckpointWriter
 from app.engine.localization import Localization
 from app.engine.parameter_changes import changed
 from app.messages.commands import FigureEightCommand
@@ -42,7 +42,7 @@ def localization_of(program, kind, own=None):
 
 
 def keeper_of(program, localization):
-    return Keeper([program.field, program.field.edges, program.scanner, localization.own])
+    return CheckpointWriter([program.field, program.field.edges, program.scanner, localization.own])
 
 
 def answers(localization, frames):
@@ -125,7 +125,7 @@ def test_generators_that_were_one_are_one_again(drive):
 
 
 def test_large_arrays_that_are_the_same_are_kept_once():
-    keeper = Keeper([])
+    keeper = CheckpointWriter([])
     table = np.arange(LARGE, dtype=np.float64)
     first, second = keeper.keep({"table": table, "n": 1}), keeper.keep({"table": table, "n": 2})
     assert first.blocks[0] is second.blocks[0]
@@ -136,4 +136,4 @@ def test_large_arrays_that_are_the_same_are_kept_once():
 
 def test_what_cannot_be_copied_is_refused_in_words():
     with pytest.raises(CheckpointError, match="cannot be kept"):
-        Keeper([]).keep({"model": lambda: None})
+        CheckpointWriter([]).keep({"model": lambda: None})

@@ -7,8 +7,8 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
+from robot.localization.hypotheses.candidate_weights import FoundPlace, has_rival
 from robot.localization.hypotheses.confirmation import LEADING, Confirmation
-from robot.localization.hypotheses.found_places import FoundPlace, has_rival
 from robot.localization.hypotheses.images import EQUAL
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track

@@ -10,8 +10,8 @@ from dds_rig import BATTERY_V, PLAIN, STAMPED, decoded, rig_and_peer, stamped, t
 from mcap_ros2._dynamic import generate_dynamic
 
 from app.messages.commands import DriveCommand, SetPoseCommand, StopCommand
-from app.ros2.making import belief, seeing
-from app.ros2.making.frames import header, pose_with_covariance
+from app.ros2.encoding import belief, sensors
+from app.ros2.encoding.frames import header, pose_with_covariance
 from app.ros2.message_types import new, to_cdr, type_hash
 from app.ros2.topics import TOPICS, topic
 from benchmarks.topics.fastdds import Peer, missing
@@ -94,7 +94,7 @@ def test_every_topic_arrives_with_the_type_that_it_is_announced_with(rig, peer, 
 
 def test_a_scan_has_the_ranges_of_its_picture(rig, peer):
     message = arrived(peer, "scan")
-    seen = tick(rig, message.header, seeing.scan_stamp).line_scan.scan
+    seen = tick(rig, message.header, sensors.scan_stamp).line_scan.scan
     assert np.array_equal(message.ranges, seen.ranges.astype(np.float32))
     assert message.angle_min == pytest.approx(seen.bearings[0])
     assert message.header.frame_id == "base_scan"
@@ -162,7 +162,7 @@ def test_joints_battery_and_description_are_the_robots(rig, peer):
 def test_a_picture_is_what_the_camera_saw_and_has_its_lens(rig, peer):
     picture = arrived(peer, "camera/image/compressed")
     image = cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_UNCHANGED)
-    seen = tick(rig, picture.header, seeing.picture_stamp).reading.frame.image
+    seen = tick(rig, picture.header, sensors.picture_stamp).reading.frame.image
     assert np.abs(image.astype(float) - seen).mean() < 3
     lens = rig.source.spec.lens
     info = arrived(peer, "camera/camera_info")

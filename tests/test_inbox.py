@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from app.messages.commands import DriveCommand, ScatterCommand, SetPoseCommand, UpdateCommand
 from app.ros2.commands.inbox import Inbox
-from app.ros2.making.frames import pose_with_covariance, turned, vector
-from app.ros2.making.frames import time as ros_time
+from app.ros2.encoding.frames import pose_with_covariance, turned, vector
+from app.ros2.encoding.frames import time as ros_time
 from app.ros2.message_types import MessageError, new, to_cdr
 from app.ros2.source import TopicSource
 from app.settings.ros2 import Ros2Settings

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from app.lab.localize.found import Localized, Told
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localize import localize
+from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.settings import LocalizeSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from robot.fields.grid_map import OccupancyGrid
@@ -68,7 +68,7 @@ def test_once_the_box_decides_the_room_is_told_and_not_before(seed):
 
 
 def told(stamp, leader=0, *, withdrawn=True):
-    return Told(stamp, np.zeros(3), np.zeros(3), leader, withdrawn)
+    return ReportedPose(stamp, np.zeros(3), np.zeros(3), leader, withdrawn)
 
 
 def test_what_was_withdrawn_is_told_by_spans():

@@ -8,7 +8,7 @@ import types
 import numpy as np
 import pytest
 
-from app.engine.own_models.blame import OwnModelError, running
+from app.engine.own_models.error_messages import OwnModelError, running
 from app.engine.own_models.guards import OwnMotion, OwnSensor
 from app.engine.own_models.model_file import ModelFile, build, load
 from app.engine.own_models.own_models import OwnChoice, chosen

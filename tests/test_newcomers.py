@@ -13,7 +13,7 @@ from told_filters import at_places
 from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.reliving import Life
+from robot.localization.hypotheses.rescoring import Rescored
 from robot.localization.hypothesis_parameters import HypothesisParameters
 
 OLD, NEW, OTHER = Pose2(0.2, 0.2, 0.0), Pose2(-0.2, 0.1, 2.0), Pose2(0.0, -0.3, -1.0)
@@ -21,16 +21,16 @@ KIDNAPPED = DEFAULTS.hypotheses.log_kidnapped
 WORTH = DEFAULTS.hypotheses.scan_worth
 
 
-def life(pose: Pose2, fit: float) -> Life:
-    return Life(pose, np.diag(np.square([0.005, 0.005, 0.02])), np.full(8, fit))
+def life(pose: Pose2, fit: float) -> Rescored:
+    return Rescored(pose, np.diag(np.square([0.005, 0.005, 0.02])), np.full(8, fit))
 
 
 @dataclass
 class Done:
     """A search that has ended."""
 
-    found: list[Life]
-    alive: list[Life] = field(default_factory=list)
+    found: list[Rescored]
+    alive: list[Rescored] = field(default_factory=list)
     whole: bool = True
     since: Pose2 = field(default_factory=Pose2)
     scans: int = 8

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.recordings.replay.recorded.decoding import ContentError, picture_of
 from app.recordings.replay.recorded.picture_size import JPEG, PNG, size_of
-from app.ros2.making.frames import time
+from app.ros2.encoding.frames import time
 from app.ros2.message_types import new, to_cdr
 
 TYPE = "sensor_msgs/msg/CompressedImage"

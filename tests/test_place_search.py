@@ -24,7 +24,7 @@ from robot.localization.hypotheses.place_search import (
     POSES_A_PIECE,
     PlaceSearch,
 )
-from robot.localization.hypotheses.reliving import Life
+from robot.localization.hypotheses.rescoring import Rescored
 from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
@@ -73,7 +73,7 @@ def done(search: PlaceSearch) -> PlaceSearch:
     raise AssertionError("a search ends")
 
 
-def at(found: list[Life], pose: Pose2) -> list[Life]:
+def at(found: list[Rescored], pose: Pose2) -> list[Rescored]:
     return [life for life in found if near(life.pose, pose, 0.01, math.radians(2))]
 
 
@@ -186,7 +186,7 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
         work["fits"] += 1
         return fit(self, start)
 
-    def lived(self: PlaceSearch, pose: Pose2) -> Life:
+    def lived(self: PlaceSearch, pose: Pose2) -> Rescored:
         work["lives"] += 1
         return live(self, pose)
 

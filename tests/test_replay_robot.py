@@ -11,7 +11,7 @@ from replays import recorded_eight
 from app.messages.commands import SetPoseCommand
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.opening import ReplayOptions, open_replay
-from app.recordings.replay.recorded.place import Place
+from app.recordings.replay.recorded.position import ReadPosition
 from app.ros2.message_types import new
 from robot.driving.differential_drive import DifferentialDrive
 from robot.interface import Placeable, Robot, RobotError
@@ -44,7 +44,7 @@ def test_it_is_a_robot_that_cannot_be_placed(eight):
 
 def test_it_reads_what_was_read_then(eight):
     robot, shown = eight
-    robot.go_to(Place())
+    robot.go_to(ReadPosition())
     for now, then in zip(readings(robot), shown, strict=True):
         read = then.reading
         assert now.stamp == pytest.approx(then.stamp - shown[0].stamp, abs=1e-6)
@@ -62,7 +62,7 @@ def test_it_reads_what_was_read_then(eight):
 def test_it_commands_nothing_and_tells_what_was_applied_then(eight):
     robot, shown = eight
     drive = DifferentialDrive(robot.spec)
-    robot.go_to(Place())
+    robot.go_to(ReadPosition())
     for then in shown:
         robot.read()
         applied = robot.write(np.full(2, 99.0))
@@ -71,7 +71,7 @@ def test_it_commands_nothing_and_tells_what_was_applied_then(eight):
 
 def test_it_goes_on_from_any_place_as_it_did_from_there(eight):
     robot, _ = eight
-    robot.go_to(Place())
+    robot.go_to(ReadPosition())
     for _ in range(30):
         robot.read()
     place = robot.at

@@ -66,7 +66,7 @@ class Checkpoint:
         return _Unpickler(self, buffers).load()
 
 
-class Keeper:
+class CheckpointWriter:
     """Makes checkpoints."""
 
     def __init__(self, unchanging: Iterable[object]) -> None:

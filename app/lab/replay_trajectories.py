@@ -58,13 +58,13 @@ def replay(
     """
     program = open_replay(path, options)
     replayed = program.replay
-    course = replayed.course
+    timeline = replayed.timeline
     rows: list[tuple[float, Pose2 | None, Pose2 | None, Pose2 | None, Pose2]] = []
     try:
-        while course.robot.next_ns is not None:
-            each = course.tick()
+        while timeline.robot.next_ns is not None:
+            each = timeline.tick()
             rows.append(
-                (each.stamp, each.pose, course.estimate_then(each), each.truth, each.odometry)
+                (each.stamp, each.pose, timeline.estimate_then(each), each.truth, each.odometry)
             )
             if given is not None and len(rows) % 500 == 0:
                 given(min(each.stamp / max(replayed.duration_s, 1e-9), 1.0))

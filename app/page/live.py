@@ -10,7 +10,7 @@ import anyio
 from starlette.websockets import WebSocket
 
 from app.engine.commands import check
-from app.engine.mailboxes.outgoing import Outgoing
+from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
@@ -63,7 +63,7 @@ class _Viewer:
         self._live = live
         self._engine = live.program.engine
         self._socket = socket
-        self._outgoing = Outgoing(socket)
+        self._outgoing = WebsocketWriter(socket)
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot whenever the last one has gone out."""

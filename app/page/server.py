@@ -18,7 +18,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 
 from app.engine.engine_thread import EngineThread
-from app.engine.own_models.blame import running
+from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import (

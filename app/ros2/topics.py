@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.ros2.making import belief, diagnosis, motion, seeing, state
+from app.ros2.encoding import belief, diagnostics, motion, robot_state, sensors
 from app.ros2.topic import LATCHED, Topic
 
 TOPICS: tuple[Topic, ...] = (
-    Topic("scan", "sensor_msgs/msg/LaserScan", seeing.scan_stamp, seeing.laser_scan),
+    Topic("scan", "sensor_msgs/msg/LaserScan", sensors.scan_stamp, sensors.laser_scan),
     Topic("odom", "nav_msgs/msg/Odometry", motion.now, motion.odometry, "publish_rate"),
     Topic("tf", "tf2_msgs/msg/TFMessage", motion.now, motion.transforms, "publish_rate"),
     Topic(
@@ -41,7 +41,7 @@ TOPICS: tuple[Topic, ...] = (
         "map",
         "nav_msgs/msg/OccupancyGrid",
         motion.never_changes,
-        seeing.occupancy_grid,
+        sensors.occupancy_grid,
         quality=LATCHED,
     ),
     Topic(
@@ -54,35 +54,35 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "camera/image/compressed",
         "sensor_msgs/msg/CompressedImage",
-        seeing.picture_stamp,
-        seeing.compressed_image,
+        sensors.picture_stamp,
+        sensors.compressed_image,
         "picture_rate",
     ),
     Topic(
         "camera/camera_info",
         "sensor_msgs/msg/CameraInfo",
-        seeing.picture_stamp,
-        seeing.camera_info,
+        sensors.picture_stamp,
+        sensors.camera_info,
         "picture_rate",
     ),
     Topic(
         "robot_description",
         "std_msgs/msg/String",
         motion.never_changes,
-        state.robot_description,
+        robot_state.robot_description,
         quality=LATCHED,
     ),
     Topic(
         "battery_state",
         "sensor_msgs/msg/BatteryState",
-        state.battery_stamp,
-        state.battery_state,
+        robot_state.battery_stamp,
+        robot_state.battery_state,
     ),
     Topic(
         "diagnostics",
         "diagnostic_msgs/msg/DiagnosticArray",
         motion.each_second,
-        diagnosis.diagnostics,
+        diagnostics.diagnostics,
     ),
     Topic(
         "truth",
@@ -101,11 +101,11 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "initialpose",
         "geometry_msgs/msg/PoseWithCovarianceStamped",
-        state.initial_pose_stamp,
-        state.initial_pose,
+        robot_state.initial_pose_stamp,
+        robot_state.initial_pose,
         live=False,
     ),
-    Topic("command", "std_msgs/msg/String", state.told_stamp, state.told, live=False),
+    Topic("command", "std_msgs/msg/String", robot_state.told_stamp, robot_state.told, live=False),
 )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine.own_models.blame import OwnModelError, blaming, line_of
+from app.engine.own_models.error_messages import OwnModelError, blaming, line_of
 from app.engine.own_models.model_file import ModelFile
 from robot.geometry import Array, Pose2, compose, wrap_angle
 from robot.localization.models.motion_models import sampled_moments

@@ -14,7 +14,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.engine.own_models.blame import MODULE_PREFIX, OwnModelError, blaming, line_of, place
+from app.engine.own_models.error_messages import (
+    MODULE_PREFIX,
+    OwnModelError,
+    blaming,
+    line_of,
+    place,
+)
 from robot.settings import SettingError
 
 _brought: set[str] = set()

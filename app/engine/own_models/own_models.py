@@ -8,7 +8,7 @@ from pathlib import Path
 from app.engine.own_models.guards import OwnMotion, OwnSensor
 from app.engine.own_models.model_file import ModelFile
 from app.engine.own_models.slot import Slot
-from app.engine.own_models.watch import Found, ModelFolder
+from app.engine.own_models.watch import ModelFolder, ModelList
 from robot.fields.field import Field
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
@@ -50,7 +50,7 @@ class OwnModels:
         self._folder = _folder(folder) if folder else None
         self._given_sensor = ModelFile.find(sensor) if sensor else None
         self._given_motion = ModelFile.find(motion) if motion else None
-        self._found = self._folder.look() if self._folder else Found()
+        self._found = self._folder.look() if self._folder else ModelList()
         self._sensor = Slot(OwnSensor, field.start)
         self._motion = Slot(OwnMotion, field.start)
         self._polled = float("-inf")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, Protocol, TypeVar
 
-from app.engine.own_models.blame import OwnModelError
+from app.engine.own_models.error_messages import OwnModelError
 from app.engine.own_models.guards import Guard
 from app.engine.own_models.model_file import ModelFile, build, load
 from app.engine.own_models.watch import FileWatch

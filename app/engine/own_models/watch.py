@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.own_models.blame import OwnModelError, blaming
+from app.engine.own_models.error_messages import OwnModelError, blaming
 from app.engine.own_models.model_file import ModelFile
 
 MOST_FILES = 100
@@ -46,7 +46,7 @@ class FileWatch:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class ModelList:
     """The models in one file or folder."""
 
     sensors: tuple[ModelFile, ...] = ()
@@ -60,35 +60,35 @@ class ModelFolder:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._known: dict[Path, tuple[Signature | None, Found]] = {}
+        self._known: dict[Path, tuple[Signature | None, ModelList]] = {}
 
-    def look(self) -> Found:
+    def look(self) -> ModelList:
         """What is in the folder now."""
         try:
             paths = sorted(self._folder.glob("[!_.]*.py"))[:MOST_FILES]
         except OSError as error:
-            return Found(faults=(f"{self._folder} cannot be read: {error.strerror}",))
+            return ModelList(faults=(f"{self._folder} cannot be read: {error.strerror}",))
         self._known = {path: self._look_into(path) for path in paths}
         result = [one for _, one in self._known.values()]
-        return Found(
+        return ModelList(
             tuple(model for one in result for model in one.sensors),
             tuple(model for each in result for model in each.motions),
             tuple(fault for item in result for fault in item.faults),
         )
 
-    def _look_into(self, path: Path) -> tuple[Signature | None, Found]:
+    def _look_into(self, path: Path) -> tuple[Signature | None, ModelList]:
         current = signature(path)
         known = self._known.get(path)
         return known if known is not None and known[0] == current else (current, models_in(path))
 
 
-def models_in(path: Path) -> Found:
+def models_in(path: Path) -> ModelList:
     """The classes of a file that have a model's method, their own or from a class beside them."""
     try:
         with blaming(path):
             tree = ast.parse(path.read_bytes(), str(path))
     except OwnModelError as error:
-        return Found(faults=(str(error),))
+        return ModelList(faults=(str(error),))
     methods: dict[str, set[str]] = {}
     for item in tree.body:
         if isinstance(item, ast.ClassDef):
@@ -97,7 +97,7 @@ def models_in(path: Path) -> Found:
                 inner.name for inner in item.body if isinstance(inner, ast.FunctionDef)
             }
             methods[item.name].update(*(methods.get(base, set()) for base in bases))
-    return Found(
+    return ModelList(
         tuple(ModelFile(path, name) for name, has in methods.items() if "log_likelihood" in has),
         tuple(ModelFile(path, name) for name, has in methods.items() if "sample" in has),
     )

@@ -11,14 +11,14 @@ from tqdm import tqdm
 
 from app.console import say
 from app.files import make_folder
-from app.lab.localize.found import Localized
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localize import Start, localize
+from app.lab.localize.localized import Localized
 from app.lab.localize.reading.bag import Bag, BagError
 from app.lab.localize.reading.mounting import find_layout
 from app.lab.localize.reading.pairing import CLOCKS, Measurement, Pairing
 from app.lab.localize.reading.topics import choose
-from app.lab.localize.results import PATH, PICTURE, WITHDRAWN, Asked, write_results
+from app.lab.localize.results import PATH, PICTURE, WITHDRAWN, LocalizeRequest, write_results
 from app.lab.localize.settings import LocalizeSettings, load_settings
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
@@ -43,7 +43,7 @@ def localize_command(parsed: argparse.Namespace) -> int:
         result = localize(_shown(bag, pairing), enabled, settings, start, parsed.seed)
     if not result.scans:
         raise BagError(_nothing(pairing, parsed))
-    asked = Asked(
+    asked = LocalizeRequest(
         parsed.bag, parsed.map, parsed.seed, settings, chosen, layout,
         start.pose if start else None, parsed.clock,
     )  # fmt: skip

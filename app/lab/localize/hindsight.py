@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.lab.localize.candidate import REMEMBERED, Candidate
-from app.lab.localize.found import Told
+from app.lab.localize.localized import ReportedPose
 from robot.geometry import Pose2
 from robot.scan import Scan
 
@@ -29,7 +29,7 @@ class Moment:
 
 
 def withdraw(
-    tolds: Iterable[Told], moments: Sequence[Moment], back: Candidate, margin: float
+    tolds: Iterable[ReportedPose], moments: Sequence[Moment], back: Candidate, margin: float
 ) -> None:
     """Mark what cannot be defended any more.
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from app.lab.localize.candidate import REMEMBERED, Candidate
 from app.lab.localize.contest import Contest
-from app.lab.localize.found import Localized, Told
 from app.lab.localize.hindsight import withdraw
 from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.reading.pairing import Measurement
 from app.lab.localize.settings import LocalizeSettings
 from robot.geometry import Pose2
@@ -110,7 +110,7 @@ class LaserFollower:
             result.final = self._in_map(leader.estimate, pose, stamp)
             if self._telling:
                 position = result.final.pose.to_array()
-                given = Told(stamp, position, odometry.to_array(), result.places_left)
+                given = ReportedPose(stamp, position, odometry.to_array(), result.places_left)
         result.note(given, self._state, stamp)
 
     def _in_map(self, estimate: Estimate, pose2: Pose2, stamp: float) -> Estimate:

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from app.lab.evaluation.report.figures import STROKES, STYLE
-from app.lab.localize.found import LONGEST_GAP, Localized, Told
 from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.localized import LONGEST_GAP, Localized, ReportedPose
 from robot.geometry import Array, Pose2, compose
 
 INCHES, DPI = 9.0, 150
@@ -82,7 +82,7 @@ def _ways(axes: Axes, localized: Localized) -> Array:
     return np.concatenate(shown)
 
 
-def _broken(tolds: Sequence[Told]) -> Array:
+def _broken(tolds: Sequence[ReportedPose]) -> Array:
     """Poses (n, 3), with nan wherever some time was not told."""
     rows = []
     for before, item in zip([tolds[0], *tolds], tolds, strict=False):

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from app.files import RESULTS, write_json, written_whole
-from app.lab.localize.found import Localized, Told
 from app.lab.localize.laser_map import LaserMap
+from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.picture import draw
 from app.lab.localize.reading.mounting import Layout
 from app.lab.localize.reading.pairing import LeftOut
@@ -29,7 +29,7 @@ PATH, WITHDRAWN, PICTURE = "localized.tum", "localized_withdrawn.tum", "path.png
 
 
 @dataclass(frozen=True)
-class Asked:
+class LocalizeRequest:
     """What was to be done, to be written beside the result."""
 
     bag: Path
@@ -43,7 +43,11 @@ class Asked:
 
 
 def write_results(
-    folder: Path, asked: Asked, localized: Localized, laser_map: LaserMap, left_out: LeftOut
+    folder: Path,
+    asked: LocalizeRequest,
+    localized: Localized,
+    laser_map: LaserMap,
+    left_out: LeftOut,
 ) -> None:
     """Write all, so that the folder has all of it or is as it was.
 
@@ -65,13 +69,13 @@ def write_results(
             (folder / name).unlink(missing_ok=True)  # of an earlier run
 
 
-def _trajectory(tolds: Sequence[Told]) -> Trajectory:
+def _trajectory(tolds: Sequence[ReportedPose]) -> Trajectory:
     return Trajectory.of_poses(
         [each.stamp for each in tolds], np.array([item.pose for item in tolds])
     )
 
 
-def content(asked: Asked, localized: Localized, left_out: LeftOut) -> dict[str, Any]:
+def content(asked: LocalizeRequest, localized: Localized, left_out: LeftOut) -> dict[str, Any]:
     """``results.json``: metres, radians, seconds, map frame."""
     final = localized.final
     return {

@@ -9,7 +9,6 @@ from pathlib import Path
 from tqdm import tqdm
 
 from app.files import make_folder
-from app.lab.sweep.kept import Kept
 from app.lab.sweep.plots import plot_setting
 from app.lab.sweep.points import (
     Point,
@@ -21,6 +20,7 @@ from app.lab.sweep.points import (
     key_of,
     points_of,
 )
+from app.lab.sweep.result_cache import ResultCache
 from app.lab.sweep.sweep_file import SweepFile
 from app.lab.sweep.table import FORMATS, write_table
 from app.lab.sweep.work import MEASURES, Measured, follow_all
@@ -60,7 +60,7 @@ def sweep(
     offset = file.sweep.offset
     keys = [_key(file, point) for point in points]
     configs = {key: point.config for key, point in zip(keys, points, strict=True) if point.config}
-    kept = Kept(folder / "points")
+    kept = ResultCache(folder / "points")
     result = {key: item for key in configs if (item := kept.get(key)) is not None}
     done_before = len(result)
     left = {key: config for key, config in configs.items() if key not in result}
@@ -78,7 +78,7 @@ def sweep(
 
 
 def _do(
-    jobs: list[SweepJob], workers: Workers, kept: Kept, progress: tqdm[None]
+    jobs: list[SweepJob], workers: Workers, kept: ResultCache, progress: tqdm[None]
 ) -> dict[str, Measured]:
     """What was measured, by key; without points that ended their worker together with others."""
     result: dict[str, Measured] = {}

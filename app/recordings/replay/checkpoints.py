@@ -15,7 +15,7 @@ SPACING_NS = 2_000_000_000
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Kept:
+class StoredCheckpoint:
     """A checkpoint after the tick of a time."""
 
     log_ns: int
@@ -27,7 +27,7 @@ class Checkpoints:
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._most_bytes = most_bytes
-        self._kept: list[Kept] = []
+        self._kept: list[StoredCheckpoint] = []
         self._spacing_ns = SPACING_NS
 
     def __len__(self) -> int:
@@ -47,12 +47,12 @@ class Checkpoints:
 
     def add(self, log_ns: int, checkpoint: Checkpoint) -> None:
         """Keep one more."""
-        insort(self._kept, Kept(log_ns, checkpoint))
+        insort(self._kept, StoredCheckpoint(log_ns, checkpoint))
         while len(self._kept) > 1 and self.size > self._most_bytes:
             del self._kept[1::2]
             self._spacing_ns *= 2
 
-    def before(self, log_ns: int) -> Kept | None:
+    def before(self, log_ns: int) -> StoredCheckpoint | None:
         """The last one before a time."""
         result = bisect_left(self._kept, log_ns, key=lambda item: item.log_ns)
         return self._kept[result - 1] if result else None

@@ -18,7 +18,6 @@ from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.course import Course
 from app.recordings.replay.filter_config import with_filter_config
 from app.recordings.replay.recorded.first_estimate import first_estimate
 from app.recordings.replay.recorded.parts import RecordedParts
@@ -26,6 +25,7 @@ from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.recordings.replay.replay import Replay
 from app.recordings.replay.settings import ReplaySettings
+from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.odometry import Odometry
@@ -90,11 +90,11 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     )
     engine = begin.engine()
     settings = ReplaySettings(given)
-    course = Course(engine, robot, field, settings, begin)
+    timeline = Timeline(engine, robot, field, settings, begin)
     for words in _remarks(reader, parts, options):
         engine.note(words)
     replay = Replay(
-        course, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
+        timeline, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
     )
     # It is never written: the robot is elsewhere by now.
     pose_file = path.absolute()

@@ -17,9 +17,9 @@ from app.engine.problems import LOG
 from app.engine.replay_state import ReplayState
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
-from app.recordings.replay.asked import Asked
-from app.recordings.replay.course import Course
-from app.recordings.replay.recorded.glimpse import Glimpse
+from app.recordings.replay.recorded.preview import Preview
+from app.recordings.replay.requests import RequestMailbox
+from app.recordings.replay.timeline import Timeline
 from robot.interface import Frame
 from robot.localization.filter import Cloud
 
@@ -67,15 +67,15 @@ class Replay:
 
     def __init__(
         self,
-        course: Course,
+        timeline: Timeline,
         file: str,
         duration_s: float,
         *,
         paused: bool = False,
         speed: float = 1,
     ) -> None:
-        self.course = course
-        self.asked = Asked()
+        self.timeline = timeline
+        self.asked = RequestMailbox()
         self._file = file
         self.duration_s = duration_s
         """From the first to the last tick [s]."""
@@ -91,7 +91,7 @@ class Replay:
 
     def run(self, stop: threading.Event) -> None:
         """Replay until told to stop; the file is closed whatever happens."""
-        engine = self.course.engine
+        engine = self.timeline.engine
         try:
             self._show(self._tick())
             while not stop.is_set():
@@ -109,34 +109,34 @@ class Replay:
             engine.controls.robot.close()
 
     def _take_wishes(self) -> None:
-        wishes = self.asked.take()
-        over = self.course.robot.next_ns is None
-        if wishes.speed is not None:
-            self._speed, self._zero = wishes.speed, None
-        if wishes.paused is not None:
-            self._paused, self._zero = wishes.paused, None
-            if over and not wishes.paused and wishes.position_s is None and self._way is None:
-                wishes.position_s = 0.0
-        if wishes.position_s is not None:
-            self._go_to(self._start_ns + round(1e9 * wishes.position_s))
-        if wishes.steps and self._way is not None:
-            self.asked.ask(step=wishes.steps)  # when it has got there
-        elif wishes.steps:
+        requests = self.asked.take()
+        over = self.timeline.robot.next_ns is None
+        if requests.speed is not None:
+            self._speed, self._zero = requests.speed, None
+        if requests.paused is not None:
+            self._paused, self._zero = requests.paused, None
+            if over and not requests.paused and requests.position_s is None and self._way is None:
+                requests.position_s = 0.0
+        if requests.position_s is not None:
+            self._go_to(self._start_ns + round(1e9 * requests.position_s))
+        if requests.steps and self._way is not None:
+            self.asked.ask(step=requests.steps)  # when it has got there
+        elif requests.steps:
             self._paused = True
-            self._step(wishes.steps)
+            self._step(requests.steps)
 
     @property
     def _start_ns(self) -> int:
-        return self.course.robot.start_ns
+        return self.timeline.robot.start_ns
 
     def _play(self) -> None:
         """Wait for the next tick's time, and let it come."""
-        following = self.course.robot.next_ns
+        following = self.timeline.robot.next_ns
         if following is None:
             self._paused = True
             return
         clock = time.monotonic()
-        last_s, next_s = ((t - self._start_ns) / 1e9 for t in (self.course.log_ns, following))
+        last_s, next_s = ((t - self._start_ns) / 1e9 for t in (self.timeline.log_ns, following))
         if self._zero is None or next_s - last_s > LONGEST_GAP_S:
             self._zero = clock - last_s / self._speed
             if next_s - last_s > LONGEST_GAP_S:
@@ -145,35 +145,35 @@ class Replay:
         if due > clock and self.asked.wait(min(due - clock, STANDING_S)):
             return
         if due > time.monotonic() + SHORT_S:
-            self._show(self.course.linger(self.course.engine.commands.take()))
+            self._show(self.timeline.linger(self.timeline.engine.commands.take()))
             return
         if clock - due > BEHIND_S:
             self._zero += clock - due
-        self._show(self._tick(self.course.engine.commands.take()))
+        self._show(self._tick(self.timeline.engine.commands.take()))
 
     def _stand(self) -> None:
         """Say that it stands, and take what is told meanwhile."""
-        self._show(self.course.linger(self.course.engine.commands.take()))
+        self._show(self.timeline.linger(self.timeline.engine.commands.take()))
         self.asked.wait(STANDING_S)
 
     def _step(self, pictures: int) -> None:
         """On by pictures, or back."""
         if pictures < 0:
-            self._go_to(self.course.picture_before(-pictures))
+            self._go_to(self.timeline.picture_before(-pictures))
         else:
-            enabled = self.course.ticks_with_pictures(pictures)
-            self._way = _Way(self.course.log_ns, None, enabled, None, time.monotonic())
+            enabled = self.timeline.ticks_with_pictures(pictures)
+            self._way = _Way(self.timeline.log_ns, None, enabled, None, time.monotonic())
 
     def _go_to(self, log_ns: int) -> None:
         """Set out for a time; the first tick is the nearest to anything before it."""
         log_ns = max(log_ns, self._start_ns)
-        target = self.course.go_near(log_ns)
+        target = self.timeline.go_near(log_ns)
         self._zero = None
         self._later = []
         self._way = _Way(
-            max(self.course.log_ns, self._start_ns),
+            max(self.timeline.log_ns, self._start_ns),
             log_ns,
-            self.course.ticks_up_to(log_ns),
+            self.timeline.ticks_up_to(log_ns),
             self._glimpsed(target),
             time.monotonic(),
         )
@@ -195,11 +195,11 @@ class Replay:
     def _arrive(self) -> None:
         self._way = None
         commands, self._later = tuple(self._later), []
-        self._show(self.course.linger(commands))
+        self._show(self.timeline.linger(commands))
 
     def _change_on_the_way(self, way: _Way) -> bool:
         """Whether other settings are wanted, so that the way begins anew."""
-        given = self.course.engine.commands.take()
+        given = self.timeline.engine.commands.take()
         if way.to_ns is None:
             self._later += given
             return False
@@ -207,8 +207,8 @@ class Replay:
         self._later += [item for item in given if item not in changes]
         for change in changes:
             assert isinstance(change, SetParametersCommand | ResetCommand)
-            self.course.change(change)
-        if self.course.pure and not changes:
+            self.timeline.change(change)
+        if self.timeline.pure and not changes:
             return False
         later = self._later
         self._go_to(way.to_ns)
@@ -216,7 +216,7 @@ class Replay:
         return True
 
     def _tick(self, commands: tuple[Command, ...] = ()) -> Snapshot:
-        snapshot = self.course.tick(commands)
+        snapshot = self.timeline.tick(commands)
         self._count()
         return snapshot
 
@@ -228,12 +228,12 @@ class Replay:
     def _show(self, snapshot: Snapshot) -> None:
         """Let everybody see a tick, and where the replay stands."""
         self._shown = snapshot
-        self.course.engine.publish(replace(snapshot, replay=self._state(snapshot)))
+        self.timeline.engine.publish(replace(snapshot, replay=self._state(snapshot)))
 
     def _state(self, snapshot: Snapshot) -> ReplayState:
         way, progress = self._way, None
-        earlier = self.course.estimate_then(snapshot)
-        log_ns = self.course.log_ns
+        earlier = self.timeline.estimate_then(snapshot)
+        log_ns = self.timeline.log_ns
         if way is not None and way.to_ns is not None:
             progress = (log_ns - way.from_ns) / max(way.to_ns - way.from_ns, 1)
             log_ns, earlier = way.to_ns, snapshot.scan_pose
@@ -247,22 +247,22 @@ class Replay:
             earlier,
         )
 
-    def _glimpsed(self, glimpse: Glimpse | None) -> Snapshot | None:
+    def _glimpsed(self, preview: Preview | None) -> Snapshot | None:
         """The last tick with what was recorded elsewhere: picture, scan, and what was estimated."""
         last = self._shown
-        if glimpse is None or last is None:
+        if preview is None or last is None:
             return None
-        scanner = self.course.engine.localization.scanner
+        scanner = self.timeline.engine.localization.scanner
         # The stamp as if none had jumped; only shown while the filter is on its way.
-        stamp = (glimpse.log_ns - self._start_ns) / 1e9
-        frame = glimpse.frame and Frame(stamp, glimpse.frame.image)
+        stamp = (preview.log_ns - self._start_ns) / 1e9
+        frame = preview.frame and Frame(stamp, preview.frame.image)
         return replace(
             last,
             stamp=stamp,
             frame=frame,
             line_scan=scanner.scan(frame) if frame else None,
-            scan_pose=glimpse.then,
-            truth=glimpse.truth,
+            scan_pose=preview.then,
+            truth=preview.truth,
             pose=None,
             estimate=None,
             cloud=NOTHING,

@@ -15,7 +15,7 @@ from app.messages.commands import (
     SetPoseCommand,
     UpdateCommand,
 )
-from app.ros2.making.frames import SECOND_NS, heading_of
+from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import Message, MessageError
 from app.ros2.source import TopicSource
 

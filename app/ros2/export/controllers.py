@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from app.ros2.making.motion import POSE_VARIANCE, TWIST_VARIANCE
+from app.ros2.encoding.motion import POSE_VARIANCE, TWIST_VARIANCE
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
 

@@ -9,7 +9,7 @@ import anyio
 from starlette.websockets import WebSocket
 
 from app.engine.drivers import Drivers
-from app.engine.mailboxes.outgoing import Outgoing
+from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
@@ -56,7 +56,7 @@ class _Client:
         self._socket = socket
         self._loop = asyncio.get_running_loop()
         self._waiting = asyncio.Event()
-        self._outgoing = Outgoing(socket)
+        self._outgoing = WebsocketWriter(socket)
         self._session = Session(bridge, self._wake)
 
     async def talk(self) -> None:

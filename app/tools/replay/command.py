@@ -10,8 +10,8 @@ from app.console import say
 from app.lab.replay_trajectories import replay, write
 from app.page.address import address_of
 from app.page.serving import listen, serve
-from app.recordings.replay.asked import FASTEST, SLOWEST
 from app.recordings.replay.opening import ReplayOptions, open_replay
+from app.recordings.replay.requests import FASTEST, SLOWEST
 from robot.settings import SettingError
 
 ONLY_SERVED = ("host", "port", "speed", "paused")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.hypotheses.reliving import Past
+from robot.localization.hypotheses.rescoring import ScanHistory
 from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.rays import rays_of
@@ -87,14 +87,14 @@ class LocalMap:
             [_seen_from(last @ self._scans[i].pose, self._scans[i].scan, beams) for i in some]
         )
 
-    def past(self, scans: int, beams: int, motion: MotionModel) -> Past:
+    def past(self, scans: int, beams: int, motion: MotionModel) -> ScanHistory:
         """At most so many of the scans, the newest first, with so many rays each."""
         some = [self._scans[-1 - i] for i in evenly(len(self._scans), scans)]
         before = [some[0], *some[:-1]]
         moves = [
             motion.moments(a.pose.inverse() @ b.pose) for a, b in zip(before, some, strict=True)
         ]
-        return Past(
+        return ScanHistory(
             np.array([step.to_array() for step, _ in moves]),
             np.array([noise for _, noise in moves]),
             _stacked([rays_of(kept.scan, beams) for kept in some]),

@@ -15,14 +15,14 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
+from robot.localization.hypotheses.candidate_weights import found_places, has_rival
 from robot.localization.hypotheses.confirmation import Confirmation
-from robot.localization.hypotheses.elsewhere import FRESH, Elsewhere
-from robot.localization.hypotheses.found_places import found_places, has_rival
-from robot.localization.hypotheses.given_places import GivenPlace, begun_at, clusters_of
 from robot.localization.hypotheses.images import missing_images
+from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
+from robot.localization.hypotheses.start_poses import StartPose, begun_at, clusters_of
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size
 from robot.localization.rays import rays_of
@@ -80,7 +80,7 @@ class MultiHypothesisFilter:
         """Scans until the next search."""
         self._patience = SOON
         """Scans between searches, at present."""
-        self._elsewhere = Elsewhere(FRESH)
+        self._elsewhere = Kidnapping(FRESH)
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
@@ -136,7 +136,7 @@ class MultiHypothesisFilter:
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
         """Start anew at the likeliest of some places; their weights are relative to each other."""
         best = sorted((h for h in hypotheses if h.weight > 0), key=lambda h: -h.weight)
-        places = [GivenPlace(item) for item in best[: self.setup.hypotheses.max_hypotheses]]
+        places = [StartPose(item) for item in best[: self.setup.hypotheses.max_hypotheses]]
         self._start(*begun_at(places, self._new_filter, self.setup))
 
     def set_cloud(self, cloud: Cloud) -> None:
@@ -290,7 +290,7 @@ class MultiHypothesisFilter:
         p = self.setup.hypotheses
         self._tracks = tracks
         self._told = priors
-        self._elsewhere = Elsewhere(p.log_kidnapped if tracks else FRESH)
+        self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search, self._wait, self._patience = None, FIRST, SOON
         self._confirmation, self._anchored = Confirmation(), bool(priors)

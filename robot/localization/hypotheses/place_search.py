@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
 from robot.localization.hypotheses.local_map import LocalMap
-from robot.localization.hypotheses.reliving import Life, Past, relive
+from robot.localization.hypotheses.rescoring import Rescored, ScanHistory, rescore
 from robot.localization.setup import Setup
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
@@ -62,15 +62,15 @@ class PlaceSearch:
         """Whether the short map goes back to the start."""
         self.since = local.since
         """How the robot moved since its newest scan."""
-        self.found: list[Life] = []
+        self.found: list[Rescored] = []
         """The places, once all is done."""
-        self.alive: list[Life] = []
+        self.alive: list[Rescored] = []
         """What those that are alive would have come to."""
         self._setup = setup
         self._entries, self._parameters = setup.entries, setup.hypotheses
         self._ends = _ends(local.rays(COARSE_SCANS, COARSE_BEAMS))
         self._rays = local.rays(SCANS, BEAMS)
-        self._past: Past = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
+        self._past: ScanHistory = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
         self._likely = alive
         self._done = 0
         """Pieces of the work."""
@@ -81,14 +81,14 @@ class PlaceSearch:
         """Scans that a life is judged by."""
         return len(self._past.moves)
 
-    def life_at(self, pose: Pose2) -> Life | None:
+    def life_at(self, pose: Pose2) -> Rescored | None:
         """What one would have come to that is at a pose by now; None if there is none."""
         for life in (*self.alive, *self.found):
             if self._parameters.alike(life.pose @ self.since, pose):
                 return life
         return None
 
-    def found_beside(self, poses: Sequence[Pose2]) -> list[Life]:
+    def found_beside(self, poses: Sequence[Pose2]) -> list[Rescored]:
         """The places that are none of some poses by now."""
         alike = self._parameters.alike
         return [
@@ -98,7 +98,7 @@ class PlaceSearch:
         ]
 
     @property
-    def best_life(self) -> Life:
+    def best_life(self) -> Rescored:
         """The one that fits best."""
         return max((*self.alive, *self.found), key=lambda life: float(life.fits.sum()))
 
@@ -160,8 +160,8 @@ class PlaceSearch:
         pose = self._setup.matcher.match(start, self._rays).pose
         return _Fit(pose, self._setup.evidence.log_likelihood(pose, self._rays))
 
-    def _live(self, pose: Pose2) -> Life:
-        return relive(pose, self._past, self._setup.matcher, self._setup.evidence)
+    def _live(self, pose: Pose2) -> Rescored:
+        return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)
 
     def _distinct(self, fits: list[_Fit]) -> list[Pose2]:
         """The best of those that are about in the same place; not too many, and no bad ones."""

@@ -66,7 +66,7 @@ class LikelihoodField:
     def _curve(self) -> tuple[float, NDArray[np.float32]]:
         """Log p by x = d^2 / 2 sigma^2, as a polynomial of 2 x / end - 1; and that end.
 
-        Past it log p is all but constant, up to it the polynomial is right to 1e-3.
+        ScanHistory it log p is all but constant, up to it the polynomial is right to 1e-3.
         """
         end = max(self._log_p(0.0) - self._log_p(math.inf), 0.0) + FADED
         log_p = np.vectorize(self._log_p)

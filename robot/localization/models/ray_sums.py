@@ -142,7 +142,7 @@ def _in_cells(
 ) -> tuple[tuple[Row, Row, Row, Row], NDArray[np.int32]]:
     """x, y, cosine and sine (m,) in cells of the table, and headings (m,) in parts of ROUND.
 
-    Past the poses they are zeros.
+    ScanHistory the poses they are zeros.
     """
     count = (len(poses) + LANES - 1) // LANES * LANES
     places, headings = rows(4, count), np.zeros(count, dtype=np.int32)

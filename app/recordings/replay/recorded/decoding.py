@@ -14,7 +14,7 @@ from pydantic import ValidationError
 
 from app.messages.commands import COMMAND, Command, SetPoseCommand
 from app.recordings.replay.recorded.picture_size import size_of
-from app.ros2.making.frames import SECOND_NS, heading_of
+from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import from_cdr
 from robot.covariance import by_rows
 from robot.geometry import Array, Pose2, Twist2

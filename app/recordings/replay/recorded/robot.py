@@ -22,7 +22,7 @@ from app.recordings.replay.recorded.decoding import (
     truth_of,
     twist_of,
 )
-from app.recordings.replay.recorded.place import NextTick, Place
+from app.recordings.replay.recorded.position import NextTick, ReadPosition
 from app.recordings.replay.recorded.ticks import RecordedTick, joined, ticks
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
@@ -57,7 +57,7 @@ class RecordedRobot:
         self.spec = spec
         self.reader = reader
         self.topics = topics
-        self.at = Place()
+        self.at = ReadPosition()
         """How far it was read. (What has a ``place`` could be put elsewhere.)"""
         self.then: tuple[float, Pose2] | None = None
         """What was estimated then, if that is told by the last tick: at which stamp, and what."""
@@ -78,7 +78,7 @@ class RecordedRobot:
         """Time of the next tick; None at the end."""
         return None if self._next is None else self._next.tick.log_ns
 
-    def go_to(self, place: Place) -> None:
+    def go_to(self, place: ReadPosition) -> None:
         """Go on from where it was before."""
         if place.log_ns == self.at.log_ns:
             return
@@ -161,7 +161,7 @@ class RecordedRobot:
         measured = next_tick.velocities
         if measured is None:
             measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
-        given = _Told(next_tick)
+        given = _TickMessages(next_tick)
         place = place.moved(self._drive.moved(turned)).told(given, self.topics)
         place = self._with_truth(given, before, place, turned)
         frame = self._frame(given, place.shift_ns)
@@ -183,8 +183,10 @@ class RecordedRobot:
             (*place.faults, *place.troubles),
         )
 
-    def _with_truth(self, __told: _Told, before: Place, place: Place, turned: Array) -> Place:
-        result = __told.of(self.topics.truth, truth_of)
+    def _with_truth(
+        self, messages: _TickMessages, before: ReadPosition, place: ReadPosition, turned: Array
+    ) -> ReadPosition:
+        result = messages.of(self.topics.truth, truth_of)
         if result is None:
             return place
         # It may have come a moment late, and be of the tick before: the wheels carry it on.
@@ -193,25 +195,25 @@ class RecordedRobot:
         truth = result[1] @ self._drive.moved(part * turned)
         return replace(place, truth=truth, truth_ns=place.now_ns)
 
-    def _frame(self, __told: _Told, shift_ns: int) -> Frame | None:
+    def _frame(self, messages: _TickMessages, shift_ns: int) -> Frame | None:
         lens = self.spec.lens
-        result = __told.of(
+        result = messages.of(
             self.topics.picture, lambda cdr: picture_of(cdr, (lens.height, lens.width))
         )
         return None if result is None else Frame((result[0] + shift_ns) / 1e9, result[1])
 
-    def _tell_then(self, __told: _Told, shift_ns: int) -> None:
-        result = __told.of(self.topics.amcl_pose, believed_of)
+    def _tell_then(self, messages: _TickMessages, shift_ns: int) -> None:
+        result = messages.of(self.topics.amcl_pose, believed_of)
         self.then = None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
 
-    def _tell_applied(self, __told: _Told, measured: Array) -> None:
-        twist = __told.of(self.topics.cmd_vel, twist_of)
+    def _tell_applied(self, messages: _TickMessages, measured: Array) -> None:
+        twist = messages.of(self.topics.cmd_vel, twist_of)
         self._applied = measured if twist is None else self._drive.wheels(twist)
-        for topic, cdr in __told.tick.told:
-            __told.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
+        for topic, cdr in messages.tick.told:
+            messages.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
 
 
-class _Told:
+class _TickMessages:
     """What came with a tick; what cannot be read is told in words, and is as if it had not come."""
 
     def __init__(self, next_tick: NextTick) -> None:

@@ -29,7 +29,7 @@ USUAL_NS, LONGEST_NS = 20_000_000, 1_000_000_000
 T = TypeVar("T")
 
 
-class Told(Protocol):
+class TickMessages(Protocol):
     """What came with a tick."""
 
     def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
@@ -49,7 +49,7 @@ class NextTick:
 
 
 @dataclass(frozen=True)
-class Place:
+class ReadPosition:
     """How far a recording was read, and what its next ticks depend on."""
 
     log_ns: int = -1
@@ -75,7 +75,7 @@ class Place:
     trouble_ns: int = 0
     """When that was."""
 
-    def after(self, next_tick: NextTick) -> Place:
+    def after(self, next_tick: NextTick) -> ReadPosition:
         """The place after a tick, with its clock."""
         last, log_ns = self, next_tick.tick.log_ns
         if last.counted is None:
@@ -104,19 +104,19 @@ class Place:
             trouble_ns=log_ns,
         )
 
-    def turned(self, next_tick: NextTick, after: Place) -> Array:
+    def turned(self, next_tick: NextTick, after: ReadPosition) -> Array:
         """How far the joints turned (j,) [rad] to a tick, and the place after it."""
         if self.counted is None or after.counted is None:
             return np.zeros(len(next_tick.positions))
         turned: Array = after.counted + after.ahead - self.counted - self.ahead
         return turned
 
-    def moved(self, moved: Pose2) -> Place:
+    def moved(self, moved: Pose2) -> ReadPosition:
         """The truth carried on by the wheels: it is recorded at a lower rate."""
         known = self.truth is not None and self.now_ns - self.truth_ns < TRUE_NS
         return replace(self, truth=self.truth @ moved if known and self.truth else None)
 
-    def told(self, given: Told, topics: RecordedTopics) -> Place:
+    def told(self, given: TickMessages, topics: RecordedTopics) -> ReadPosition:
         """With what is told now and then: it holds until it is told anew."""
         place = self
         volts = given.of(topics.battery_state, volts_of)
@@ -127,7 +127,7 @@ class Place:
             place = replace(place, connected=health[0], faults=health[1])
         return place
 
-    def troubled(self, trouble: str) -> Place:
+    def troubled(self, trouble: str) -> ReadPosition:
         """With something that is wrong with the recording here."""
         return replace(self, trouble=trouble, trouble_ns=self.log_ns)
 

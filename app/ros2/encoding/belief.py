@@ -7,7 +7,7 @@ import struct
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.ros2.making.frames import SECOND_NS, header, pose, pose_with_covariance
+from app.ros2.encoding.frames import SECOND_NS, header, pose, pose_with_covariance
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.geometry import Array

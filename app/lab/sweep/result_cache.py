@@ -9,7 +9,7 @@ from app.files import file_written_whole
 from app.lab.sweep.work import MEASURES, Measured
 
 
-class Kept:
+class ResultCache:
     """A folder with a small file for each point that is done."""
 
     def __init__(self, folder: Path) -> None:

@@ -40,10 +40,10 @@ def test_it_says_about_what_was_said_then_once_it_knows_the_place(recording, str
 
 def test_what_was_said_then_is_told_beside_it(recording):
     _, shown = recording
-    course = course_of(recording[0])
+    timeline = course_of(recording[0])
     apart = []
-    for one, then in zip(course.ticks_up_to(2**62), shown, strict=True):
-        apart.append(course.estimate_then(one).distance_to(then.pose))
+    for one, then in zip(timeline.ticks_up_to(2**62), shown, strict=True):
+        apart.append(timeline.estimate_then(one).distance_to(then.pose))
     assert max(apart) < 1e-6
 
 
@@ -68,47 +68,47 @@ def test_other_parameters_give_another_result(recording, straight, tmp_path):
 
 def test_wherever_one_comes_from_the_answer_is_that_of_a_straight_run(recording, straight):
     by_stamp = {one.stamp: gist(one) for one in straight}
-    course = course_of(recording[0])
+    timeline = course_of(recording[0])
     rng = np.random.default_rng(5)
     for seconds in [0.0, 9.5, *rng.uniform(0, 10, 20).tolist(), 99.0, 0.0]:
-        shown = go(course, seconds)
+        shown = go(timeline, seconds)
         assert gist(shown) == by_stamp[shown.stamp], f"at {seconds} s"
-    assert len(course.checkpoints) >= 4
+    assert len(timeline.checkpoints) >= 4
 
 
 def test_to_go_back_starts_near_the_place_and_not_at_the_beginning(recording):
-    course = course_of(recording[0])
-    go(course, 9.5)
-    course.go_near(course.robot.start_ns + 8_000_000_000)
-    before = (course.robot.start_ns + 8_000_000_000 - course.log_ns) / 1e9
+    timeline = course_of(recording[0])
+    go(timeline, 9.5)
+    timeline.go_near(timeline.robot.start_ns + 8_000_000_000)
+    before = (timeline.robot.start_ns + 8_000_000_000 - timeline.log_ns) / 1e9
     assert 0 < before < 3
 
 
 def test_a_pose_that_is_told_acts_until_one_goes_elsewhere(recording, straight):
     by_stamp = {one.stamp: gist(one) for one in straight}
-    course = course_of(recording[0])
-    go(course, 6.0)
+    timeline = course_of(recording[0])
+    go(timeline, 6.0)
     far = SetPoseCommand(type="set_pose", x=0.3, y=0.3, theta=1.0, sd_xy=0.001, sd_theta=0.001)
-    told = course.tick((far,))
+    told = timeline.tick((far,))
     assert np.hypot(*(told.cloud.poses[:, :2] - [0.3, 0.3]).T).max() < 0.05
-    after = go(course, 5.0)
+    after = go(timeline, 5.0)
     assert gist(after) == by_stamp[after.stamp]
 
 
 def test_parameters_that_are_set_act_at_once_and_hold_for_the_whole_replay(recording, straight):
-    course = course_of(recording[0])
-    go(course, 6.0)
+    timeline = course_of(recording[0])
+    go(timeline, 6.0)
     values = {"max_particles": 300, "min_particles": 300, "filter": "particles"}
-    now = course.tick((SetParametersCommand(type="set_parameters", values=values),))
+    now = timeline.tick((SetParametersCommand(type="set_parameters", values=values),))
     assert now.parameters.filter.max_particles == 300
-    shown = go(course, 3.0)
+    shown = go(timeline, 3.0)
     assert shown.parameters.filter.max_particles == 300
     anew = course_of(recording[0])
     anew.change(SetParametersCommand(type="set_parameters", values=values))
     assert gist(go(anew, 3.0)) == gist(shown)
     # And back to those of then.
-    course.tick((ResetCommand(type="reset"),))
-    back = go(course, 3.0)
+    timeline.tick((ResetCommand(type="reset"),))
+    back = go(timeline, 3.0)
     assert gist(back) == {one.stamp: gist(one) for one in straight}[back.stamp]
 
 
@@ -122,16 +122,16 @@ def test_own_models_are_used_for_the_whole_replay_and_taken_anew_when_saved(
             return np.zeros(len(poses))
     """
     path = save(flat)
-    course = course_of(recording[0], sensor_model=f"{path}:Mine")
-    shown = go(course, 4.0)
+    timeline = course_of(recording[0], sensor_model=f"{path}:Mine")
+    shown = go(timeline, 4.0)
     assert shown.own.sensor == "mine.py:Mine"
     assert gist(shown) != {one.stamp: gist(one) for one in straight}[shown.stamp]
-    checkpoints = len(course.checkpoints)
+    checkpoints = len(timeline.checkpoints)
     save(flat.replace("np.zeros(len(poses))", "-100 * np.abs(poses[:, 0])"))
-    course.linger(())
-    course.linger(())
-    assert checkpoints and not len(course.checkpoints), "they were of the model before"
-    assert gist(go(course, 4.0)) != gist(shown)
+    timeline.linger(())
+    timeline.linger(())
+    assert checkpoints and not len(timeline.checkpoints), "they were of the model before"
+    assert gist(go(timeline, 4.0)) != gist(shown)
 
 
 def test_a_model_that_keeps_something_is_kept_with_it(recording, save):
@@ -149,11 +149,11 @@ def test_a_model_that_keeps_something_is_kept_with_it(recording, save):
     model = f"{path}:Counting"
     there_and_on = to_the_end(course_of(recording[0], sensor_model=model))
     straight = {one.stamp: gist(one) for one in there_and_on}
-    course = course_of(recording[0], sensor_model=model)
+    timeline = course_of(recording[0], sensor_model=model)
     for seconds in (8.0, 5.0, 9.5, 6.3):
-        shown = go(course, seconds)
+        shown = go(timeline, seconds)
         assert gist(shown) == straight[shown.stamp]
-    assert len(course.checkpoints) > 3
+    assert len(timeline.checkpoints) > 3
 
 
 def test_a_model_that_cannot_be_copied_makes_it_slow_and_not_wrong(recording, save):
@@ -167,22 +167,22 @@ def test_a_model_that_cannot_be_copied_makes_it_slow_and_not_wrong(recording, sa
                 return self.scale(poses[:, 0])
         """
     )
-    course = course_of(recording[0], sensor_model=f"{path}:Local")
-    later = go(course, 3.0)
-    assert len(course.checkpoints) == 0
+    timeline = course_of(recording[0], sensor_model=f"{path}:Local")
+    later = go(timeline, 3.0)
+    assert len(timeline.checkpoints) == 0
     assert any("To go back takes long" in one.message for one in later.record)
-    first = gist(go(course, 1.0))
+    first = gist(go(timeline, 1.0))
     assert gist(go(course_of(recording[0], sensor_model=f"{path}:Local"), 1.0)) == first
 
 
 def test_steps_go_from_picture_to_picture(recording, straight):
     pictures = [one.stamp for one in straight if one.reading.frame is not None]
-    course = course_of(recording[0])
-    go(course, pictures[40])
-    *_, shown = course.ticks_with_pictures(3)
+    timeline = course_of(recording[0])
+    go(timeline, pictures[40])
+    *_, shown = timeline.ticks_with_pictures(3)
     assert shown.stamp == pictures[43]
-    assert course.picture_before(5) == course.robot.start_ns + round(pictures[38] * 1e9)
-    assert course.picture_before(1000) == course.robot.start_ns
+    assert timeline.picture_before(5) == timeline.robot.start_ns + round(pictures[38] * 1e9)
+    assert timeline.picture_before(1000) == timeline.robot.start_ns
 
 
 def test_a_recording_of_the_middle_of_a_run_begins_with_what_was_estimated_first(tmp_path):
@@ -197,8 +197,8 @@ def test_a_recording_of_the_middle_of_a_run_begins_with_what_was_estimated_first
 
 
 def test_checkpoints_are_thinned_out_where_they_are_large(recording):
-    course = course_of(recording[0])
-    course.checkpoints = Checkpoints(most_bytes=600_000)
-    to_the_end(course)
-    assert 1 <= len(course.checkpoints) < 4
-    assert course.checkpoints.size <= 600_000
+    timeline = course_of(recording[0])
+    timeline.checkpoints = Checkpoints(most_bytes=600_000)
+    to_the_end(timeline)
+    assert 1 <= len(timeline.checkpoints) < 4
+    assert timeline.checkpoints.size <= 600_000

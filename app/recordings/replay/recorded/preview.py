@@ -19,7 +19,7 @@ LOOKED_BACK_NS = (2_000_000_000, 20_000_000_000)
 
 
 @dataclass(frozen=True, slots=True)
-class Glimpse:
+class Preview:
     """The last of everything up to a time."""
 
     log_ns: int
@@ -33,9 +33,9 @@ class Glimpse:
     truth: Pose2 | None
 
 
-def glimpse(
+def preview(
     reader: RecordingReader, topics: RecordedTopics, log_ns: int, size: tuple[int, int]
-) -> Glimpse | None:
+) -> Preview | None:
     """What was recorded last up to a time; None if there is nothing.
 
     Args:
@@ -86,7 +86,7 @@ def _found(
     start_ns: int,
     log_ns: int,
     size: tuple[int, int],
-) -> Glimpse | None:
+) -> Preview | None:
     newest: dict[str, bytes] = {}
     tick: RecordedTick | None = None
     picture_log_ns = None
@@ -101,7 +101,7 @@ def _found(
                 picture_log_ns = item.log_ns
     if tick is None:
         return None
-    return Glimpse(
+    return Preview(
         tick.log_ns,
         picture_log_ns,
         _frame(newest.get(topics.picture), size),

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.ros2.making.frames import header, pose, time
+from app.ros2.encoding.frames import header, pose, time
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from app.engine.checkpoint import CheckpointError, Keeper
+from app.engine.checkpoint import CheckpointError, CheckpointWriter
 from app.engine.commands import RULES, Repeat
 from app.engine.controls import EngineState
 from app.engine.engine import Engine
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.checkpoints import Checkpoints
-from app.recordings.replay.recorded.glimpse import Glimpse, glimpse, picture_before
-from app.recordings.replay.recorded.place import Place
+from app.recordings.replay.recorded.position import ReadPosition
+from app.recordings.replay.recorded.preview import Preview, picture_before, preview
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.settings import ReplaySettings, refused
 from robot.fields.field import Field
@@ -34,7 +34,7 @@ Then = tuple[Pose2, Pose2]
 """What was estimated then, and dead reckoning at its stamp."""
 
 
-class Course:
+class Timeline:
     """Owns the engine's state; one thread."""
 
     def __init__(
@@ -67,7 +67,9 @@ class Course:
         self._can_keep = True
         own, scanner = engine.localization.own, engine.localization.scanner
         self._saves = own.saves
-        self._keeper = Keeper([field, field.edges, scanner, engine.controls.odometry.drive, own])
+        self._keeper = CheckpointWriter(
+            [field, field.edges, scanner, engine.controls.odometry.drive, own]
+        )
 
     @property
     def log_ns(self) -> int:
@@ -118,13 +120,13 @@ class Course:
         self._settings.change(command)
         self.forget()
 
-    def look(self, log_ns: int) -> Glimpse | None:
+    def look(self, log_ns: int) -> Preview | None:
         """What was recorded at a time."""
         lens = self.robot.spec.lens
         size = lens.height, lens.width
-        return glimpse(self.robot.reader, self.robot.topics, log_ns, size)
+        return preview(self.robot.reader, self.robot.topics, log_ns, size)
 
-    def go_near(self, log_ns: int) -> Glimpse | None:
+    def go_near(self, log_ns: int) -> Preview | None:
         """Get to the nearest state before a time that is known; ticks up to it are the rest.
 
         Returns what was recorded at that time, if it had to be looked up.
@@ -175,7 +177,7 @@ class Course:
 
     def _start_anew(self) -> None:
         engine = self.engine
-        self.robot.go_to(Place())
+        self.robot.go_to(ReadPosition())
         engine.controls.restore(self._begin(self._settings.changed, engine.localization.entries))
         self._then = None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.engine.snapshot import Snapshot
-from app.ros2.making.frames import header
+from app.ros2.encoding.frames import header
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.localization.integrity import Integrity, State

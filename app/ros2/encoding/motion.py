@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.snapshot import Snapshot
-from app.ros2.making.frames import (
+from app.ros2.encoding.frames import (
     header,
     in_space,
     link_transform,

@@ -10,7 +10,7 @@ SLOWEST, FASTEST = 0.05, 50.0
 
 
 @dataclass(slots=True)
-class Wishes:
+class Requests:
     """Since the last look; None is no wish."""
 
     paused: bool | None = None
@@ -20,11 +20,11 @@ class Wishes:
     """Pictures to go on, or back."""
 
 
-class Asked:
+class RequestMailbox:
     """The mailbox."""
 
     def __init__(self) -> None:
-        self._wishes = Wishes()
+        self._wishes = Requests()
         self._changed = threading.Condition()
         self._some = False
 
@@ -37,22 +37,22 @@ class Asked:
     ) -> None:
         """Ask for something; a new position outdates steps that were not yet taken."""
         with self._changed:
-            wishes = self._wishes
-            wishes.paused = wishes.paused if paused is None else paused
+            requests = self._wishes
+            requests.paused = requests.paused if paused is None else paused
             if speed is not None:
-                wishes.speed = min(max(speed, SLOWEST), FASTEST)
+                requests.speed = min(max(speed, SLOWEST), FASTEST)
             if position_s is not None:
-                wishes.position_s, wishes.steps = position_s, 0
+                requests.position_s, requests.steps = position_s, 0
             if step is not None:
-                wishes.steps += step
+                requests.steps += step
             self._some = True
             self._changed.notify_all()
 
-    def take(self) -> Wishes:
+    def take(self) -> Requests:
         """All that was asked since the last time."""
         with self._changed:
-            wishes, self._wishes, self._some = self._wishes, Wishes(), False
-        return wishes
+            requests, self._wishes, self._some = self._wishes, Requests(), False
+        return requests
 
     def wait(self, seconds: float) -> bool:
         """Until something is asked, but not longer; whether something was."""

@@ -9,8 +9,8 @@ import numpy as np
 
 from app.engine.snapshot import Snapshot
 from app.messages.commands import PingCommand, SetPoseCommand
-from app.ros2.making.frames import header, pose_with_covariance
-from app.ros2.making.motion import each_second
+from app.ros2.encoding.frames import header, pose_with_covariance
+from app.ros2.encoding.motion import each_second
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.geometry import Array, Pose2

@@ -15,7 +15,7 @@ LONGEST_GAP = 1.0
 
 
 @dataclass
-class Told:
+class ReportedPose:
     """A pose that was told as certain."""
 
     stamp: float
@@ -34,7 +34,7 @@ class Told:
 class Localized:
     """What became of a bag."""
 
-    told: list[Told] = field(default_factory=list)
+    told: list[ReportedPose] = field(default_factory=list)
     """All poses that were told, also those withdrawn later."""
     states: Counter[State] = field(default_factory=Counter)
     """Scans, by what was claimed at each."""
@@ -61,12 +61,12 @@ class Localized:
         return self.state is State.CERTAIN
 
     @property
-    def standing(self) -> list[Told]:
+    def standing(self) -> list[ReportedPose]:
         """What was told and still stands."""
         return [item for item in self.told if not item.withdrawn]
 
     @property
-    def withdrawn(self) -> list[Told]:
+    def withdrawn(self) -> list[ReportedPose]:
         """What was told of places that turned out wrong."""
         return [item for item in self.told if item.withdrawn]
 
@@ -88,7 +88,7 @@ class Localized:
     def spans(self) -> list[tuple[float, float, int]]:
         """First and last stamp of what was withdrawn without a break, and who told it [s]."""
         result: list[tuple[float, float, int]] = []
-        before: Told | None = None
+        before: ReportedPose | None = None
         for item in self.told:
             if item.withdrawn and before is not None and before.withdrawn and (
                 item.leader == before.leader and item.stamp - before.stamp <= LONGEST_GAP
@@ -104,7 +104,7 @@ class Localized:
         """How long places were told that were withdrawn [s]."""
         return sum(last - first for first, last, _ in self.spans())
 
-    def note(self, given: Told | None, state: State, stamp: float) -> None:
+    def note(self, given: ReportedPose | None, state: State, stamp: float) -> None:
         """A scan, what was claimed at it, and the pose that was told, if any was."""
         if not self.scans:
             self.first_stamp = stamp

@@ -17,7 +17,7 @@ SUSPECTED = 2 / 3
 """Part of the log-probability of having been carried that is left where that is suspected."""
 
 
-class Elsewhere:
+class Kidnapping:
     """Grows while no hypothesis fits, down to the chance of having been carried off just now."""
 
     def __init__(self, log_weight: float) -> None:

@@ -6,7 +6,7 @@ import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 
-class Outgoing:
+class WebsocketWriter:
     """One message after the other."""
 
     def __init__(self, socket: WebSocket) -> None:

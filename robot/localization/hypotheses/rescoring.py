@@ -24,7 +24,7 @@ START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
 
 
 @dataclass(frozen=True, slots=True)
-class Past:
+class ScanHistory:
     """Scans of the way, the newest first, and how the robot got from each to the next."""
 
     moves: Array = field(repr=False)
@@ -36,7 +36,7 @@ class Past:
 
 
 @dataclass(frozen=True, slots=True)
-class Life:
+class Rescored:
     """What a hypothesis would have come to."""
 
     pose: Pose2
@@ -47,9 +47,11 @@ class Life:
     """(m,) log-likelihood of each scan, on average of its rays."""
 
 
-def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence) -> Life:
+def rescore(
+    start: Pose2, past: ScanHistory, matcher: ScanMatcher, evidence: RayEvidence
+) -> Rescored:
     """Follow the way back from a pose at its newest scan."""
-    pose, information, fits = _relive(
+    pose, information, fits = _rescore(
         start.to_array(),
         past.moves,
         past.noise,
@@ -64,11 +66,11 @@ def relive(start: Pose2, past: Past, matcher: ScanMatcher, evidence: RayEvidence
         evidence.missed,
     )
     covariance: Array = np.linalg.inv(information).astype(np.float64)
-    return Life(Pose2(*pose.tolist()), covariance, fits)
+    return Rescored(Pose2(*pose.tolist()), covariance, fits)
 
 
 @njit(cache=True, nogil=True)
-def _relive(
+def _rescore(
     start: Array,
     moves: Array,
     noise: Array,

@@ -24,7 +24,7 @@ COVERED = 0.9
 
 
 @dataclass(frozen=True, slots=True)
-class GivenPlace:
+class StartPose:
     """A place, or a cluster of poses."""
 
     hypothesis: Hypothesis
@@ -41,7 +41,7 @@ class GivenPlace:
 
 
 def begun_at(
-    places: list[GivenPlace], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
+    places: list[StartPose], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
 ) -> tuple[list[Track], list[Prior]]:
     """A track at each place, and what was told of it; the heaviest first."""
     tracks, told = [], []
@@ -56,7 +56,7 @@ def begun_at(
     return tracks, told
 
 
-def clusters_of(cloud: Cloud, setup: Setup) -> list[GivenPlace]:
+def clusters_of(cloud: Cloud, setup: Setup) -> list[StartPose]:
     """The places that a cloud is made of, heaviest first; none if it is all over the field."""
     p = setup.hypotheses
     cells = Cells(setup.filter.cell_xy, max(1, round(2 * math.pi / setup.filter.cell_theta)))
@@ -69,7 +69,7 @@ def clusters_of(cloud: Cloud, setup: Setup) -> list[GivenPlace]:
         ):
             mine = np.flatnonzero(result.labels == label)
             weights = cloud.weights[mine]
-            places.append(GivenPlace(hypothesis, Cloud(cloud.poses[mine], weights / weights.sum())))
+            places.append(StartPose(hypothesis, Cloud(cloud.poses[mine], weights / weights.sum())))
     covered = sum(place.hypothesis.weight for place in places)
     if covered < COVERED:
         return []

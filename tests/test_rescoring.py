@@ -10,7 +10,13 @@ from stub_drive import DEFAULTS, ENTRIES, PERIOD, SENSOR, STUB, Drive, near
 
 from robot.geometry import Array, Pose2, Twist2, compose, pose_covariance
 from robot.localization.hypotheses.local_map import LocalMap
-from robot.localization.hypotheses.reliving import START_INFORMATION, Life, Past, _moved, relive
+from robot.localization.hypotheses.rescoring import (
+    START_INFORMATION,
+    Rescored,
+    ScanHistory,
+    _moved,
+    rescore,
+)
 from robot.localization.setup import Setup
 
 SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
@@ -20,7 +26,7 @@ GOOD = 0.5
 
 def way(
     start: Pose2, seconds: float = 1.5, turns: float = 1.02, twist: Twist2 = Twist2(0.15, 0.79)
-) -> tuple[Past, Pose2]:
+) -> tuple[ScanHistory, Pose2]:
     """The past of a drive whose odometry turns too far, and where it ended."""
     local, drive = LocalMap(0.009, 0.05, 24), Drive(start)
     for _ in range(round(seconds / PERIOD)):
@@ -30,7 +36,7 @@ def way(
     return local.past(8, 30, SETUP.motion), drive.true @ local.since.inverse()
 
 
-def lacks(found: Life, past: Past) -> Array:
+def lacks(found: Rescored, past: ScanHistory) -> Array:
     """How much worse each scan fits than if all its ends lay just on the edges that are due."""
     evidence = SETUP.evidence
     best = [evidence.log_peaks(rays[np.isfinite(rays[:, 3]), 3]).sum() for rays in past.rays]
@@ -38,8 +44,8 @@ def lacks(found: Life, past: Past) -> Array:
     return lacking
 
 
-def life(pose: Pose2, past: Past) -> Life:
-    return relive(pose, past, SETUP.matcher, SETUP.evidence)
+def life(pose: Pose2, past: ScanHistory) -> Rescored:
+    return rescore(pose, past, SETUP.matcher, SETUP.evidence)
 
 
 STARTS = [Pose2(), Pose2(0.1, 0.25, -0.9), Pose2(-0.1, -0.2, 2.0), Pose2(-0.2, 0.1, 3.1)]
@@ -58,7 +64,7 @@ def test_at_the_truth_all_scans_fit_though_odometry_errs(start: Pose2) -> None:
 def test_laid_out_by_odometry_alone_they_would_not(start: Pose2) -> None:
     """So it is the filter on the way back that makes them fit."""
     past, end = way(start, turns=1.1)
-    stiff = Past(past.moves, past.noise * 1e-9, past.rays)
+    stiff = ScanHistory(past.moves, past.noise * 1e-9, past.rays)
     assert lacks(life(end, past), past).max() < GOOD
     assert life(end, stiff).fits[-1] < life(end, past).fits[-1] - 0.5
 
@@ -72,7 +78,7 @@ def test_a_place_is_found_again_from_centimetres_off() -> None:
     assert lacks(found, past).max() < GOOD
 
 
-def turned_fits(end: Pose2, past: Past) -> list[Array]:
+def turned_fits(end: Pose2, past: ScanHistory) -> list[Array]:
     """At the three places that look like the true one but for the stub."""
     quarters = [Pose2(0, 0, turn) for turn in (math.pi / 2, math.pi, -math.pi / 2)]
     return [life(quarter @ end, past).fits for quarter in quarters]
@@ -120,7 +126,7 @@ def test_the_covariance_is_that_of_the_newest_scan_on_what_a_found_place_is_wort
 
 def test_one_scan_is_a_past() -> None:
     past, end = way(STARTS[0])
-    short = Past(past.moves[:1], past.noise[:1], past.rays[:1])
+    short = ScanHistory(past.moves[:1], past.noise[:1], past.rays[:1])
     assert life(end, short).fits == pytest.approx(life(end, past).fits[:1])
 
 
@@ -130,7 +136,7 @@ def test_blind_it_follows_odometry_back_and_fits_nowhere_better() -> None:
     blind = past.rays.copy()
     blind[:, :, 3] = np.inf
     outside = Pose2(0.7, 0.7, 0.8)
-    found = life(outside, Past(past.moves, past.noise, blind))
+    found = life(outside, ScanHistory(past.moves, past.noise, blind))
     assert found.pose == outside
     np.testing.assert_allclose(found.covariance, np.linalg.inv(START_INFORMATION))
     assert np.isfinite(found.fits).all()
