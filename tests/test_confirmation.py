@@ -80,6 +80,24 @@ def test_a_rival_puts_it_off_by_a_short_map_and_once() -> None:
     assert one.is_given
 
 
+@pytest.mark.parametrize("change", ["lost", "another leads", "nothing was told"])
+def test_a_rival_puts_off_a_new_place_until_it_is_told_apart(change: str) -> None:
+    one, local = Confirmation(held=change != "nothing was told"), filled(LocalMap.of(P), 10)
+    one.follow(track_at(Pose2()), 1.0, P)
+    one.doubt(0)
+    if change == "lost":
+        one.lose()
+    if change == "another leads":
+        assert one.follow(track_at(Pose2(0.3, 0, 0)), 1.0, P)
+    for scans in (10, 17, 24):
+        one.begin(scans, local)
+        one.end(scans, rival=True)
+        assert not one.is_given
+    one.begin(31, local)
+    one.end(31, rival=False)
+    assert one.is_given
+
+
 def test_a_map_that_began_anew_is_enough_as_soon_as_it_is_full() -> None:
     one, local = Confirmation(), filled(LocalMap.of(P), 6)
     local.begin_anew(2)
@@ -111,4 +129,4 @@ def test_it_notices_when_another_place_leads() -> None:
     ids=["none", "fits worse", "fits as well", "its image", "its image and another"],
 )
 def test_a_rival_fits_as_well_and_is_no_image(places: list[FoundPlace], rival: bool) -> None:
-    assert has_rival([track_at(Pose2(0.3, 0, 0))], places, TURNED, P) == rival
+    assert has_rival([track_at(Pose2(0.3, 0, 0))], places, (), TURNED, P) == rival

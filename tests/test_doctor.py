@@ -47,7 +47,11 @@ class Pi:
 
     def findings(self, setting: str = "auto") -> list[Finding]:
         machine = self.machine
-        return [*pi.check_pi(machine), *pi.clock(machine), *serial_check.check_wire(machine, setting)]
+        return [
+            *pi.check_pi(machine),
+            *pi.clock(machine),
+            *serial_check.check_wire(machine, setting),
+        ]
 
     def amiss(self, setting: str = "auto") -> list[Finding]:
         return [one for one in self.findings(setting) if one.level != OK]

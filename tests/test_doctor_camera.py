@@ -44,7 +44,3 @@ def test_few_or_old_pictures_are_warnings_and_pictures_of_the_future_a_problem(s
     assert camera_check.pictures("the camera", spec.lens, 29, 30).level == OK
     levels = [camera_check.age(seconds).level for seconds in (0.05, 0.4, -3)]
     assert levels == [OK, WARNING, PROBLEM]
-        OK,
-        WARNING,
-        PROBLEM,
-    ]

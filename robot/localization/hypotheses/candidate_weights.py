@@ -70,15 +70,42 @@ def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, flo
     return search.best_life.fits, 0.0
 
 
+def equal_tracks(
+    search: PlaceSearch, tracks: Sequence[Track], p: HypothesisParameters
+) -> list[Pose2]:
+    """Poses of the other tracks that fit the short map about as well as the heaviest does.
+
+    A search may take two places that are near each other for one. Of such a track counts how well
+    the last scans fit it.
+    """
+    leader = search.life_at(tracks[0].pose) if tracks else None
+    worth = p.scan_worth * search.scans / search.scans_lived
+
+    def is_equal(track: Track) -> bool:
+        life = search.life_at(track.pose)
+        if life is None or leader is None or life is leader:
+            return track.fits_as_well
+        return worth * float((life.fits - leader.fits).sum()) > EQUAL
+
+    return [track.pose for track in tracks[1:] if is_equal(track)]
+
+
 def has_rival(
     tracks: Sequence[Track],
     places: Sequence[FoundPlace],
+    followed: Sequence[Pose2],
     symmetries: Sequence[Pose2],
     p: HypothesisParameters,
 ) -> bool:
-    """Whether a place that was found fits about as well as the heaviest, and is no image of it."""
+    """Whether another place fits about as well as the heaviest, and is no image of it.
+
+    Args:
+        tracks: heaviest first.
+        places: that a search has found beside the tracks.
+        followed: poses of tracks that fit as well.
+        symmetries: of the field, about its origin.
+        p: says how near two places are one.
+    """
     images = [turned @ track.pose for track in tracks[:1] for turned in symmetries]
-    return any(
-        place.log_evidence > EQUAL and not any(p.alike(place.pose, image) for image in images)
-        for place in places
-    )
+    equal = [place.pose for place in places if place.log_evidence > EQUAL]
+    return any(not any(p.alike(pose, image) for image in images) for pose in (*equal, *followed))

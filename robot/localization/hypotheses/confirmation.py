@@ -16,7 +16,8 @@ class Confirmation:
     It is doubted when it may be elsewhere, and when another place has become the only likely one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, held: bool = True) -> None:
+        """``held``: whether the place was told."""
         self.is_given = True
         """Also of a place that was told, until it is doubted."""
         self._doubted_at = 0
@@ -24,6 +25,8 @@ class Confirmation:
         self._leader: Track | None = None
         self._search_counts = False
         self._put_off = False
+        self._held = held
+        """Whether the leader was confirmed before the doubt, and has not been lost since."""
 
     def doubt(self, scans: int) -> None:
         """It may be elsewhere; so many scans were kept so far."""
@@ -32,14 +35,16 @@ class Confirmation:
 
     def lose(self) -> None:
         """The place is lost: whichever leads next follows no other."""
-        self._leader = None
+        self._leader, self._held = None, False
 
     def follow(self, heaviest: Track, weight: float, p: HypothesisParameters) -> bool:
         """Take the heaviest track with its share; whether it leads at another place than before."""
         if weight <= LEADING:
             return False
         before, self._leader = self._leader, heaviest
-        return before is not None and not p.alike(before.pose, heaviest.pose)
+        another = before is not None and not p.alike(before.pose, heaviest.pose)
+        self._held &= not another
+        return another
 
     def is_due(self, scans: int, local: LocalMap) -> bool:
         """Whether a search of the short map that begins now would confirm the place."""
@@ -53,11 +58,13 @@ class Confirmation:
     def end(self, scans: int, rival: bool) -> None:
         """It is done, and has found a rival that fits as well, or none.
 
-        A rival is followed from now on, and puts it off once: what looks as good as the place over
-        a short map, but not over the scans before, is found again and again.
+        A rival puts off a place that is new until scans tell them apart. It puts off a place that
+        was held before only once: what looks as good over a short map, but not over the scans
+        before, is found again and again.
         """
         if self._search_counts:
-            self.is_given = not rival or self._put_off
+            self.is_given = not rival or (self._put_off and self._held)
             self._put_off = not self.is_given
+            self._held |= self.is_given
             self._doubted_at = scans if self._put_off else self._doubted_at
         self._search_counts = False

@@ -15,7 +15,7 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
-from robot.localization.hypotheses.candidate_weights import found_places, has_rival
+from robot.localization.hypotheses.candidate_weights import equal_tracks, found_places, has_rival
 from robot.localization.hypotheses.confirmation import Confirmation
 from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
@@ -264,7 +264,8 @@ class MultiHypothesisFilter:
         whole = search.whole and not self._told and not old
         elsewhere = self._elsewhere.log_weight
         places = found_places(search, self._tracks, self._told, elsewhere, whole, p)
-        rival = has_rival(self._tracks, places, self.setup.field.symmetries, p)
+        followed = equal_tracks(search, self._tracks, p)
+        rival = has_rival(self._tracks, places, followed, self.setup.field.symmetries, p)
         self._confirmation.end(self._scans, rival)
         before = len(self._tracks)
         for place in places:
@@ -293,7 +294,7 @@ class MultiHypothesisFilter:
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search, self._wait, self._patience = None, FIRST, SOON
-        self._confirmation, self._anchored = Confirmation(), bool(priors)
+        self._confirmation, self._anchored = Confirmation(bool(priors)), bool(priors)
         self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:

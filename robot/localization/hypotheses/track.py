@@ -78,6 +78,11 @@ class Track:
         return tuple(replace(one, weight=one.weight * all_of_it) for one in kept)
 
     @property
+    def fits_as_well(self) -> bool:
+        """Whether the last scans tell as little against this place as against the best one."""
+        return self._mean_loss < INDIFFERENT
+
+    @property
     def best(self) -> Hypothesis:
         """Where it says the robot is."""
         return self.filter.hypotheses[0]
