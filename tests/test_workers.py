@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 import worker_jobs
-from app.settings import provenance
 from distributed import LocalCluster
 
 from app.lab.workers import ClusterWorkers, LocalWorkers, WorkerError, workers
+from app.settings import provenance
 from robot.settings import SettingError
 
 TESTS = Path(__file__).parent
