@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lab.model_fits.motion.drive_correction import DriveCorrection
-from app.lab.model_fits.motion.run import STEP, MotionRun
-from app.lab.model_fits.motion.twists import chained
+from app.lab.model_fits.runs import STEP, MotionRun
+from app.lab.model_fits.twists import DriveCorrection, chained
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.models.differential_motion import DifferentialMotion
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lab.model_fits.sensor.mixture import SensorValues
-from app.lab.model_fits.sensor.range_pairs import RangePairs
+from app.lab.model_fits.beam_fit import SensorValues
+from app.lab.model_fits.range_pairs import RangePairs
 from robot.localization.models.beam import FAR, NEAR
 
 HIT, SHORT, _, RAND = range(4)

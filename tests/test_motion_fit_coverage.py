@@ -8,19 +8,21 @@ import numpy as np
 import pytest
 from motion_drives import drawn_runs
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.motion.coverage import (
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.motion_fit import MotionFit, fit_drive
+from app.lab.model_fits.regions import (
+    HORIZONS,
     Region,
-    fit_regions,
+    fit_region,
+    held_by,
+    repetition,
+    share_interval,
     squared_distances,
     usable_horizons,
 )
-from app.lab.model_fits.motion.drive_correction import DriveCorrection
-from app.lab.model_fits.motion.drive_fit import fit_drive
-from app.lab.model_fits.motion.fit import MotionFit
-from app.lab.model_fits.motion.held import held_by, repetition, share_interval
-from app.lab.model_fits.motion.run import cut_at, paired_runs
-from app.lab.model_fits.motion.windows import windows
+from app.lab.model_fits.runs import cut_at, paired_runs
+from app.lab.model_fits.twists import DriveCorrection
+from app.lab.model_fits.windows import windows
 from app.lab.trajectories.files.reading import read_trajectory
 from robot.localization.models.differential_motion import DifferentialMotion
 
@@ -30,7 +32,7 @@ LATE = 0.2
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)
 NONE = ((0.0, 1.0),) * 4
-PERFECT = MotionFit(ALPHAS, NONE, 1e-6, 1e-6, 0.0, 100, 1 / 30)
+PERFECT = MotionFit(ALPHAS, NONE, 1e-6, 1e-6, 100, 1 / 30)
 AS_IT_IS = DriveCorrection()
 
 
@@ -48,9 +50,9 @@ def test_distances_of_true_ends_are_those_of_normal_errors(drives, horizon):
 
 
 def test_regions_fitted_to_some_drives_hold_their_share_of_others(drives):
-    regions = fit_regions(drives[:15], AS_IT_IS, PERFECT)
-    assert [region.horizon for region in regions] == [1, 5, 20]
-    for region in regions:
+    assert usable_horizons(drives[:15]) == (1, 5, 20)
+    for horizon in HORIZONS:
+        region = fit_region(drives[:15], AS_IT_IS, PERFECT, horizon)
         held = held_by(drives[15:], AS_IT_IS, PERFECT, region)
         assert held.share == pytest.approx(0.95, abs=0.02)
         assert held.judgement == "honest"
@@ -58,8 +60,9 @@ def test_regions_fitted_to_some_drives_hold_their_share_of_others(drives):
 
 
 def test_regions_correct_a_model_that_is_too_sure(drives):
-    sure = MotionFit((0.005, 0.075, 0.0125, 0.0005), NONE, 1e-6, 1e-6, 0.0, 100, 1 / 30)
-    for region in fit_regions(drives[:15], AS_IT_IS, sure):
+    sure = MotionFit((0.005, 0.075, 0.0125, 0.0005), NONE, 1e-6, 1e-6, 100, 1 / 30)
+    for horizon in HORIZONS:
+        region = fit_region(drives[:15], AS_IT_IS, sure, horizon)
         assert region.stretch == pytest.approx(2, abs=0.2)
         held = held_by(drives[15:], AS_IT_IS, sure, region)
         assert held.share == pytest.approx(0.95, abs=0.02)
@@ -106,7 +109,7 @@ def test_what_lasts_is_worth_less(stays):
 
 
 def test_widths_are_the_spread_of_the_ends(drives):
-    (region,) = fit_regions(drives, AS_IT_IS, PERFECT, horizons=[5.0])
+    region = fit_region(drives, AS_IT_IS, PERFECT, 5.0)
     spread = windows(drives, 5.0).errors.std(axis=0)
     assert (region.sd_along, region.sd_across, region.sd_heading) == pytest.approx(spread, rel=0.1)
 
@@ -115,7 +118,7 @@ def test_a_threshold_takes_so_many_windows(drives):
     short = [drives[0].part(0, 3000)]
     assert usable_horizons(short) == (1.0, 5.0)
     with pytest.raises(FitError, match="it takes 10: 200 s of driving"):
-        fit_regions(short, AS_IT_IS, PERFECT)
+        fit_region(short, AS_IT_IS, PERFECT, 20.0)
 
 
 @pytest.mark.data
@@ -129,7 +132,8 @@ def test_regions_of_a_real_robot_hold_on_the_second_half_of_its_drive(robot):
     runs = paired_runs(odometry.stamps, odometry.poses, truth.stamps, truth.poses, offset=LATE)
     first, second = cut_at(runs, (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2)
     fit = fit_drive(first)
-    for region in fit_regions(first, fit.correction, fit.motion):
+    for horizon in HORIZONS:
+        region = fit_region(first, fit.correction, fit.motion, horizon)
         held = held_by(second, fit.correction, fit.motion, region)
         assert 0.92 <= held.share <= 0.98, f"{held.share:.3f} over {region.horizon:g} s"
         assert held.interval[0] < held.share < held.interval[1]

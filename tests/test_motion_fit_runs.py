@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 from motion_drives import varied_steps
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.motion.drive_correction import DriveCorrection
-from app.lab.model_fits.motion.run import MotionRun, cut_at, paired_runs, poses_at
-from app.lab.model_fits.motion.twists import chained, relative
-from app.lab.model_fits.motion.windows import windows
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.runs import MotionRun, cut_at, paired_runs, poses_at
+from app.lab.model_fits.twists import DriveCorrection, chained, relative
+from app.lab.model_fits.windows import windows
 from robot.geometry import compose
 
 STEPS = np.array([moved.to_array() for moved in varied_steps(30.0, 0.01)])
@@ -102,11 +101,3 @@ def test_a_window_ends_where_corrected_odometry_says():
 def test_what_is_no_track_of_the_same_drive_is_refused(spoil, message):
     with pytest.raises(FitError, match=message):
         paired_runs(STAMPS, POSES, *spoil(STAMPS, POSES))
-
-
-def test_drives_with_unlike_steps_are_refused():
-    run = paired_runs(STAMPS, POSES, STAMPS, POSES)[0]
-    with pytest.raises(FitError, match="resample them"):
-        windows([run, run.resampled(0.1)], 1.0)
-    with pytest.raises(FitError, match="one or more are needed"):
-        windows([], 1.0)

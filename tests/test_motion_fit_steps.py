@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motion_drives import varied_steps
 
-from app.lab.model_fits.motion.steps import ErringPath
-from app.lab.model_fits.motion.twists import chained, motions_of, relative, seen_from, twists_of
+from app.lab.model_fits.twists import chained, motions_of, relative, seen_from, twists_of
+from app.lab.model_fits.windows import by_alpha, summed
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.models.differential_motion import STANDING_M, DifferentialMotion
 
@@ -21,9 +21,11 @@ headings = st.floats(-3.1, 3.1)
 poses = st.tuples(places, places, headings).map(lambda values: np.array([values]))
 
 
-def covariance_between(path: ErringPath, first: int, last: int) -> np.ndarray:
-    by_alpha = path.covariances(np.array([first]), np.array([last]))[0]
-    return np.einsum("c,cij->ij", ALPHAS, by_alpha)
+def covariance_between(steps: np.ndarray, first: int, last: int) -> np.ndarray:
+    path = chained(steps)
+    whole = summed(by_alpha(path, steps), np.array([first]), np.array([last]))[0]
+    to_end = seen_from(path[last])
+    return to_end @ np.einsum("c,cij->ij", ALPHAS, whole) @ to_end.T
 
 
 def in_end_frame(moved: Pose2, covariance: np.ndarray) -> np.ndarray:
@@ -72,9 +74,10 @@ def test_a_twist_seen_from_elsewhere_moves_the_same_body(pose, values):
 )
 def test_one_step_errs_as_the_motion_model_says(twist):
     moved = twist.integrate(1 / 30)
-    path = ErringPath.along(moved.to_array()[None])
     expected = in_end_frame(moved, MODEL.moments(moved)[1])
-    assert np.allclose(covariance_between(path, 0, 1), expected, rtol=1e-9, atol=1e-18)
+    assert np.allclose(
+        covariance_between(moved.to_array()[None], 0, 1), expected, rtol=1e-9, atol=1e-18
+    )
 
 
 def test_many_steps_err_as_particles_spread():
@@ -82,10 +85,10 @@ def test_many_steps_err_as_particles_spread():
     particles = np.zeros((20_000, 3))
     for moved in steps:
         particles = MODEL.sample(particles, moved, rng)
-    path = ErringPath.along(np.array([moved.to_array() for moved in steps]))
-    end = np.broadcast_to(path.poses[-1], particles.shape)
+    along = np.array([moved.to_array() for moved in steps])
+    end = np.broadcast_to(chained(along)[-1], particles.shape)
     spread = np.cov(twists_of(relative(end, particles)).T)
-    predicted = covariance_between(path, 0, len(steps))
+    predicted = covariance_between(along, 0, len(steps))
     sizes = np.sqrt(np.diag(predicted))
     assert np.allclose(
         spread / np.outer(sizes, sizes), predicted / np.outer(sizes, sizes), atol=0.05
@@ -94,10 +97,8 @@ def test_many_steps_err_as_particles_spread():
 
 def test_a_window_in_a_drive_errs_as_that_window_alone():
     steps = np.array([moved.to_array() for moved in varied_steps(8.0)])
-    whole, alone = ErringPath.along(steps), ErringPath.along(steps[70:200])
-    assert np.allclose(
-        covariance_between(whole, 70, 200), covariance_between(alone, 0, 130), rtol=1e-9, atol=1e-15
-    )
+    whole, alone = covariance_between(steps, 70, 200), covariance_between(steps[70:200], 0, 130)
+    assert np.allclose(whole, alone, rtol=1e-9, atol=1e-15)
 
 
 def test_poses_along_steps_are_chained():

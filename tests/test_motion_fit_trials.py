@@ -8,14 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.motion.drive_correction import DriveCorrection
-from app.lab.model_fits.motion.drive_fit import fit_drive
-from app.lab.model_fits.trials.motions import MOTIONS
-from app.lab.model_fits.trials.spread import end_spreads
-from app.lab.model_fits.trials.trials import MotionTrial, TrialRobot, run_motion, trials
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.motion_fit import fit_drive
+from app.lab.model_fits.motion_statistics import end_spreads
+from app.lab.model_fits.simulated_motions import (
+    MOTIONS,
+    MotionTrial,
+    TrialRobot,
+    run_motion,
+    trials,
+)
+from app.lab.model_fits.twists import DriveCorrection
 from robot.description.spec import RobotSpec
-from robot.localization.models.differential_motion import DifferentialMotion
 from sim.imperfections import Imperfections, draw
 
 SPEC = RobotSpec.load()
@@ -74,26 +78,18 @@ def test_a_trial_is_told_by_seed_motion_and_repeat_alone():
         assert run_motion(other).truth[-1] != pytest.approx(first.truth[-1], abs=1e-6)
 
 
-def test_unknown_motions_and_worlds_are_refused():
-    with pytest.raises(ValueError, match="valid are straight_forward, "):
-        MotionTrial(KINEMATIC, "sideways", 0)
-    with pytest.raises(ValueError, match="valid are sim, kinematic"):
-        replace(KINEMATIC, world="moon")
-
-
 def test_fitted_alphas_predict_the_spread_of_repeated_motions(repeated):
     runs = [run.resampled() for run in repeated]
     fit = fit_drive(runs, track=SPEC.track)
     assert fit.correction.distance == pytest.approx(1, abs=0.01)
     assert fit.correction.turn == pytest.approx(1, abs=0.02)
-    floors = fit.motion.floor_xy, fit.motion.floor_theta
-    fitted = end_spreads(runs, fit.motion.model(), fit.correction, floors)
+    fitted = end_spreads(runs, fit.motion.factors, fit.correction)
     assert [one.motion for one in fitted] == list(MOTIONS)
     distances = np.concatenate([one.distances for one in fitted])
     assert distances.mean() == pytest.approx(3, rel=0.2)
-    defaults = end_spreads(runs, DifferentialMotion(0.04, 0.5, 0.04, 0.0004), NOMINAL)
+    defaults = end_spreads(runs, np.array([0.04, 0.5, 0.04, 0.0004, 0, 0]), NOMINAL)
     for one, before in zip(fitted[:2], defaults[:2], strict=True):
-        spread = np.sqrt(np.diag(one.covariance))
+        spread = np.sqrt(np.diag(np.cov(one.errors.T)))
         off, off_before = (np.log(np.sqrt(np.diag(of.predicted)) / spread) for of in (one, before))
         assert np.abs(off).max() < np.log(1.8)
         assert np.abs(off).sum() < np.abs(off_before).sum()
@@ -101,4 +97,4 @@ def test_fitted_alphas_predict_the_spread_of_repeated_motions(repeated):
 
 def test_a_spread_needs_repeats(repeated):
     with pytest.raises(FitError, match="straight_forward was driven 1 time"):
-        end_spreads(repeated[:10], DifferentialMotion(0.1, 0.1, 0.1, 0.1), NOMINAL)
+        end_spreads(repeated[:10], np.full(6, 0.1), NOMINAL)

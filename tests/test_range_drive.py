@@ -8,10 +8,16 @@ import numpy as np
 import pytest
 
 from app.lab.evaluation.drives import Drive, record
-from app.lab.model_fits.sensor.beam_correlation import correlate_beams
-from app.lab.model_fits.sensor.fit import fit_sensor
-from app.lab.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
-from app.lab.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
+from app.lab.model_fits.beam_correlation import correlate_beams
+from app.lab.model_fits.beam_fit import fit_sensor
+from app.lab.model_fits.range_pairs import (
+    FAR_OFF,
+    RangePairs,
+    by_bearing,
+    by_distance,
+    overall,
+    pair_ranges,
+)
 from app.settings.config import Config
 from robot.geometry import Pose2
 from robot.scan import Scan
@@ -105,5 +111,5 @@ def test_planted_false_and_missing_returns_are_fitted(
 def test_neighbouring_rays_of_a_picture_err_together(pairs: RangePairs) -> None:
     found = correlate_beams(pairs, 60, resamples=50)
     assert 0.5 < found.by_ray[1] < 1
-    assert 0.02 < found.weight < 0.5
-    assert found.weight_of_successive <= found.weight
+    assert 0.02 < found.likelihood_weight < 0.5
+    assert found.likelihood_weight_of_successive_scans <= found.likelihood_weight

@@ -9,8 +9,14 @@ import numpy as np
 import pytest
 from sensor_trials import BEARINGS, FIELD, TRUTH, scan_at
 
-from app.lab.model_fits.sensor.range_pairs import FAR_OFF, RangePairs, pair_ranges
-from app.lab.model_fits.sensor.range_statistics import by_bearing, by_distance, overall
+from app.lab.model_fits.range_pairs import (
+    FAR_OFF,
+    RangePairs,
+    by_bearing,
+    by_distance,
+    overall,
+    pair_ranges,
+)
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.models.beam import FAR, NEAR
@@ -151,9 +157,3 @@ def test_a_few_wild_ranges_do_not_widen_the_robust_spread() -> None:
     found = overall(rays((0.5 + off).tolist(), [0.5] * 4000, [True] * 4000))
     assert found.robust_sd == pytest.approx(0.001, rel=0.06)
     assert found.sd > 0.002
-
-
-@pytest.mark.parametrize("borders", [[0.3], [0.0, 0.5, 0.5], [1.0, 0.0]])
-def test_borders_have_to_rise(borders: list[float]) -> None:
-    with pytest.raises(ValueError, match="borders are"):
-        by_distance(MIXED, np.array(borders))

@@ -8,17 +8,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.integrate import quad
+from scipy.special import logit
 from sensor_draws import draw_ranges
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.sensor.climb import coordinates, values_at
-from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
-from app.lab.model_fits.sensor.intervals import _gradient
-from app.lab.model_fits.sensor.mixture import FitRays, SensorValues, expect
-from app.lab.model_fits.sensor.range_pairs import RangePairs
+from app.lab.model_fits.beam_fit import (
+    SensorFit,
+    SensorValues,
+    beam_loss,
+    fit_sensor,
+)
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.range_pairs import RangePairs
+from robot.geometry import Array
 
 NAMES = [one.name for one in fields(SensorValues)]
 KNOWN = SensorValues(0.8, 0.08, 0.05, 0.07, 0.003, 5.0)
@@ -47,8 +49,15 @@ def rays(measured: list[float], expected: list[float]) -> RangePairs:
 
 
 def inside(fit: SensorFit, true: SensorValues) -> dict[str, bool]:
-    found = {name: fit.interval(name) for name in NAMES}
+    found = fit.intervals
     return {name: found[name][0] <= value <= found[name][1] for name, value in asdict(true).items()}
+
+
+def sizes(fit: SensorFit) -> Array:
+    """Widths (6,) of the intervals, of log-odds or logarithms."""
+    low, high = np.array([fit.intervals[name] for name in NAMES]).T
+    odds = [logit(ends[:4]) for ends in (low, high)]
+    return np.concatenate([odds[1] - odds[0], np.log(high[4:] / low[4:])])
 
 
 # --- the likelihood, by hand
@@ -56,7 +65,7 @@ def inside(fit: SensorFit, true: SensorValues) -> dict[str, bool]:
 
 def likelihood(measured: float, expected: float, values: SensorValues, **sight: Any) -> float:
     pairs = replace(rays([measured], [expected]), **sight)
-    return math.exp(expect(FitRays.of(pairs, 1.0), values).log_likelihood)
+    return math.exp(-beam_loss(pairs, 1.0)(np.array(astuple(values)[1:]))[0])
 
 
 def by_hand(z: float, expected: float, v: SensorValues) -> float:
@@ -110,22 +119,12 @@ def test_rays_at_the_border_of_their_sight_are_left_out() -> None:
 
 
 def test_slopes_are_those_of_the_likelihood() -> None:
-    fitted = FitRays.of(drawn(sight=CAMERA), 1.0)
-    place = coordinates(replace(KNOWN, z_hit=0.7, z_rand=0.17))
-    steps = 1e-5 * np.eye(5)
-    differences = [
-        expect(fitted, values_at(place + step)).log_likelihood
-        - expect(fitted, values_at(place - step)).log_likelihood
-        for step in steps
-    ]
-    found = _gradient(fitted, values_at(place))
-    np.testing.assert_allclose(found, np.array(differences) / 2e-5, rtol=1e-4, atol=1e-2)
-
-
-@given(st.lists(st.floats(-5, 5), min_size=5, max_size=5))
-def test_coordinates_and_values_are_each_others_inverse(place: list[float]) -> None:
-    np.testing.assert_allclose(coordinates(values_at(np.array(place))), place, atol=1e-9)
-    assert sum(astuple(values_at(np.array(place)))[:4]) == pytest.approx(1)
+    loss = beam_loss(drawn(sight=CAMERA), 1.0)
+    place = np.array(astuple(replace(KNOWN, z_hit=0.7, z_rand=0.17))[1:])
+    steps = 1e-7 * np.eye(5)
+    differences = [loss(place + step)[0] - loss(place - step)[0] for step in steps]
+    found = loss(place)[1]
+    np.testing.assert_allclose(found, np.array(differences) / 2e-7, rtol=1e-4, atol=1e-2)
 
 
 # --- known values are found
@@ -145,23 +144,12 @@ def test_known_values_are_in_their_intervals_in_90_of_100_trials(
 
 
 def test_intervals_are_no_wider_than_they_have_to_be() -> None:
-    """Standard errors are the spread of the estimates over many draws."""
+    """They are four times as wide as the estimates spread over many draws."""
     fits = [fit_sensor(drawn(seed=seed), 1.0) for seed in range(60)]
     for name in NAMES:
         spread = np.std([getattr(fit.values, name) for fit in fits], ddof=1)
-        told = np.median([getattr(fit.standard_errors, name) for fit in fits])
+        told = np.median([np.ptp(fit.intervals[name]) for fit in fits]) / (2 * 1.96)
         assert 0.75 < told / spread < 1.33, name
-
-
-@given(st.integers(0, 2**32 - 1))
-@settings(max_examples=15, deadline=None)
-def test_the_likelihood_never_falls(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    shares = rng.dirichlet([9, 1, 1, 1])
-    values = SensorValues(*shares.tolist(), rng.uniform(0.001, 0.004), rng.uniform(2, 15))
-    pairs = draw_ranges(values, 400, rng, CAMERA if rng.random() < 0.5 else (0.0, 1.0))
-    rises = np.diff(fit_sensor(pairs, 1.0).log_likelihoods)
-    assert rises.min() > -1e-7
 
 
 def test_it_ends_where_it_ends_from_wherever_it_starts() -> None:
@@ -171,7 +159,7 @@ def test_it_ends_where_it_ends_from_wherever_it_starts() -> None:
     np.testing.assert_allclose(astuple(there.values), astuple(here.values), rtol=0.01)
     again = fit_sensor(pairs, 1.0, here.values)
     assert again.iterations < here.iterations
-    assert again.log_likelihoods[-1] == pytest.approx(here.log_likelihoods[-1], abs=1e-4)
+    assert again.log_likelihood == pytest.approx(here.log_likelihood, abs=1e-4)
 
 
 def test_the_range_is_no_matter() -> None:
@@ -183,14 +171,14 @@ def test_the_range_is_no_matter() -> None:
     one, ten = fit_sensor(pairs, 1.0), fit_sensor(large, 10.0)
     scale = np.array([1, 1, 1, 1, 10, 0.1])
     np.testing.assert_allclose(astuple(ten.values), scale * astuple(one.values), rtol=1e-4)
-    np.testing.assert_allclose(astuple(ten.high), scale * astuple(one.high), rtol=1e-3)
+    ends = [np.array(list(fit.intervals.values())) for fit in (one, ten)]
+    np.testing.assert_allclose(ends[1], scale[:, None] * ends[0], rtol=1e-3)
 
 
 def test_rays_that_are_worth_less_widen_intervals_and_change_no_value() -> None:
     whole, part = (fit_sensor(drawn(count=10_000), 1.0, worth=worth) for worth in (1.0, 0.25))
     assert part.values == whole.values
-    errors = np.array(astuple(part.standard_errors)) / astuple(whole.standard_errors)
-    np.testing.assert_allclose(errors, 2.0)
+    np.testing.assert_allclose(sizes(part) / sizes(whole), 2.0)
 
 
 # --- what has a border, or nothing to fit
@@ -204,20 +192,20 @@ def test_ranges_that_are_all_right_have_shares_at_the_border() -> None:
     assert fit.values.sigma_hit == pytest.approx(0.002, rel=0.1)
     assert set(fit.at_border) == {"z_short", "z_max", "z_rand", "lambda_short"}
     for name in ("z_short", "z_max", "z_rand"):
-        low, high = fit.interval(name)
+        low, high = fit.intervals[name]
         assert low == 0
         # The rule of three, and more where some of a share is out of sight.
         assert 2.9e-3 < high < 1.2e-2, name
-    assert fit.interval("lambda_short") == (0, math.inf)
-    assert 0.97 < fit.interval("z_hit")[0] < 0.999
+    assert fit.intervals["lambda_short"] == (0, math.inf)
+    assert 0.97 < fit.intervals["z_hit"][0] < 0.999
 
 
 @pytest.mark.parametrize("name", ["z_short", "z_rand"])
 def test_a_share_that_is_not_there_has_an_interval_from_zero(name: str) -> None:
     none = replace(KNOWN, **{name: 0.0, "z_hit": KNOWN.z_hit + getattr(KNOWN, name)})
     fits = [fit_sensor(drawn(none, 800, seed), 1.0) for seed in range(10)]
-    assert sum(fit.interval(name)[0] == 0 for fit in fits) >= 9
-    assert all(fit.interval(name)[1] < 0.1 for fit in fits)
+    assert sum(fit.intervals[name][0] == 0 for fit in fits) >= 9
+    assert all(fit.intervals[name][1] < 0.1 for fit in fits)
 
 
 def test_exact_ranges_have_the_least_spread_there_is() -> None:
@@ -234,7 +222,7 @@ def test_a_least_spread_is_kept_and_the_rest_fitted_to_it() -> None:
     pairs = rays((expected + off).tolist(), expected.tolist())
     narrow, wide = fit_sensor(pairs, 1.0), fit_sensor(pairs, 1.0, least_sigma=0.001)
     assert wide.values.sigma_hit == 0.001
-    assert wide.interval("sigma_hit") == (0, 0.001)
+    assert wide.intervals["sigma_hit"] == (0, 0.001)
     assert wide.values.z_rand < narrow.values.z_rand / 2
 
 
@@ -243,9 +231,6 @@ def test_ranges_that_nothing_can_be_fitted_to_are_refused() -> None:
         (drawn(count=20), "rays surely see an edge; needed are 30 or more"),
         (rays([math.inf] * 50, [0.5] * 50), "0 rays returned something where an edge is"),
         (rays([0.5] * 50, [math.inf] * 50), "0 rays surely see"),
-        (rays([0.5] * 49 + [math.nan], [0.5] * 50), "nan"),
-        (rays([0.5] * 49 + [1.5], [0.5] * 50), "not within 0 and range_max"),
-        (rays([-0.1] * 50, [0.5] * 50), "not within 0 and range_max"),
     ]:
         with pytest.raises(FitError, match=message):
             fit_sensor(pairs, 1.0)
@@ -256,14 +241,3 @@ def test_ranges_of_another_place_are_refused() -> None:
     measured, expected = rng.uniform(0, 1, (2, 500))
     with pytest.raises(FitError, match="no edge is found"):
         fit_sensor(rays(measured.tolist(), expected.tolist()), 1.0)
-
-
-def test_what_cannot_be_started_from_is_refused() -> None:
-    pairs = drawn(count=100)
-    for start in (replace(KNOWN, z_hit=0.9), replace(KNOWN, sigma_hit=0.0)):
-        with pytest.raises(FitError, match="no start"):
-            fit_sensor(pairs, 1.0, start)
-    with pytest.raises(FitError, match="worth 0"):
-        fit_sensor(pairs, 1.0, worth=0.0)
-    with pytest.raises(FitError, match="range_max is -1"):
-        fit_sensor(pairs, -1.0)

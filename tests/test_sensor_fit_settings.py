@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from sensor_draws import draw_ranges
 
-from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
-from app.lab.model_fits.sensor.mixture import SensorValues
-from app.lab.model_fits.sensor.settings import clipped_settings, fitted_sensor
+from app.lab.model_fits.beam_fit import SensorFit, SensorValues, fit_sensor
+from app.lab.model_fits.fitted_file import fitted_sensor
 from robot.localization.models.sensor_parameters import SensorParameters
 
 FIELD = SensorParameters()
@@ -30,32 +29,30 @@ PLAIN = fit_of(SensorValues(0.7, 0.1, 0.1, 0.1, 0.004, 8.0))
 
 
 def test_the_beam_model_takes_values_as_they_are() -> None:
-    found = fitted_sensor(PLAIN, BEAM)
+    found, clipped = fitted_sensor(PLAIN, BEAM)
     for name in (*SHARES, "sigma_hit", "lambda_short"):
-        assert getattr(found, name) == getattr(PLAIN.values, name)
-    assert not clipped_settings(PLAIN, BEAM)
+        assert found[name] == getattr(PLAIN.values, name)
+    assert not clipped
 
 
 @pytest.mark.parametrize("model", ["likelihood_field", "likelihood_field_prob"])
 def test_a_likelihood_field_is_told_of_the_returns_alone(model: str) -> None:
-    found = fitted_sensor(PLAIN, replace(FIELD, laser_model_type=model))
-    assert found.z_hit == pytest.approx(0.7 / 0.9)
-    assert found.z_rand == pytest.approx(0.2 / 0.9)
-    assert found.sigma_hit == 0.004
+    found, _ = fitted_sensor(PLAIN, replace(FIELD, laser_model_type=model))
+    assert found["z_hit"] == pytest.approx(0.7 / 0.9)
+    assert found["z_rand"] == pytest.approx(0.2 / 0.9)
+    assert found["sigma_hit"] == 0.004
 
 
 def test_what_is_not_fitted_stays() -> None:
-    wanted = replace(FIELD, max_beams=33, likelihood_weight=0.07, do_beamskip=True)
-    found = fitted_sensor(PLAIN, wanted)
-    assert (found.max_beams, found.likelihood_weight, found.do_beamskip) == (33, 0.07, True)
+    assert set(fitted_sensor(PLAIN, FIELD)[0]) == {*SHARES, "sigma_hit", "lambda_short"}
     unknown = replace(PLAIN, at_border=("z_short", "lambda_short"))
-    assert fitted_sensor(unknown, BEAM).lambda_short == BEAM.lambda_short
+    assert fitted_sensor(unknown, BEAM)[0]["lambda_short"] == BEAM.lambda_short
 
 
 def test_values_out_of_range_are_brought_into_it_and_told() -> None:
     exact = fit_of(SensorValues(0.9999, 0.0, 0.0, 0.0001, 1e-4, 8.0))
-    found = fitted_sensor(exact, BEAM)
-    assert (found.sigma_hit, found.z_max, found.z_rand) == (0.0005, 0.001, 0.001)
-    assert clipped_settings(exact, BEAM) == {"sigma_hit": 1e-4, "z_max": 0.0, "z_rand": 0.0001}
-    of_field = fitted_sensor(exact, FIELD)
-    assert of_field.z_hit + of_field.z_rand == 1
+    found, clipped = fitted_sensor(exact, BEAM)
+    assert (found["sigma_hit"], found["z_max"], found["z_rand"]) == (0.0005, 0.001, 0.001)
+    assert clipped == {"sigma_hit": 1e-4, "z_max": 0.0, "z_rand": 0.0001}
+    of_field, _ = fitted_sensor(exact, FIELD)
+    assert of_field["z_hit"] + of_field["z_rand"] == 1

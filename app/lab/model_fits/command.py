@@ -37,7 +37,7 @@ def models_command(given: Given) -> int:
                 f"AMCL {millimetres(ate['amcl']['ate_rmse_m']['mean'])}"
             )
     alphas = results["motion"]["alphas"]
-    say(", ".join(f"{name} {one['value']:.4g}" for name, one in alphas.items()))
+    say(", ".join(f"{name} {fit['value']:.4g}" for name, fit in alphas.items()))
     say(f"fitted parameters are in {folder / FITTED}, for --config")
     say(f"the report is {folder / 'report.html'}")
     return 0

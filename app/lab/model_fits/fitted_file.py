@@ -1,68 +1,79 @@
-"""Fitted parameters as a file for ``--config``."""
+"""Fitted parameters as settings, and as a file for ``--config``.
+
+``beam`` takes the six values of a fit as they are: densities by the metre and a chance of a miss,
+which is what they were fitted as.
+
+``likelihood_field`` and ``likelihood_field_prob`` are z_hit exp(-d^2 / 2 sigma_hit^2) + z_rand /
+range_max for a ray that returned, with z_hit + z_rand = 1: the normal distribution there is not
+divided by its width, and what is short is false too. So z_hit is the share of the returns that are
+from the edge, z_hit / (z_hit + z_short + z_rand), and z_rand the rest, as in nav2_amcl. For the
+ratio of the fitted densities z_rand would have to be sigma_hit sqrt(2 pi) / range_max times as
+great, a thousandth or so, which is below the setting's least value and tracks no better. z_short,
+z_max and lambda_short, which these models do not use, are set as for the beam model.
+"""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
-from app.lab.model_fits.fit_error import FitError
+from app.lab.model_fits.beam_fit import SensorFit
+from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_statistics import MotionStatistics
-from app.lab.model_fits.sensor.settings import clipped_settings, fitted_sensor
 from app.lab.model_fits.sensor_statistics import SensorStatistics
 from app.settings.config import Config, with_settings
 from robot.driving.drive_controller import DriveSettings
 from robot.localization.models.motion_parameters import MotionParameters
+from robot.localization.models.sensor_parameters import SensorParameters
 from robot.settings import describe
 
+ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 DIGITS, NOTHING = 6, 1e-9
 """Fitted values are written with so many digits; smaller ones are none."""
 
-ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
-FITTED_SENSOR = ("sigma_hit", "z_hit", "z_short", "z_max", "z_rand", "lambda_short")
+Clipped = tuple[dict[str, float], dict[str, float]]
+"""Values within the ranges of the settings, and those as fitted that had to be brought there."""
 
 
 def fitted_settings(
-    motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
-) -> dict[str, Any]:
-    """Settings by their path, brought into their range; ``clipped`` tells which had to be.
+    motion: MotionStatistics, sensor: SensorStatistics | None, config: Config
+) -> Clipped:
+    """Settings by their path, brought into their range; and what was fitted for those that were.
 
     Raises:
         FitError: wheels are so far from the description that it is of another robot.
     """
-    found: dict[str, Any] = {}
-    if motion is not None:
-        left, right, separation = motion.multipliers
-        found["drive.left_wheel_radius_multiplier"] = left
-        found["drive.right_wheel_radius_multiplier"] = right
-        found["drive.wheel_separation_multiplier"] = separation
-        _check_wheels(found)
-        known = describe(MotionParameters)
-        for name, value in zip(ALPHAS, motion.fit.motion.alphas, strict=True):
-            limits = known[name]
-            found[f"localization.motion.{name}"] = min(max(value, limits.low), limits.high)
+    settings = _wheels(motion)
+    alphas = dict(zip(ALPHAS, motion.fit.motion.alphas, strict=True))
+    groups = {"motion": _within(alphas, describe(MotionParameters))}
     if sensor is not None:
-        fitted = fitted_sensor(sensor.usable, config.localization.sensor)
-        for name in FITTED_SENSOR:
-            found[f"localization.sensor.{name}"] = getattr(fitted, name)
-        found["localization.sensor.likelihood_weight"] = sensor.correlation.weight
-    return {path: _rounded(value) for path, value in found.items()}
+        values, excess = fitted_sensor(sensor.usable, config.localization.sensor)
+        values["likelihood_weight"] = sensor.correlation.likelihood_weight
+        groups["sensor"] = values, excess
+    excesses: dict[str, float] = {}
+    for group, (values, excess) in groups.items():
+        settings |= {f"localization.{group}.{name}": value for name, value in values.items()}
+        excesses |= {f"localization.{group}.{name}": value for name, value in excess.items()}
+    return {path: _rounded(value) for path, value in settings.items()}, excesses
 
 
-def clipped(
-    motion: MotionStatistics | None, sensor: SensorStatistics | None, config: Config
-) -> dict[str, float]:
-    """What was fitted for settings that may not be that, by their path."""
-    found: dict[str, float] = {}
-    if motion is not None:
-        known = describe(MotionParameters)
-        found |= {
-            f"localization.motion.{name}": value
-            for name, value in zip(ALPHAS, motion.fit.motion.alphas, strict=True)
-            if not known[name].low <= value <= known[name].high
-        }
-    if sensor is not None:
-        beyond = clipped_settings(sensor.usable, config.localization.sensor)
-        found |= {f"localization.sensor.{name}": value for name, value in beyond.items()}
-    return found
+def fitted_sensor(fit: SensorFit, defaults: SensorParameters) -> Clipped:
+    """Fitted settings of a sensor model by name.
+
+    A lambda_short of which the rays say nothing stays what it is.
+    """
+    fit_values: dict[str, float] = asdict(fit.values)
+    if "z_short" in fit.at_border:
+        fit_values["lambda_short"] = defaults.lambda_short
+    field = defaults.laser_model_type != "beam"
+    if field:
+        false = fit_values["z_short"] + fit_values["z_rand"]
+        returned = fit_values["z_hit"] + false
+        fit_values |= {"z_hit": fit_values["z_hit"] / returned, "z_rand": false / returned}
+    values, excess = _within(fit_values, describe(defaults))
+    if field:
+        values["z_hit"] = 1 - values["z_rand"]
+    return values, excess
 
 
 def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
@@ -79,24 +90,32 @@ def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
         if group != table:
             lines += ["", f"[{group}]"]
             table = group
-        lines.append(f"{name} = {_shown(value)}")
+        lines.append(f"{name} = {value!r}")
     return "\n".join(lines) + "\n"
 
 
-def _check_wheels(multipliers: dict[str, Any]) -> None:
-    known = describe(DriveSettings)
-    for path, value in multipliers.items():
-        limits = known[path.rpartition(".")[2]]
+def _wheels(motion: MotionStatistics) -> dict[str, float]:
+    names = ("left_wheel_radius", "right_wheel_radius", "wheel_separation")
+    paths = [f"drive.{name}_multiplier" for name in names]
+    wheels = dict(zip(paths, motion.multipliers, strict=True))
+    limits_by_name = describe(DriveSettings)
+    for path, value in wheels.items():
+        limits = limits_by_name[path.rpartition(".")[2]]
         if not limits.low <= value <= limits.high:
             raise FitError(
                 f"fitted, {path} is {value:.3g}, beyond {limits.low:g} to {limits.high:g}: the "
                 "robot's description must be of another robot"
             )
+    return wheels
+
+
+def _within(fit_values: dict[str, float], limits_by_name: Any) -> Clipped:
+    values = {
+        name: min(max(value, limits_by_name[name].low), limits_by_name[name].high)
+        for name, value in fit_values.items()
+    }
+    return values, {name: value for name, value in fit_values.items() if value != values[name]}
 
 
 def _rounded(value: float) -> float:
     return float(f"{value:.{DIGITS}g}") if abs(value) > NOTHING else 0.0
-
-
-def _shown(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else repr(value)

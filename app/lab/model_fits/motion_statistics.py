@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,22 +10,36 @@ from tqdm import tqdm
 
 from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.worlds import in_world
-from app.lab.model_fits.motion.coverage import fit_regions, usable_horizons
-from app.lab.model_fits.motion.drive_correction import DriveCorrection
-from app.lab.model_fits.motion.drive_fit import DriveFit, fit_drive
-from app.lab.model_fits.motion.held import Held, held_by
-from app.lab.model_fits.motion.run import MotionRun, cut_at, paired_runs
-from app.lab.model_fits.trials.motions import SIDE
-from app.lab.model_fits.trials.spread import EndSpread, end_spreads
-from app.lab.model_fits.trials.trials import TrialRobot, run_motion, trials
-from app.lab.model_fits.trials.umbmark import Umbmark, distance_factor, return_errors, umbmark
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.motion_fit import DriveFit, fit_drive
+from app.lab.model_fits.regions import Held, fit_region, held_by, usable_horizons
+from app.lab.model_fits.runs import MotionRun, cut_at, paired_runs
+from app.lab.model_fits.simulated_motions import SIDE, TrialRobot, run_motion, trials
+from app.lab.model_fits.twists import DriveCorrection
+from app.lab.model_fits.umbmark import Umbmark, distance_factor, return_errors, umbmark
+from app.lab.model_fits.windows import windows
 from app.lab.trajectories.trajectory import Trajectory
 from app.lab.workers import Workers
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import WheelMultipliers
-from robot.localization.models.differential_motion import DifferentialMotion
+from robot.geometry import Array
 from sim.imperfections import draw
+
+
+@dataclass(frozen=True, eq=False)
+class EndSpread:
+    """Errors at the end of a motion, driven several times."""
+
+    motion: str
+    errors: Array
+    """(n, 3) [m, m, rad]: the true end seen from that by odometry, as a twist: along, across,
+    heading."""
+    predicted: Array
+    """(3, 3): their covariance by the motion model, the mean over the runs."""
+    distances: Array
+    """(n,): squared Mahalanobis distances of the errors by the model's covariance of each run; 3
+    on the mean where the model is right."""
 
 
 @dataclass(frozen=True)
@@ -49,13 +64,7 @@ class MotionStatistics:
 def repeated_motions(
     config: Config, world: str, repeats: int, workers: Workers
 ) -> MotionStatistics:
-    """Drive each motion many times with one simulated robot.
-
-    Args:
-        config: ``sim.imperfections.robot`` is which one.
-        world: one of ``WORLDS``.
-        repeats: how often each motion is driven.
-        workers: who does it.
+    """Drive each motion many times with one simulated robot, that of ``imperfections.robot``.
 
     Raises:
         EvaluationError: a motion cannot be driven.
@@ -63,31 +72,18 @@ def repeated_motions(
     """
     spec, config = RobotSpec.load(), in_world(config, world)
     robot = trial_robot(spec, config)
-    jobs = trials(robot, repeats)
-    runs: dict[int, MotionRun] = {}
-    for place, done in tqdm(
-        workers.each(run_motion, jobs), total=len(jobs), unit="motion", disable=None
-    ):
-        if isinstance(done, Exception):
-            raise EvaluationError(f"{jobs[place].motion}: {done}") from done
-        runs[place] = done
-    step = 1 / config.sim.camera.frame_rate
-    driven = [runs[place] for place in sorted(runs)]
-    even = [run.resampled(step) for run in driven]
-    fit = fit_drive(even, track=spec.track)
-    squares = _umbmark(driven, spec.track)
-    motion = config.localization.motion
-    as_set = DifferentialMotion(motion.alpha1, motion.alpha2, motion.alpha3, motion.alpha4)
-    before = end_spreads(even, as_set, DriveCorrection(track=spec.track))
-    after = end_spreads(
-        even, fit.motion.model(), fit.correction, (fit.motion.floor_xy, fit.motion.floor_theta)
-    )
+    drives = _driven(robot, repeats, workers)
+    even = [run.resampled(1 / config.sim.camera.frame_rate) for run in drives]
+    fit, motion = fit_drive(even, track=spec.track), config.localization.motion
+    as_set = np.array([motion.alpha1, motion.alpha2, motion.alpha3, motion.alpha4, 0.0, 0.0])
+    as_set_ends = end_spreads(even, as_set, DriveCorrection(track=spec.track))
+    fitted_ends = end_spreads(even, fit.motion.factors, fit.correction)
     return MotionStatistics(
         fit,
-        squares,
-        fit.correction.wheel_multipliers(spec.track),
+        _umbmark(drives, spec.track),
+        fit.correction.wheel_multipliers(),
         _true_multipliers(spec, robot.true),
-        tuple(zip(before, after, strict=True)),
+        tuple(zip(as_set_ends, fitted_ends, strict=True)),
         (),
         0.0,
     )
@@ -95,13 +91,39 @@ def repeated_motions(
 
 def trial_robot(spec: RobotSpec, config: Config) -> TrialRobot:
     """The robot that a configuration draws, for motions without a camera."""
-    imperfections, physics = config.sim.imperfections, config.sim.physics
-    seed = max(imperfections.robot, 0)
+    seed, imperfect = max(config.sim.imperfections.robot, 0), config.sim.imperfections
     if config.robot == "kinematic":
-        exact = replace(imperfections, slip_sd=0.0, encoder_step=0.0)
-        return TrialRobot(spec, spec, exact, config.drive, physics, "kinematic", seed)
-    true = draw(spec, imperfections, np.random.default_rng(seed))
-    return TrialRobot(spec, true, imperfections, config.drive, physics, "sim", seed)
+        imperfect = replace(imperfect, slip_sd=0.0, encoder_step=0.0)
+        return TrialRobot(
+            spec, spec, imperfect, config.drive, config.sim.physics, "kinematic", seed
+        )
+    true = draw(spec, imperfect, np.random.default_rng(seed))
+    return TrialRobot(spec, true, imperfect, config.drive, config.sim.physics, "sim", seed)
+
+
+def end_spreads(
+    runs: Sequence[MotionRun], factors: Array, correction: DriveCorrection
+) -> list[EndSpread]:
+    """The ends of runs, one entry for each motion in the order in which they come.
+
+    Runs have the even stamps that the model's alphas are for; factors (6,) are those of windows.
+
+    Raises:
+        FitError: a motion was driven only once.
+    """
+    spreads = []
+    for name in dict.fromkeys(run.name for run in runs):
+        same = [run for run in runs if run.name == name]
+        if len(same) < 2:
+            raise FitError(f"{name} was driven {len(same)} time; a spread needs 2 or more")
+        longest = max(run.duration for run in same)
+        ends = windows(same, longest, correction, stride=longest, keep_short=True)
+        covariances = ends.covariances(factors)
+        # A run that stood still has no spread, and no error either.
+        inverses = np.linalg.pinv(covariances, hermitian=True)
+        distances = np.einsum("ni,nij,nj->n", ends.errors, inverses, ends.errors)
+        spreads.append(EndSpread(name, ends.errors, covariances.mean(axis=0), distances))
+    return spreads
 
 
 def recorded_motion(
@@ -109,46 +131,39 @@ def recorded_motion(
 ) -> MotionStatistics:
     """Fit to the first half of a recording, and try it on the second.
 
-    Args:
-        odometry: the robot in the odom frame.
-        truth: the robot in any frame of the floor.
-        clock_offset: what to add to odometry's stamps [s].
-        config: with which odometry was reckoned; its wheel multipliers are corrected further.
+    The offset [s] is added to odometry's stamps; the wheel multipliers of the configuration, with
+    which odometry was reckoned, are corrected further.
 
     Raises:
         FitError: too little was driven, or turned; says what is needed.
     """
     believed = config.drive.multipliers
-    track = believed.separation * RobotSpec.load().track
-    runs = paired_runs(
-        odometry.stamps,
-        odometry.poses,
-        truth.stamps,
-        truth.poses,
-        step=1 / config.sim.camera.frame_rate,
-        offset=clock_offset,
-    )
-    middle = (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2
-    first, second = cut_at(runs, middle)
-    fit = fit_drive(first, track=track)
-    horizons = [h for h in usable_horizons(first) if h in usable_horizons(second)]
-    regions = fit_regions(first, fit.correction, fit.motion, horizons=horizons)
-    held = tuple(held_by(second, fit.correction, fit.motion, region) for region in regions)
-    more = fit.correction.wheel_multipliers(track)
+    tracks = odometry.stamps, odometry.poses, truth.stamps, truth.poses
+    runs = paired_runs(*tracks, step=1 / config.sim.camera.frame_rate, offset=clock_offset)
+    first, second = cut_at(runs, (runs[0].stamps[0] + runs[-1].stamps[-1]) / 2)
+    fit = fit_drive(first, track=believed.separation * RobotSpec.load().track)
+    horizons = [horizon for horizon in usable_horizons(first) if horizon in usable_horizons(second)]
+    model = fit.correction, fit.motion
+    held = [held_by(second, *model, fit_region(first, *model, horizon)) for horizon in horizons]
+    more = fit.correction.wheel_multipliers()
     wheels = WheelMultipliers(*(a * b for a, b in zip(believed, more, strict=True)))
-    return MotionStatistics(fit, None, wheels, None, (), held, clock_offset)
+    return MotionStatistics(fit, None, wheels, None, (), tuple(held), clock_offset)
 
 
-def _umbmark(runs: list[MotionRun], track: float) -> Umbmark:
-    by_name = {name: [run for run in runs if run.name == name] for name in {r.name for r in runs}}
-    straight = by_name["straight_forward"] + by_name["straight_back"]
-    return umbmark(
-        return_errors(by_name["square_cw"]),
-        return_errors(by_name["square_ccw"]),
-        SIDE,
-        track,
-        distance_factor(straight),
-    )
+def _driven(robot: TrialRobot, repeats: int, workers: Workers) -> list[MotionRun]:
+    jobs, runs = trials(robot, repeats), dict[int, MotionRun]()
+    results = workers.each(run_motion, jobs)
+    for place, run in tqdm(results, total=len(jobs), unit="motion", disable=None):
+        if isinstance(run, Exception):
+            raise EvaluationError(f"{jobs[place].motion}: {run}") from run
+        runs[place] = run
+    return [runs[place] for place in sorted(runs)]
+
+
+def _umbmark(runs: Sequence[MotionRun], track: float) -> Umbmark:
+    cw, ccw = (return_errors([r for r in runs if r.name == f"square_{w}"]) for w in ("cw", "ccw"))
+    straight = distance_factor([run for run in runs if run.name.startswith("straight")])
+    return umbmark(cw, ccw, SIDE, track, straight)
 
 
 def _true_multipliers(spec: RobotSpec, true: RobotSpec) -> WheelMultipliers:

@@ -8,14 +8,15 @@ import numpy as np
 
 from app.lab.evaluation.drives import EvaluationError, record
 from app.lab.evaluation.worlds import in_world
-from app.lab.model_fits.sensor.beam_correlation import BeamCorrelation, correlate_beams
-from app.lab.model_fits.sensor.fit import SensorFit, fit_sensor
-from app.lab.model_fits.sensor.range_pairs import RangePairs, pair_ranges
-from app.lab.model_fits.sensor.range_statistics import (
+from app.lab.model_fits.beam_correlation import BeamCorrelation, correlate_beams
+from app.lab.model_fits.beam_fit import SensorFit, fit_sensor
+from app.lab.model_fits.range_pairs import (
+    RangePairs,
     RangeStatistics,
     by_bearing,
     by_distance,
     overall,
+    pair_ranges,
 )
 from app.lab.workers import Workers
 from app.settings.config import MAPS, Config
@@ -57,14 +58,7 @@ def scans_of(job: tuple[Config, float]) -> tuple[list[Scan], list[Pose2]]:
 def scanned_drives(
     config: Config, world: str, drives: int, seconds: float, workers: Workers
 ) -> SensorStatistics:
-    """Compare the scans of some drives of one simulated robot.
-
-    Args:
-        config: ``sim.imperfections.robot`` is which one.
-        world: one of ``WORLDS``.
-        drives: of the figure-eight.
-        seconds: how long each takes [s].
-        workers: who does it.
+    """Compare the scans of some figure-eights, so many seconds each, of one simulated robot.
 
     Raises:
         EvaluationError: a drive cannot be made.
@@ -73,26 +67,24 @@ def scanned_drives(
     config = in_world(config, world)
     seeds = range(config.seed, config.seed + drives)
     jobs = [(replace(config, seed=seed), seconds) for seed in seeds]
-    found = dict(workers.each(scans_of, jobs))
     scans: list[Scan] = []
     poses: list[Pose2] = []
-    for place in sorted(found):
-        done = found[place]
-        if isinstance(done, Exception):
-            raise EvaluationError(f"seed {seeds[place]}: {done}") from done
-        scans += done[0]
-        poses += done[1]
+    for place, result in sorted(workers.each(scans_of, jobs), key=lambda pair: pair[0]):
+        if isinstance(result, Exception):
+            raise EvaluationError(f"seed {seeds[place]}: {result}") from result
+        scans += result[0]
+        poses += result[1]
     sensor = config.localization.sensor
-    field = load_field(config.map, MAPS)
-    pairs = pair_ranges(field, scans, poses, sensor.laser_max_range)
+    range_max = sensor.laser_max_range
+    pairs = pair_ranges(load_field(config.map, MAPS), scans, poses, range_max)
     correlation = correlate_beams(pairs, sensor.max_beams)
-    worth = correlation.weight_of_successive
+    worth = correlation.likelihood_weight_of_successive_scans
     return SensorStatistics(
         pairs,
         overall(pairs),
         tuple(by_distance(pairs, DISTANCES)),
         tuple(by_bearing(pairs, BEARINGS)),
         correlation,
-        fit_sensor(pairs, sensor.laser_max_range, worth=worth),
-        fit_sensor(pairs, sensor.laser_max_range, worth=worth, least_sigma=LEAST_SIGMA),
+        fit_sensor(pairs, range_max, worth=worth),
+        fit_sensor(pairs, range_max, worth=worth, least_sigma=LEAST_SIGMA),
     )

@@ -1,4 +1,4 @@
-"""A drive of which both odometry and truth are known, at common and even stamps."""
+"""Drives of which both odometry and truth are known, at common and even stamps."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.motion.twists import motions_of, relative, twists_of
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.twists import motions_of, relative, twists_of
 from robot.geometry import Array, compose
 
 STEP = 1 / 30
@@ -21,11 +21,7 @@ MAX_GAP = 0.2
 
 @dataclass(frozen=True, eq=False)
 class MotionRun:
-    """One drive without a gap.
-
-    Raises:
-        FitError: shapes differ, a value is not finite, or stamps do not rise.
-    """
+    """One drive without a gap."""
 
     name: str
     stamps: Array
@@ -34,10 +30,6 @@ class MotionRun:
     """(n, 3) [m, m, rad]: the robot in the odom frame."""
     truth: Array
     """(n, 3) [m, m, rad]: the robot in the map."""
-
-    def __post_init__(self) -> None:
-        check_track(f"odometry of {self.name}", self.stamps, self.odometry)
-        check_track(f"truth of {self.name}", self.stamps, self.truth)
 
     @property
     def duration(self) -> float:
@@ -56,13 +48,9 @@ class MotionRun:
 
     def resampled(self, step: float = STEP) -> MotionRun:
         """The same drive with a pose each step [s]; a rest shorter than a step is left out."""
-        grid = even_stamps(self.stamps[0], self.stamps[-1], step)
-        return MotionRun(
-            self.name,
-            grid,
-            poses_at(grid, self.stamps, self.odometry),
-            poses_at(grid, self.stamps, self.truth),
-        )
+        grid = _even_stamps(self.stamps[0], self.stamps[-1], step)
+        tracks = (poses_at(grid, self.stamps, poses) for poses in (self.odometry, self.truth))
+        return MotionRun(self.name, grid, *tracks)
 
 
 def paired_runs(
@@ -73,26 +61,18 @@ def paired_runs(
     *,
     step: float = STEP,
     offset: float = 0.0,
-    max_gap: float = MAX_GAP,
-    name: str = "recording",
 ) -> list[MotionRun]:
     """Cut a recording into runs with odometry and truth at common stamps, those of truth's clock.
 
-    Args:
-        odometry_stamps: (n,) [s].
-        odometry: (n, 3) [m, m, rad], the robot in the odom frame.
-        truth_stamps: (m,) [s].
-        truth: (m, 3) [m, m, rad], the robot in the map.
-        step: time between two poses of a run [s].
-        offset: what odometry says of its stamp t is true at t + offset on truth's clock [s].
-        max_gap: a run ends where truth pauses for longer [s].
-        name: what the runs are called.
+    Stamps are (n,) [s], poses (n, 3) [m, m, rad]. A run has a pose each step [s] and ends where
+    truth pauses for longer than ``MAX_GAP``. What odometry says of its stamp t is true at
+    t + offset [s] on truth's clock.
 
     Raises:
         FitError: the two do not overlap, or one is no track of poses.
     """
-    check_track("odometry", odometry_stamps, odometry)
-    check_track("truth", truth_stamps, truth)
+    _check_track("odometry", odometry_stamps, odometry)
+    _check_track("truth", truth_stamps, truth)
     acting = odometry_stamps + offset
     first, last = max(acting[0], truth_stamps[0]), min(acting[-1], truth_stamps[-1])
     if last - first < step:
@@ -100,28 +80,26 @@ def paired_runs(
             f"odometry from {acting[0]:.3f} to {acting[-1]:.3f} s and truth from "
             f"{truth_stamps[0]:.3f} to {truth_stamps[-1]:.3f} s do not overlap"
         )
-    grid = even_stamps(first, last, step)
-    whole = MotionRun(
-        name, grid, poses_at(grid, acting, odometry), poses_at(grid, truth_stamps, truth)
-    )
-    return [whole.part(a, b) for a, b in _without_gaps(grid, truth_stamps, max_gap)]
+    grid = _even_stamps(first, last, step)
+    tracks = poses_at(grid, acting, odometry), poses_at(grid, truth_stamps, truth)
+    whole = MotionRun("recording", grid, *tracks)
+    gaps = np.flatnonzero(np.diff(truth_stamps) > MAX_GAP)
+    ends = np.searchsorted(grid, truth_stamps[gaps], side="right").tolist()
+    starts = np.searchsorted(grid, truth_stamps[gaps + 1], side="left").tolist()
+    pieces = zip([0, *starts], [*ends, len(grid)], strict=True)
+    return [whole.part(start, end) for start, end in pieces if end - start >= 2]
 
 
 def cut_at(runs: Iterable[MotionRun], stamp: float) -> tuple[list[MotionRun], list[MotionRun]]:
     """What was driven up to a stamp [s], and what after it; the pose in between is in both."""
-    before, after = [], []
+    earlier, later = [], []
     for run in runs:
         place = int(np.searchsorted(run.stamps, stamp))
         if place >= 1:
-            before.append(run.part(0, place + 1))
+            earlier.append(run.part(0, place + 1))
         if place < len(run.stamps) - 1:
-            after.append(run.part(place, len(run.stamps)))
-    return [run for run in before if len(run.stamps) > 1], after
-
-
-def even_stamps(first: float, last: float, step: float) -> Array:
-    """Stamps [s] from the first on, a step apart, none after the last."""
-    return first + step * np.arange(int((last - first) / step + 1e-9) + 1, dtype=np.float64)
+            later.append(run.part(place, len(run.stamps)))
+    return earlier, later
 
 
 def poses_at(stamps: Array, known_stamps: Array, poses: Array) -> Array:
@@ -130,20 +108,19 @@ def poses_at(stamps: Array, known_stamps: Array, poses: Array) -> Array:
     Straight lines would not do: where stamps pause while the robot turns, it would seem to drive
     sideways, which the motion model takes for two large turns in each step.
     """
-    before = np.clip(np.searchsorted(known_stamps, stamps, side="right") - 1, 0, len(poses) - 2)
-    spans = known_stamps[before + 1] - known_stamps[before]
-    part = np.clip((stamps - known_stamps[before]) / spans, 0.0, 1.0)
-    twists = twists_of(relative(poses[before], poses[before + 1]))
-    between: Array = compose(poses[before], motions_of(part[:, None] * twists))
-    return between
+    earlier = np.clip(np.searchsorted(known_stamps, stamps, side="right") - 1, 0, len(poses) - 2)
+    spans = known_stamps[earlier + 1] - known_stamps[earlier]
+    part = np.clip((stamps - known_stamps[earlier]) / spans, 0.0, 1.0)
+    twists = twists_of(relative(poses[earlier], poses[earlier + 1]))
+    return compose(poses[earlier], motions_of(part[:, None] * twists))
 
 
-def check_track(what: str, stamps: Array, poses: Array) -> None:
-    """Refuse what is no track of poses.
+def _even_stamps(first: float, last: float, step: float) -> Array:
+    """Stamps [s] from the first on, a step apart, none after the last."""
+    return first + step * np.arange(int((last - first) / step + 1e-9) + 1, dtype=np.float64)
 
-    Raises:
-        FitError: names what is wrong.
-    """
+
+def _check_track(what: str, stamps: Array, poses: Array) -> None:
     if poses.shape != (len(stamps), 3) or len(stamps) < 2:
         raise FitError(
             f"{what}: {stamps.shape} stamps and {poses.shape} poses; two or more are needed, "
@@ -154,12 +131,3 @@ def check_track(what: str, stamps: Array, poses: Array) -> None:
     if not (np.diff(stamps) > 0).all():
         place = int(np.argmax(np.diff(stamps) <= 0)) + 1
         raise FitError(f"{what}: stamp {place} ({stamps[place]:.6f} s) does not rise")
-
-
-def _without_gaps(grid: Array, known_stamps: Array, max_gap: float) -> list[tuple[int, int]]:
-    """Places in the grid from which on, and up to which, nothing lies in a gap."""
-    long = np.flatnonzero(np.diff(known_stamps) > max_gap)
-    ends = np.searchsorted(grid, known_stamps[long], side="right")
-    starts = np.searchsorted(grid, known_stamps[long + 1], side="left")
-    pieces = zip([0, *starts.tolist()], [*ends.tolist(), len(grid)], strict=True)
-    return [(a, b) for a, b in pieces if b - a >= 2]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
-from app.lab.model_fits.motion.run import MotionRun
-from app.lab.model_fits.trials.motions import MOTIONS, Leg
+from app.lab.model_fits.runs import MotionRun
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController, DriveSettings
@@ -20,6 +21,9 @@ from sim.imperfections import Imperfections
 from sim.kinematic import KinematicWorld
 from sim.simulated import PERIOD
 from sim.world import World
+
+SPEED, TURNING = 0.2, 1.0
+"""Of a leg at most [m/s], [rad/s]."""
 
 REST = 0.3
 """Standing time before a motion and after each of its legs [s]: motors lag."""
@@ -33,12 +37,50 @@ STARTING = 0.5
 NEARING = 3.0
 """Speed by the way that is left [1/s]: so slow before the end that motors that lag keep up."""
 
-WORLDS = ("sim", "kinematic")
+ARC_RADIUS = 0.19
+"""As the circles of the paper's figure-eight [m]."""
+
+SIDE = 1.0
+"""Of straights and squares [m]."""
+
+QUARTER = math.pi / 2
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A stretch along one curve, until odometry says that its end is reached."""
+
+    distance: float
+    """To go [m]; negative is backwards."""
+    turn: float
+    """To turn [rad]; positive is to the left."""
+
+    def share(self, step: Pose2) -> float:
+        """What part of the leg a small step along it is."""
+        return step.theta / self.turn if self.turn else step.x / self.distance
+
+    def twist(self, rate: float) -> Twist2:
+        """The twist along the leg at so many legs a second."""
+        return Twist2(self.distance * rate, self.turn * rate)
+
+
+MOTIONS: dict[str, tuple[Leg, ...]] = {
+    "straight_forward": (Leg(SIDE, 0.0),),
+    "straight_back": (Leg(-SIDE, 0.0),),
+    "turn_left_90": (Leg(0.0, QUARTER),),
+    "turn_right_90": (Leg(0.0, -QUARTER),),
+    "turn_left_360": (Leg(0.0, 4 * QUARTER),),
+    "turn_right_360": (Leg(0.0, -4 * QUARTER),),
+    "arc_left_270": (Leg(ARC_RADIUS * 3 * QUARTER, 3 * QUARTER),),
+    "arc_right_270": (Leg(ARC_RADIUS * 3 * QUARTER, -3 * QUARTER),),
+    "square_ccw": (Leg(SIDE, 0.0), Leg(0.0, QUARTER)) * 4,
+    "square_cw": (Leg(SIDE, 0.0), Leg(0.0, -QUARTER)) * 4,
+}
 
 
 @dataclass(frozen=True, eq=False)
 class TrialRobot:
-    """A robot, what it believes of itself, and how it drives."""
+    """A robot, what it believes of itself, and where it drives."""
 
     spec: RobotSpec
     """The description, by which odometry reckons."""
@@ -48,17 +90,9 @@ class TrialRobot:
     """Slip and counting of its encoders."""
     drive: DriveSettings = field(default_factory=DriveSettings)
     physics: BulletSettings = field(default_factory=BulletSettings)
-    world: str = "sim"
-    """"sim", with forces, or "kinematic"."""
+    world: Literal["sim", "kinematic"] = "sim"
+    """With forces, or without."""
     seed: int = 0
-    speed: float = 0.2
-    """[m/s]"""
-    turning: float = 1.0
-    """[rad/s]"""
-
-    def __post_init__(self) -> None:
-        if self.world not in WORLDS:
-            raise ValueError(f"world is {self.world!r}; valid are {', '.join(WORLDS)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +103,6 @@ class MotionTrial:
     motion: str
     """A name of ``MOTIONS``."""
     repeat: int
-
-    def __post_init__(self) -> None:
-        if self.motion not in MOTIONS:
-            raise ValueError(f"motion is {self.motion!r}; valid are {', '.join(MOTIONS)}")
 
 
 def trials(robot: TrialRobot, repeats: int) -> list[MotionTrial]:
@@ -88,57 +118,49 @@ def run_motion(trial: MotionTrial) -> MotionRun:
     Raises:
         BulletMissingError: the physics engine is not installed.
     """
-    robot = trial.robot
-    world = _world(robot)
-    name = zlib.crc32(trial.motion.encode())
+    robot, name = trial.robot, zlib.crc32(trial.motion.encode())
     rng = np.random.default_rng([robot.seed, name, trial.repeat])
+    world: World
+    if robot.world == "sim":
+        world = BulletWorld(robot.true, Pose2(), settings=robot.physics)
+    else:
+        world = KinematicWorld(robot.true, Pose2(), step_time=PERIOD)
     try:
-        return _Trial(robot, world, rng).drive(trial.motion)
+        return _Drive(robot, world, rng).along(trial.motion)
     finally:
         world.close()
 
 
-def _world(robot: TrialRobot) -> World:
-    if robot.world == "sim":
-        return BulletWorld(robot.true, Pose2(), settings=robot.physics)
-    return KinematicWorld(robot.true, Pose2(), step_time=PERIOD)
-
-
-class _Trial:
+class _Drive:
     """The loop around a world: encoders, odometry, controller, wheels."""
 
     def __init__(self, robot: TrialRobot, world: World, rng: np.random.Generator) -> None:
-        self._robot = robot
         self._world = world
         self._steps = round(PERIOD / world.step_time)
         self._kinematics = DifferentialDrive(robot.spec)
         self._controller = DriveController(self._kinematics, robot.drive)
         self._encoders = Encoders(robot.spec, robot.imperfections, rng)
         self._positions, _ = self._encoders.read(world.positions, 0.0)
-        self._stamps = [0.0]
         self._odometry = [Pose2()]
         self._truth = [world.pose]
 
-    def drive(self, motion: str) -> MotionRun:
+    def along(self, motion: str) -> MotionRun:
         """The whole motion with its rests."""
         self._rest()
         for leg in MOTIONS[motion]:
-            for twist in self._along(leg):
+            for twist in self._twists(leg):
                 self._tick(twist)
             self._rest()
         return MotionRun(
             motion,
-            np.array(self._stamps),
+            PERIOD * np.arange(len(self._truth), dtype=np.float64),
             np.array([pose.to_array() for pose in self._odometry]),
             np.array([pose.to_array() for pose in self._truth]),
         )
 
-    def _along(self, leg: Leg) -> Iterator[Twist2]:
+    def _twists(self, leg: Leg) -> Iterator[Twist2]:
         """What to command until odometry says that a leg is done."""
-        fastest = min(
-            self._robot.speed / max(abs(leg.distance), 1e-9),
-            self._robot.turning / max(abs(leg.turn), 1e-9),
-        )
+        fastest = min(SPEED / max(abs(leg.distance), 1e-9), TURNING / max(abs(leg.turn), 1e-9))
         left, rate = 1.0, 0.0
         while left > 0:
             rate += fastest * PERIOD / STARTING
@@ -151,15 +173,13 @@ class _Trial:
             self._tick(Twist2())
 
     def _tick(self, wanted: Twist2) -> None:
-        now = self._stamps[-1]
-        self._controller.command(wanted, now)
-        wheels = self._kinematics.wheels(self._controller.update(now))
+        stamp = (len(self._truth) - 1) * PERIOD
+        self._controller.command(wanted, stamp)
+        wheels = self._kinematics.wheels(self._controller.update(stamp))
         for _ in range(self._steps):
             self._world.step(wheels)
-        stamp = len(self._stamps) * PERIOD
-        positions, _ = self._encoders.read(self._world.positions, stamp)
+        positions, _ = self._encoders.read(self._world.positions, stamp + PERIOD)
         moved = self._kinematics.moved(positions - self._positions)
         self._positions = positions
-        self._stamps.append(stamp)
         self._odometry.append(self._odometry[-1] @ moved)
         self._truth.append(self._world.pose)

@@ -11,18 +11,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
-from app.lab.model_fits.fit_error import FitError
-from app.lab.model_fits.motion.run import MotionRun
-from app.lab.model_fits.motion.twists import chained, motions_of, relative, twists_of
+from app.lab.model_fits.likelihood import FitError
+from app.lab.model_fits.runs import MotionRun
+from app.lab.model_fits.twists import chained, motions_of, relative, twists_of
 from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 
-SHORTEST = 0.1
-"""Shorter straight runs [m] do not tell of the distance."""
-
-LARGEST = 0.5
-"""Errors of a corner or a side beyond this [rad] are no small errors."""
+LARGEST = 2.0
+"""Squares that end farther off than so many sides have no small errors."""
 
 
 @dataclass(frozen=True)
@@ -49,16 +47,6 @@ class Umbmark:
     """True way by odometry's of straight runs: the mean diameter, which squares do not show."""
 
     @property
-    def left_factor(self) -> float:
-        """c_l, for the ways of the left wheel: both factors keep the mean diameter."""
-        return 2 / (self.wheel_ratio + 1)
-
-    @property
-    def right_factor(self) -> float:
-        """c_r, for the ways of the right wheel."""
-        return 2 / (1 / self.wheel_ratio + 1)
-
-    @property
     def worst(self) -> float:
         """E_max,syst [m]: the farther of the two centres from no error."""
         return max(math.hypot(*self.centre_cw), math.hypot(*self.centre_ccw))
@@ -66,9 +54,8 @@ class Umbmark:
     def wheel_multipliers(self) -> WheelMultipliers:
         """Factors on the description's radii and track."""
         mean = self.distance
-        return WheelMultipliers(
-            mean * self.left_factor, mean * self.right_factor, mean * self.track_ratio
-        )
+        left, right = 2 / (self.wheel_ratio + 1), 2 / (1 / self.wheel_ratio + 1)
+        return WheelMultipliers(mean * left, mean * right, mean * self.track_ratio)
 
 
 def umbmark(
@@ -76,34 +63,32 @@ def umbmark(
 ) -> Umbmark:
     """Wheel and track errors from the ends of squares.
 
-    With the centres of gravity, in metres, of a robot that starts along x:
+    The paper has them by sums of small angles; here alpha and beta are those whose squares end
+    nearest to the centres of gravity. With L and b as long as they truly are
 
-        alpha = (x_cw + x_ccw) / (-4 L) = (y_cw - y_ccw) / (-4 L)
-        beta = (x_cw - x_ccw) / (-4 L) = (y_cw + y_ccw) / (-4 L)
         R = (L / 2) / sin(beta / 2),  E_d = (R + b / 2) / (R - b / 2),  E_b = 90° / (90° - alpha)
 
-    The paper takes one of the two forms; here they are averaged. As they hold for small angles
-    only, they are then made exact: the angles are corrected until the squares that they make end
-    where those that were driven did. So are L and b: sides are as long as the robot truly goes,
-    and wheels as far apart as they truly are.
-
-    Args:
-        errors_cw: (n, 2) [m] true end minus end by odometry of squares to the right.
-        errors_ccw: (m, 2) the same to the left.
-        side: L, a side of the square [m].
-        track: b, distance between the wheels as described [m].
-        distance: true way by odometry's of straight runs; see ``distance_factor``.
+    Errors (n, 2) [m] are true ends minus those by odometry, of squares to the right and to the
+    left, with sides [m] and track [m] as described, and ``distance_factor``.
 
     Raises:
-        FitError: no squares in one direction, or errors too large for a square of that size.
+        FitError: errors are too large for a square of that size.
     """
-    for name, errors in (("clockwise", errors_cw), ("anticlockwise", errors_ccw)):
-        if errors.ndim != 2 or errors.shape[1] != 2 or len(errors) == 0:
-            raise FitError(f"errors of squares {name} of shape {errors.shape}; valid are (n, 2)")
     cw, ccw = errors_cw.mean(axis=0), errors_ccw.mean(axis=0)
-    alpha, beta = _exact_angles(cw, ccw, distance * side, distance * track)
-    track_ratio = _track_ratio(alpha)
-    bend = _bend(alpha, beta, distance * side, distance * track)
+    lengths = distance * side, distance * track
+
+    def misses(angles: Array) -> Array:
+        return np.concatenate(
+            [cw - _square(-1, angles, *lengths), ccw - _square(1, angles, *lengths)]
+        )
+
+    alpha, beta = least_squares(misses, np.zeros(2), xtol=1e-14, ftol=1e-14, gtol=1e-14).x.tolist()
+    if max(np.hypot(*cw), np.hypot(*ccw)) > LARGEST * side:
+        raise FitError(
+            f"squares of {side:g} m end {np.hypot(*cw):.3f} and {np.hypot(*ccw):.3f} m off "
+            "on the mean; UMBmark is for errors that are small against the side"
+        )
+    bend = _bend(alpha, beta, *lengths)
     return Umbmark(
         (float(cw[0]), float(cw[1])),
         (float(ccw[0]), float(ccw[1])),
@@ -112,7 +97,7 @@ def umbmark(
         alpha,
         beta,
         (1 + bend) / (1 - bend),
-        track_ratio,
+        _track_ratio(alpha),
         distance,
     )
 
@@ -127,50 +112,22 @@ def return_errors(runs: Sequence[MotionRun]) -> Array:
 
 
 def distance_factor(runs: Sequence[MotionRun]) -> float:
-    """True way by odometry's of straight runs, forward or back; each may bend to an arc.
-
-    Raises:
-        FitError: there is no run, or one that went nowhere.
-    """
+    """True way by odometry's of straight runs, forward or back; each may bend to an arc."""
     ways = [(_way(run.truth), _way(run.odometry)) for run in runs]
-    if not ways or min(abs(told) for _, told in ways) < SHORTEST:
-        raise FitError(f"straight runs of {SHORTEST:g} m or more are needed to tell the distance")
-    return sum(true / told for true, told in ways) / len(ways)
+    return sum(true / by_odometry for true, by_odometry in ways) / len(ways)
 
 
 def _way(poses: Array) -> float:
     return float(twists_of(relative(poses[0], poses[-1]))[0])
 
 
-def _exact_angles(cw: Array, ccw: Array, side: float, track: float) -> tuple[float, float]:
-    alpha, beta = 0.0, 0.0
-    for _ in range(8):
-        d_alpha, d_beta = _small_angles(
-            cw - _square(-1, alpha, beta, side, track),
-            ccw - _square(1, alpha, beta, side, track),
-            side,
-        )
-        alpha, beta = alpha + d_alpha, beta + d_beta
-        if max(abs(alpha), abs(beta)) > LARGEST:
-            raise FitError(
-                f"squares of {side:g} m end {np.hypot(*cw):.3f} and {np.hypot(*ccw):.3f} m off "
-                "on the mean; UMBmark is for errors that are small against the side"
-            )
-    return alpha, beta
-
-
-def _small_angles(cw: Array, ccw: Array, side: float) -> tuple[float, float]:
-    alpha = (cw[0] + ccw[0] + cw[1] - ccw[1]) / (-8 * side)
-    beta = (cw[0] - ccw[0] + cw[1] + ccw[1]) / (-8 * side)
-    return float(alpha), float(beta)
-
-
-def _square(way: int, alpha: float, beta: float, side: float, track: float) -> Array:
+def _square(way: int, angles: Array, side: float, track: float) -> Array:
     """Where a square ends whose sides bend and whose corners fall short; way 1 is to the left.
 
     In its corners a robot on unequal wheels goes a little ahead or back: it turns about another
     point than the middle between them.
     """
+    alpha, beta = angles.tolist()
     ahead = way * math.pi / 4 * track * _bend(alpha, beta, side, track)
     legs = np.array([[side, 0.0, beta], [ahead, 0.0, way * (math.pi / 2 - alpha)]])
     end: Array = chained(np.tile(motions_of(legs), (4, 1)))[-1, :2]

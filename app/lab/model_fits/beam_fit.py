@@ -1,0 +1,230 @@
+"""Parameters of the beam model, by maximum likelihood.
+
+For the densities that ``robot.localization.models.beam.Beam`` has (Probabilistic Robotics, Table
+6.1, without its normalisers): z_hit N(z; z*, sigma_hit); z_short lambda_short exp(-lambda_short z)
+up to the expected range; z_max, no return where an edge is surely seen; z_rand / range_max.
+
+To be a distribution that all this is drawn from, it has to say what becomes of a short or a false
+range that would lie where the ray does not see: before its sight begins, behind the edge, behind
+the end of sight. Such a ray goes on as if nothing had come in its way, to hit the edge or to miss
+it by z_hit to z_max. With clear = 1 - (short and false ranges in sight) and miss = z_max /
+(z_hit + z_max):
+
+==============================  ======================================================
+an edge surely seen, a range    clear (1 - miss) N(z; z*, sigma_hit) + short(z) + z_rand / range_max
+an edge surely seen, none       clear miss
+no edge in sight, a range       short(z) + z_rand / range_max
+no edge in sight, none          clear
+==============================  ======================================================
+
+Rays that may or may not see an edge at the border of their sight are left out: what they return
+depends on the scanner's geometry, which is no chance. z_short and z_rand are for a ray that sees
+everything up to the longest range; one that sees a third of that has a third of the false returns.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+
+from app.lab.model_fits.likelihood import (
+    FitError,
+    Interval,
+    Loss,
+    Peak,
+    expansion,
+    interval_of,
+    likeliest,
+)
+from app.lab.model_fits.range_pairs import TO_SD, RangePairs
+from robot.geometry import Array
+
+FEWEST_RAYS, FEWEST_HITS = 30, 10
+WIDEST = 0.25
+"""A spread by more of the longest range is none: hits are not told from false ranges."""
+LEAST_SIGMA = 1e-6
+"""Ranges are nowhere exact to more than a micrometre; without an end the fit of some that are
+would never end [m]."""
+HARDLY_ANY = 0.5
+"""With fewer rays of a kind, its share is at the border 0."""
+COORDINATES = ("z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")
+"""Of the likelihood; z_hit is what the other shares leave of 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorValues:
+    """One number for each parameter of the beam model; the four shares add up to 1."""
+
+    z_hit: float
+    z_short: float
+    z_max: float
+    z_rand: float
+    sigma_hit: float
+    """[m]"""
+    lambda_short: float
+    """[1/m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class SensorFit:
+    """Fitted values and how sure they are."""
+
+    values: SensorValues
+    intervals: dict[str, Interval]
+    """Of 95 %, by name."""
+    at_border: tuple[str, ...]
+    """Values at the border of what they can be: shares at 0; sigma_hit at its least; lambda_short
+    if no ray was cut short (the rays say nothing of it), or if it is so small or great that it
+    cannot be told."""
+    log_likelihood: float
+    iterations: int
+    converged: bool
+    rays: int
+    """Rays that were fitted: those that surely see an edge and those that see none."""
+
+
+def fit_sensor(
+    pairs: RangePairs,
+    range_max: float,
+    start: SensorValues | None = None,
+    *,
+    worth: float = 1.0,
+    least_sigma: float = 0.0,
+) -> SensorFit:
+    """Fit the beam model's six parameters.
+
+    Args:
+        pairs: measured and exact ranges.
+        range_max: longest range [m], as the pairs were made for.
+        start: values to start from; None guesses them.
+        worth: independent rays that a ray is worth; intervals get wider by its root.
+        least_sigma: sigma_hit is not fitted below it [m]; the others are the likeliest with it.
+
+    Raises:
+        FitError: too few rays, or too few returns from edges.
+    """
+    _check(pairs)
+    loss, least_sigma = beam_loss(pairs, range_max), max(least_sigma, LEAST_SIGMA)
+    usable = pairs.sure | pairs.empty
+    count, near = int(usable.sum()), float(np.median(pairs.sight[usable, 0]))
+    # Short ranges that get rarer over more than the longest range are as good as even; those that
+    # do over a third of the way to where sight begins would hardly ever be seen.
+    rates = 1 / range_max, min(1000 / range_max, 3 / near if near > 0 else math.inf)
+    least = np.array([0.0, 0.0, 0.0, least_sigma, rates[0]])
+    most = np.array([1.0, 1.0, 1.0, math.inf, rates[1]])
+    guess = np.array(astuple(start)[1:]) if start else _guess(pairs, range_max, least_sigma)
+    begin = np.clip(guess, least, most)
+    peak = likeliest(loss, begin, np.maximum(begin, [1 / count] * 3 + [0.0] * 2), least, most)
+    few = peak.place[:3] * count < HARDLY_ANY
+    peak = replace(peak, free=peak.free & ~np.array([*few, False, few[0]]))
+    sigma = float(peak.place[3])
+    hits = int(np.sum(np.abs(pairs.residuals[pairs.sure]) < 5 * sigma))
+    if hits < FEWEST_HITS or sigma > WIDEST * range_max:
+        raise FitError(
+            f"no edge is found in the ranges: {hits} seem to be of one, off by {sigma:.3g} m; "
+            f"needed are {FEWEST_HITS} or more, off by at most {WIDEST * range_max:.3g} m (are the "
+            "poses those of the scans, on this map?)"
+        )
+    return SensorFit(
+        SensorValues(*[1 - float(peak.place[:3].sum()), *peak.place.tolist()]),
+        _intervals(loss, peak, rates, worth),
+        tuple(name for name, item in zip(COORDINATES, peak.free, strict=True) if not item),
+        peak.log_likelihood,
+        peak.iterations,
+        peak.converged,
+        count,
+    )
+
+
+def beam_loss(pairs: RangePairs, range_max: float) -> Loss:
+    """Minus the log-likelihood by ``COORDINATES`` (5,), and its slope.
+
+    Of the rays that surely see an edge, and those that see none.
+    """
+    has_range, usable = pairs.returned, pairs.sure | pairs.empty
+    # Those that returned come first: m of all.
+    order = np.concatenate([np.flatnonzero(usable & kind) for kind in (has_range, ~has_range)])
+    m, misses = int((usable & has_range).sum()), int((pairs.sure & ~has_range).sum())
+    ranges, expected = pairs.measured[order[:m]], pairs.expected[order]
+    errors = np.where(pairs.sure[order[:m]], pairs.residuals[order[:m]], np.inf)
+    in_front = ranges <= expected[:m]
+    begin, far = pairs.sight[order].T
+    end, view = np.maximum(np.minimum(expected, far), begin), (far - begin) / range_max
+
+    def loss(place: Array) -> tuple[float, Array]:
+        short, none, rand, sigma, rate = place.tolist()
+        clear_all = max(1 - short - rand, 1e-12)
+        miss = min(max(none / clear_all, 1e-300), 1 - 1e-12)
+        fades = np.exp(-rate * begin), np.exp(-rate * end)
+        # Nothing is 0 or less, so that values tried in vain are merely unlikely.
+        clear = np.maximum(1 - short * (fades[0] - fades[1]) - rand * view, 1e-300)
+        fading = np.where(in_front, rate * np.exp(-rate * ranges), 0.0)
+        normal = np.exp(-0.5 * np.square(errors / sigma)) / (sigma * math.sqrt(2 * math.pi))
+        p = np.maximum(clear[:m] * (1 - miss) * normal + short * fading + rand / range_max, 1e-300)
+        value = np.log(p).sum() + np.log(clear[m:]).sum() + misses * math.log(miss)
+        by_clear = np.concatenate([(1 - miss) * normal / p, 1 / clear[m:]])
+        hits = clear[:m] * by_clear[:m]
+        by_miss = (misses / miss - hits.sum() / (1 - miss)) / clear_all
+        squares = np.square(np.where(hits > 0, errors, 0.0) / sigma)
+        ways = by_clear @ (begin * fades[0] - end * fades[1])
+        slope = [
+            np.sum(fading / p) - by_clear @ (fades[0] - fades[1]) + by_miss * miss,
+            by_miss,
+            np.sum(1 / p) / range_max - by_clear @ view + by_miss * miss,
+            hits @ (squares - 1) / sigma,
+            short * (ways + np.sum(fading * (1 / rate - ranges) / p)),
+        ]
+        return -float(value), -np.array(slope)
+
+    return loss
+
+
+def _intervals(
+    loss: Loss, peak: Peak, rates: tuple[float, float], worth: float
+) -> dict[str, Interval]:
+    """By name; of shares at 0 up to where seeing none gets unlikely."""
+    covariance = peak.covariance / worth
+    hit = 1 - float(peak.place[:3].sum())
+    low, high = interval_of(hit, float(covariance[:3, :3].sum()), 1.0)
+    intervals: dict[str, Interval] = {}
+    for k, name in enumerate(COORDINATES):
+        value, most = float(peak.place[k]), 1.0 if k < 3 else math.inf
+        if peak.free[k]:
+            intervals[name] = interval_of(value, float(covariance[k, k]), most)
+        elif k < 3:
+            # Without short ranges any lambda_short is as good as another.
+            places = [np.append(peak.place[:4], item) for item in rates if not peak.free[0]]
+            peaks = [expansion(loss, item, peak.units, peak.free) for item in places]
+            none = min(max(item.none_seen(k, worth) for item in (peak, *peaks)), 1.0)
+            # What another share may be more than 0, z_hit may be less.
+            intervals[name], low = (0.0, none), low * (1 - none)
+        else:
+            intervals[name] = 0.0, value if name == "sigma_hit" else math.inf
+    return {"z_hit": (low, high)} | intervals
+
+
+def _check(pairs: RangePairs) -> None:
+    """Refuse what cannot be fitted."""
+    if pairs.sure.sum() < FEWEST_RAYS:
+        raise FitError(
+            f"{pairs.sure.sum()} rays surely see an edge; needed are {FEWEST_RAYS} or more: "
+            "drive where tape is in sight"
+        )
+    if (hits := int((pairs.sure & pairs.returned).sum())) < FEWEST_HITS:
+        raise FitError(
+            f"{hits} rays returned something where an edge is; needed are {FEWEST_HITS} or more"
+        )
+
+
+def _guess(pairs: RangePairs, range_max: float, least_sigma: float) -> Array:
+    """Where to start (5,): what is farther than five spreads from its edge is false."""
+    errors = np.abs(pairs.residuals)
+    sigma = max(TO_SD * float(np.median(errors[pairs.sure & pairs.returned])), least_sigma)
+    wrong = pairs.returned & (pairs.sure | pairs.empty) & ~(pairs.sure & (errors <= 5 * sigma))
+    short = pairs.measured[wrong & (pairs.measured <= pairs.expected)]
+    # None is one, for at 0 lambda_short has no slope.
+    kinds = np.array([wrong.sum() / 2, (pairs.sure & ~pairs.returned).sum(), wrong.sum() / 2]) + 1
+    rate = 1 / float(short.mean()) if short.any() else 5 / range_max
+    return np.array([*kinds / ((pairs.sure | pairs.empty).sum() + 4), sigma, rate])

@@ -1,1 +1,0 @@
-"""Odometry with truth: its steady errors, the alphas of what is left, and what regions hold."""

@@ -1,0 +1,212 @@
+"""Measured ranges beside those that exact edges give from the true poses, and how they differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.fields.field import Field
+from robot.fields.ray_casting import cast_rays
+from robot.geometry import Array, Pose2, heading_vectors
+from robot.localization.models.beam import FAR, NEAR
+from robot.scan import Scan
+
+FAR_OFF = 0.03
+"""A return farther than this from the expected edge is false [m], as in the scanner's benchmark:
+a hundred times the spread of a good range, and less than the 50 mm to the tape's other edge."""
+
+TO_SD = 1.4826
+"""Standard deviation of a normal distribution by its median absolute deviation."""
+
+
+@dataclass(frozen=True)
+class RangePairs:
+    """n rays of some scans, each with what it measured and what it should have.
+
+    Rays that see nowhere are left out; ``scan`` and ``ray`` tell which those here are.
+    """
+
+    measured: Array
+    """(n,) [m]; +inf is no return."""
+    expected: Array
+    """(n,) to the first edge from where sight begins [m]; +inf is none within the range.
+
+    Of a ray that returned from about where sight begins: from ``NEAR`` before that.
+    """
+    bearings: Array
+    """(n,) [rad] from +x of the scan's centre, anticlockwise."""
+    scan: NDArray[np.int64]
+    """(n,) number of the scan, rising."""
+    ray: NDArray[np.int64]
+    """(n,) number of the ray within its scan."""
+    sure: NDArray[np.bool_]
+    """(n,) whether the ray surely sees the expected edge, as the beam model (``Beam``) has it."""
+    sight: Array
+    """(n, 2) from where to where the ray can see [m], ending at the longest range at most."""
+
+    def __len__(self) -> int:
+        return len(self.measured)
+
+    @property
+    def empty(self) -> NDArray[np.bool_]:
+        """(n,) whether no edge is in the ray's sight; rays neither sure nor empty may see one."""
+        return self.expected > self.sight[:, 1]
+
+    @property
+    def returned(self) -> NDArray[np.bool_]:
+        """(n,) whether there is a range."""
+        return np.isfinite(self.measured)
+
+    @property
+    def right(self) -> NDArray[np.bool_]:
+        """(n,) whether the ray returned what it should, within ``FAR_OFF``."""
+        return np.abs(self.residuals) < FAR_OFF
+
+    @property
+    def residuals(self) -> Array:
+        """(n,) measured minus expected [m]; nan unless both are finite."""
+        both = self.returned & np.isfinite(self.expected)
+        residuals = np.full(len(self), np.nan)
+        residuals[both] = self.measured[both] - self.expected[both]
+        return residuals
+
+
+def pair_ranges(
+    field: Field, scans: Sequence[Scan], poses: Sequence[Pose2], range_max: float
+) -> RangePairs:
+    """Cast the rays of scans, from where they truly were measured, at a field's exact edges.
+
+    Returns from beyond the longest range [m] count as none.
+
+    Raises:
+        ValueError: no scans, or not as many poses.
+    """
+    if not scans or len(scans) != len(poses):
+        raise ValueError(
+            f"{len(scans)} scans and {len(poses)} poses; valid is one or more, as many of both"
+        )
+    cut_scans = [scan.within(0.0, range_max) for scan in scans]
+    counts = [len(scan.ranges) for scan in cut_scans]
+    measured = np.concatenate([scan.ranges for scan in cut_scans])
+    # A sensor that tells no borders of its sight sees everywhere.
+    everywhere = np.array([[0.0, np.inf]])
+    sight = np.concatenate(
+        [
+            everywhere.repeat(count, axis=0) if scan.sight is None else scan.sight
+            for scan, count in zip(cut_scans, counts, strict=True)
+        ]
+    )
+    sighted = np.array([scan.sight is not None for scan in cut_scans]).repeat(counts)
+    near, far = sight.T
+    # The line of an edge that is seen beside a ray also ends the ray a little before its sight.
+    begin = near - np.minimum(NEAR, near) * (measured < near + NEAR)
+    centres = [pose @ scan.robot_from_scan for pose, scan in zip(poses, cut_scans, strict=True)]
+    bearings = np.concatenate([scan.bearings for scan in cut_scans])
+    starts = np.repeat([centre.to_array() for centre in centres], counts, axis=0)
+    starts[:, 2] += bearings
+    expected = _cast(field, starts, begin, range_max)
+    surely_near, surely_far = near + NEAR * sighted, np.minimum(far - FAR * sighted, range_max)
+    useful = ~np.isnan(near)
+    return RangePairs(
+        measured=measured[useful],
+        expected=expected[useful],
+        bearings=bearings[useful],
+        scan=np.arange(len(cut_scans)).repeat(counts)[useful],
+        ray=np.concatenate([np.arange(count) for count in counts])[useful],
+        sure=((surely_near <= expected) & (expected <= surely_far))[useful],
+        sight=np.minimum(sight, range_max)[useful],
+    )
+
+
+def _cast(field: Field, starts: Array, begin: Array, range_max: float) -> Array:
+    """Distances (n,) from the starts to the first edges that are met from a distance on [m].
+
+    Tape below the camera's view hides nothing, so a ray is cast from where its sight begins.
+    """
+    begins = starts.copy()
+    begins[:, :2] += begin[:, None] * heading_vectors(starts[:, 2])
+    # A ray that sees nowhere is cast all the same, and left out later.
+    ways = np.empty((len(starts), 1))
+    cast_rays(np.nan_to_num(begins), np.zeros(1), field.edge_index, range_max, ways)
+    expected: Array = begin + ways[:, 0]
+    return np.where(expected <= range_max, expected, np.inf)
+
+
+@dataclass(frozen=True, slots=True)
+class RangeStatistics:
+    """The rays of one bin. A figure of which there is nothing to tell is nan."""
+
+    low: float
+    """Of the bin [m] or [rad]."""
+    high: float
+    count: int
+    """Rays that returned what they should, within ``FAR_OFF``: bias and spread are of these."""
+    bias: float
+    """Mean of measured minus exact [m]."""
+    sd: float
+    """Standard deviation of it [m]."""
+    robust_sd: float
+    """1.4826 times the median absolute deviation [m]: what it is without the worst ones."""
+    expected: int
+    """Rays that surely see an edge."""
+    missed: float
+    """Share of those that do not report it: no return, or one that is false."""
+    returns: int
+    """Rays that returned anything."""
+    false: float
+    """Share of those where nothing is: farther than ``FAR_OFF`` from the edge, or without one."""
+
+
+def by_distance(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
+    """Statistics between borders (k + 1,) [m], rising.
+
+    What should have been seen counts by its exact distance, what was returned by its measured one.
+    """
+    return _by(pairs, pairs.expected, pairs.measured, borders)
+
+
+def by_bearing(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
+    """Statistics between borders (k + 1,) of bearings [rad], rising."""
+    return _by(pairs, pairs.bearings, pairs.bearings, borders)
+
+
+def overall(pairs: RangePairs) -> RangeStatistics:
+    """Statistics of all rays."""
+    return _by(pairs, pairs.bearings, pairs.bearings, np.array([-math.inf, math.inf]))[0]
+
+
+def _by(
+    pairs: RangePairs, expected: Array, measured: Array, borders: Array
+) -> list[RangeStatistics]:
+    """Of the rays from each border on to before the next, as expected and as measured."""
+    right, bins = pairs.right, []
+    for low, high in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
+        due, came = ((low <= values) & (values < high) for values in (expected, measured))
+        errors = pairs.residuals[right & due]
+        sure, returned = pairs.sure & due, pairs.returned & came
+        several = len(errors) > 1
+        bins.append(
+            RangeStatistics(
+                low,
+                high,
+                count=len(errors),
+                bias=float(errors.mean()) if len(errors) else math.nan,
+                sd=float(errors.std(ddof=1)) if several else math.nan,
+                robust_sd=TO_SD * float(np.median(np.abs(errors - np.median(errors))))
+                if several
+                else math.nan,
+                expected=int(sure.sum()),
+                missed=_share(sure & ~right, sure),
+                returns=int(returned.sum()),
+                false=_share(returned & ~right, returned),
+            )
+        )
+    return bins
+
+
+def _share(some: NDArray[np.bool_], whole: NDArray[np.bool_]) -> float:
+    return float(some.sum() / whole.sum()) if whole.any() else math.nan

@@ -1,1 +1,0 @@
-"""Measured ranges beside exact ones: how they err, and the beam model fitted to them."""

@@ -1,1 +1,0 @@
-"""Known motions, driven again and again by a simulated robot."""
