@@ -7,7 +7,7 @@ import pytest
 from app.engine.build import build_program
 from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import carried_drive, lap_drive
-from app.lab.evaluation.integrity.measures import certain, longest, misleading, right
+from app.lab.evaluation.integrity.measures import longest, misleading, right
 from app.messages.commands import FigureEightCommand
 from app.settings.conditions import in_condition
 from app.settings.config import Config
@@ -78,8 +78,17 @@ def test_a_carried_robot_is_not_certain_of_another_place() -> None:
     # To find another place is no fault of the model.
     since = claims.stamps > 14
     assert right(claims)[since].all()
-    assert certain(claims)[claims.stamps > 16].all()
+    # Half a turn away the floor looks the same for as long: no bound is claimed meanwhile.
+    states = {state for state, later in zip(claims.states, since, strict=True) if later}
+    assert states <= {State.CERTAIN, State.APPROXIMATE}
     assert {cause for cause, later in zip(claims.causes, since, strict=True) if later} == {None}
+
+
+@pytest.mark.parametrize(("name", "seed"), [("stub", 9522), ("generated-6312", 9520)])
+def test_a_carried_robot_is_not_certain_while_a_rival_fits_as_well(name: str, seed: int) -> None:
+    """The second search confirmed it for up to 2.7 s: the rival, followed by then, was no news."""
+    claims = claims_of(name, "default", "carried", seed)
+    assert longest(claims.stamps, misleading(claims)) < 0.5
 
 
 def test_a_robot_with_worn_wheels_is_right_to_the_end() -> None:

@@ -51,7 +51,7 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
         EvaluationError, FitError: a drive cannot be made, or tells too little.
         OSError: the folder cannot be written.
     """
-    config = with_settings(job.config, {"imperfections.robot": job.robot, "seed": job.robot})
+    config = with_settings(job.config, {"sim.imperfections.robot": job.robot, "seed": job.robot})
     with written_whole(folder) as new:
         motion = repeated_motions(config, job.world, job.repeats, workers)
         sensor = scanned_drives(config, job.world, job.drives, job.seconds, workers)
@@ -125,7 +125,7 @@ def _written(
         for path, value in excesses.items()
     )
     # So that a simulated run has the robot that was measured.
-    robot = {"imperfections.robot": facts["robot"]} if "robot" in facts else {}
+    robot = {"sim.imperfections.robot": facts["robot"]} if "robot" in facts else {}
     (folder / FITTED).write_text(toml_of(settings | robot, comments), encoding="utf-8")
     page = models_report(results, motion, sensor, config)
     (folder / "report.html").write_text(page, encoding="utf-8")

@@ -64,7 +64,7 @@ class MotionStatistics:
 def repeated_motions(
     config: Config, world: str, repeats: int, workers: Workers
 ) -> MotionStatistics:
-    """Drive each motion many times with one simulated robot, that of ``imperfections.robot``.
+    """Drive each motion many times with one simulated robot, that of ``sim.imperfections.robot``.
 
     Raises:
         EvaluationError: a motion cannot be driven.
