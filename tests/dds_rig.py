@@ -54,7 +54,7 @@ class Rig:
         config = Config(robot="kinematic", map="stub")
         config = replace(config, ros2=Ros2Settings(domain_id=domain, **settings))
         simulated = build_program(config, self.pace).robot
-        self.program = build_program(config, self.pace, WithBattery(simulated))
+        self.program = build_program(config, self.pace, robot=WithBattery(simulated))
         self.source = TopicSource.of(self.program)
         self.source.clock.hold()  # a busy machine changes no stamp
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
