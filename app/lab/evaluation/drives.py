@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
@@ -10,7 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.engine.build import build_program
+from app.engine.engine import Engine
 from app.engine.localization import Localization
+from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.messages.commands import FigureEightCommand, PauseCommand
 from app.settings.config import MAPS, Config
@@ -120,7 +123,7 @@ def record(
     try:
         while not ticks or ticks[-1].stamp < seconds:
             engine.commands.put(FigureEightCommand(type="figure_eight"))
-            ticks.append(_tick(engine.step()))
+            ticks.append(_tick(_stepped(engine)))
             if kidnap is not None and ticks[-1].stamp >= kidnap[0]:
                 assert isinstance(robot, Placeable)
                 robot.place(kidnap[1])
@@ -133,6 +136,16 @@ def record(
 def simulated(config: Config) -> Config:
     """The same with a simulated robot, where a real one is named."""
     return replace(config, robot="auto") if config.robot == "buildhat" else config
+
+
+def _stepped(engine: Engine) -> Snapshot:
+    """One step, without words on the terminal: a condition may be that pictures are missing."""
+    level = LOG.level
+    LOG.setLevel(logging.ERROR)
+    try:
+        return engine.step()
+    finally:
+        LOG.setLevel(level)
 
 
 def _tick(snapshot: Snapshot) -> Tick:
@@ -218,7 +231,7 @@ def followed(
     localization = program.engine.localization
     begin(localization)
     for tick in drive.ticks:
-        program.engine.step()
+        _stepped(program.engine)
         if localization.fault:
             raise EvaluationError(localization.fault)
         if tick.odometry_at_scan is not None:
