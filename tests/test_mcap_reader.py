@@ -1,17 +1,12 @@
 """Recordings of anybody are read in order of time; what is none is refused in words."""
 
-import gzip
 import random
-import sqlite3
 
 import numpy as np
 import pytest
-import zstandard
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from mcap.opcode import Opcode
-from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
+from mcap_files import chunks_of, write_foreign
 from recordings import BEGIN_NS, TEXT, TICK_NS, make, text_cdr
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as RosbagsWriter
@@ -19,24 +14,6 @@ from rosbags.rosbag2 import Writer as RosbagsWriter
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.ros2.message_types import definition, typestore
-
-
-def write_foreign(path, times, *, encoding="cdr", **options):
-    """An MCAP file by the mcap package, with messages logged at the times [ns] in this order."""
-    with path.open("wb") as stream:
-        writer = Writer(stream, **options)
-        writer.start("ros2")
-        schema = writer.register_schema(TEXT, "ros2msg", definition(TEXT).encode())
-        channels = [writer.register_channel(f"/{name}", encoding, schema) for name in "ab"]
-        for count, time_ns in enumerate(times):
-            writer.add_message(channels[count % 2], time_ns, text_cdr(f"{count}"), time_ns)
-        writer.finish()
-    return path
-
-
-def chunks_of(path):
-    with path.open("rb") as stream:
-        return make_reader(stream).get_summary().chunk_indexes
 
 
 def records_at(data):
@@ -187,122 +164,6 @@ def test_a_file_that_ends_in_zeros_as_after_a_power_cut_is_read_up_to_there(tmp_
     assert reader.unfinished
     assert "no record" in reader.damage
     assert told(path) == whole
-
-
-def test_damage_in_the_middle_of_a_finished_file_is_told_when_it_is_met(tmp_path):
-    path = make(tmp_path / "drive", ticks=1000)
-    data = bytearray(path.read_bytes())
-    chunk = chunks_of(path)[20]
-    data[chunk.chunk_start_offset + chunk.chunk_length - 5] ^= 0xFF
-    path.write_bytes(data)
-    reader = open_recording(path)
-    with pytest.raises(RecordingError, match=r"drive_0.mcap is damaged: .*valid is"):
-        list(reader.messages())
-
-
-FOREIGN = {
-    "empty.mcap": (b"", "is empty; valid is an MCAP file"),
-    "text.mcap": (b"hello, world", "is no MCAP file"),
-    "start.mcap": (b"\x89MCAP0\r\n\x01", "ends at once"),
-    "magic.mcap": (b"\x89MCAP0\r\n" + b"\x05" * 40, "without its first record"),
-    "old.bag": (b"#ROSBAG V2.0\n", "is a ROS 1 bag"),
-    "packed.mcap.zstd": (zstandard.compress(b"x"), "compressed as a whole by zstd"),
-    "packed.mcap.gz": (gzip.compress(b"x"), "compressed as a whole by gzip"),
-    "packed.zip": (b"PK\x03\x04....", "is a zip archive"),
-}
-
-
-@pytest.mark.parametrize("name", FOREIGN)
-def test_other_files_are_told_by_what_they_are(tmp_path, name):
-    content, words = FOREIGN[name]
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(RecordingError, match=words):
-        open_recording(tmp_path / name)
-
-
-def test_an_older_bag_is_told_by_what_it_is(tmp_path):
-    base = sqlite3.connect(tmp_path / "bag.db3")
-    base.execute("CREATE TABLE messages(id)")
-    base.commit()
-    base.close()
-    with pytest.raises(RecordingError, match="SQLite"):
-        open_recording(tmp_path / "bag.db3")
-    with pytest.raises(RecordingError, match=r"has bag.db3; valid is a folder with an .mcap"):
-        open_recording(tmp_path)
-
-
-def test_what_is_not_there_or_has_nothing_is_told(tmp_path):
-    with pytest.raises(RecordingError, match="No such file"):
-        open_recording(tmp_path / "none.mcap")
-    with pytest.raises(RecordingError, match="is empty; valid is a folder"):
-        (tmp_path / "folder").mkdir()
-        open_recording(tmp_path / "folder")
-    with pytest.raises(RecordingError, match="has no message"):
-        open_recording(make(tmp_path / "drive", ticks=0))
-    with pytest.raises(RecordingError, match=r"has messages in json; valid are .* cdr"):
-        open_recording(write_foreign(tmp_path / "j.mcap", range(5), encoding="json"))
-
-
-def read_all(path):
-    reader = open_recording(path)
-    for _ in reader.messages():
-        pass
-    return dict(reader.attachments)
-
-
-@pytest.fixture(scope="module")
-def samples(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("samples")
-    finished = make(folder / "finished", ticks=60).read_bytes()
-    cut = make(folder / "cut", ticks=60, close=False).read_bytes()
-    loose = write_foreign(folder / "loose.mcap", range(40), use_chunking=False).read_bytes()
-    plain = write_foreign(
-        folder / "plain.mcap", range(40), compression=CompressionType.NONE, enable_crcs=False
-    ).read_bytes()
-    lz4 = write_foreign(folder / "lz4.mcap", range(40), compression=CompressionType.LZ4)
-    return folder / "damaged.mcap", [finished, cut, loose, plain, lz4.read_bytes()]
-
-
-@settings(max_examples=600, deadline=None)
-@given(data=st.data())
-def test_damaged_bytes_never_raise_anything_else(samples, data):
-    path, files = samples
-    content = bytearray(data.draw(st.sampled_from(files)))
-    for _ in range(data.draw(st.integers(1, 4))):
-        place = data.draw(st.integers(0, len(content) - 1))
-        content[place : place + data.draw(st.sampled_from([0, 1, 1, 1, 8]))] = data.draw(
-            st.one_of(st.binary(max_size=9), st.sampled_from([b"\xff" * 8, bytes(8), b"\xff\xff"]))
-        )
-    path.write_bytes(content)
-    try:
-        read_all(path)
-    except RecordingError as error:
-        assert "valid" in str(error)
-
-
-@settings(max_examples=100, deadline=None)
-@given(rest=st.binary(max_size=200))
-def test_any_bytes_after_the_beginning_are_answered_by_words(samples, rest):
-    path, _ = samples
-    path.write_bytes(b"\x89MCAP0\r\n\x01" + rest)
-    with pytest.raises(RecordingError):
-        read_all(path)
-
-
-def test_a_chunk_that_claims_to_be_huge_takes_no_memory(tmp_path):
-    # 100 MB of zeros in 10 kB: the frame's own size is another than the chunk's.
-    path = make(tmp_path / "drive", ticks=30)
-    begin = chunks_of(path)[0].chunk_start_offset
-    data = bytearray(path.read_bytes())
-    bomb = zstandard.compress(bytes(100_000_000))
-    head = begin + 9 + 28 + 8
-    data[head : head + 8] = len(bomb).to_bytes(8, "little")
-    old = int.from_bytes(path.read_bytes()[head : head + 8], "little")
-    data[head + 8 : head + 8 + old] = bomb
-    data[begin + 1 : begin + 9] = (28 + 8 + 8 + len(bomb)).to_bytes(8, "little")
-    path.write_bytes(data)
-    with pytest.raises(RecordingError, match="has no message"):
-        open_recording(path)
 
 
 def test_seeking_reads_only_what_it_needs(tmp_path):

@@ -70,8 +70,7 @@ class MultiHypothesisFilter:
         self._search: PlaceSearch | None = None
         self._scans = 0
         """Kept since the start."""
-        self._lost_at = 0
-        """The same, when it was last lost or the start."""
+        self._lost_at = 0  # The same, when it was last lost or the start.
         self._anchored = True
         """Whether the start was told, and it was never lost since."""
         self._confirmation = Confirmation()
