@@ -22,7 +22,9 @@ class Problem:
 class Problems:
     """Problems by topic; a topic has at most one at a time."""
 
-    def __init__(self) -> None:
+    def __init__(self, level: int = logging.WARNING) -> None:
+        """``level`` is that of the log's entries."""
+        self._level = level
         self._now: dict[str, str] = {}
         self.record: tuple[Problem, ...] = ()
         """The last hundred, newest last."""
@@ -52,7 +54,7 @@ class Problems:
         """Put into the record what went wrong and is over."""
         self.count += 1
         self.record = (*self.record, Problem(stamp, message))[-KEPT:]
-        LOG.warning("%.2f s: %s", stamp, message)
+        LOG.log(self._level, "%.2f s: %s", stamp, message)
 
     @property
     def now(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.engine import Engine
 from app.engine.localization import Localization
-from app.engine.problems import LOG
+from app.engine.problems import Problems
 from app.engine.snapshot import Snapshot
 from app.messages.commands import FigureEightCommand, PauseCommand
 from app.settings.config import MAPS, Config
@@ -116,14 +116,16 @@ def record(
     if start is not None:
         field = replace(field, start=start)
     config = replace(config, figure_eight=replace(config.figure_eight, phase=elapsed))
-    program = build_program(simulated(config), field=field, scanner=scanner)
-    engine, robot = program.engine, program.robot
+    # Models are asked when the drive is followed; one that is broken would stop the robot.
+    config = replace(config, sensor_model="", motion_model="", models="")
+    program = build_program(_for_lab(simulated(config)), field=field, scanner=scanner)
+    engine, robot = _silent(program.engine), program.robot
     engine.commands.put(PauseCommand(type="pause"))
     ticks: list[Tick] = []
     try:
         while not ticks or ticks[-1].stamp < seconds:
             engine.commands.put(FigureEightCommand(type="figure_eight"))
-            ticks.append(_tick(_stepped(engine)))
+            ticks.append(_tick(engine.step()))
             if kidnap is not None and ticks[-1].stamp >= kidnap[0]:
                 assert isinstance(robot, Placeable)
                 robot.place(kidnap[1])
@@ -138,14 +140,15 @@ def simulated(config: Config) -> Config:
     return replace(config, robot="auto") if config.robot == "buildhat" else config
 
 
-def _stepped(engine: Engine) -> Snapshot:
-    """One step, without words on the terminal: a condition may be that pictures are missing."""
-    level = LOG.level
-    LOG.setLevel(logging.ERROR)
-    try:
-        return engine.step()
-    finally:
-        LOG.setLevel(level)
+def _for_lab(config: Config) -> Config:
+    """Without a pose that was saved or set for another run."""
+    return replace(config, start_pose=StartPoseSettings())
+
+
+def _silent(engine: Engine) -> Engine:
+    """An engine that keeps its problems to itself: a condition may be that pictures are missing."""
+    engine.controls.problems = Problems(logging.DEBUG)
+    return engine
 
 
 def _tick(snapshot: Snapshot) -> Tick:
@@ -222,16 +225,17 @@ def followed(
         EvaluationError: a model of the user's own is broken.
     """
     program = build_program(
-        replace(config, start_pose=StartPoseSettings()),
+        _for_lab(config),
         robot=DrivenAgain(drive),
         field=believed or drive.field,
         scanner=KnownScans(drive, config.scanner),
         entries=entries,
     )
-    localization = program.engine.localization
+    engine = _silent(program.engine)
+    localization = engine.localization
     begin(localization)
     for tick in drive.ticks:
-        _stepped(program.engine)
+        engine.step()
         if localization.fault:
             raise EvaluationError(localization.fault)
         if tick.odometry_at_scan is not None:
