@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from benchmarks.run import run
+from robot.settings import SettingError
 
 
 def main() -> int:
@@ -19,7 +20,7 @@ def main() -> int:
         return run(parsed.names, parsed.json)
     except (OSError, ValueError, ImportError, RuntimeError) as error:
         sys.stderr.write(f"brickpose: {error}\n")
-        return 2 if isinstance(error, ValueError) else 1
+        return 2 if isinstance(error, SettingError) else 1
 
 
 if __name__ == "__main__":
