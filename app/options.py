@@ -10,7 +10,7 @@ from typing import Any
 from app.settings.conditions import condition_names, in_condition
 from app.settings.config import Config, load_config
 
-OPTIONS = ("robot", "map", "host", "port", "seed", "sensor_model", "motion_model", "models")
+OPTIONS = ("robot", "host", "port", "seed", "sensor_model", "motion_model", "models")
 """Options that are settings of the same name."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
@@ -82,7 +82,7 @@ def add_camera(command: argparse.ArgumentParser) -> None:
 def config_from(parsed: argparse.Namespace) -> Config:
     """The configuration file, if there is one, with the command line's options over it."""
     given = vars(parsed)
-    config = load_config(given["config"]) if "config" in given else Config()
+    config = config_of(given)
     over = {name: given[name] for name in OPTIONS if name in given}
     over_start = {name: given[name] for name in START_OPTIONS if name in given}
     config = replace(config, start_pose=replace(config.start_pose, **over_start))
