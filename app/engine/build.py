@@ -27,6 +27,7 @@ from robot.geometry import Pose2
 from robot.hat.build_hat import BuildHat
 from robot.interface import Placeable, Robot
 from robot.localization.models.entry_field import EntryField
+from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.encoders import Encoders
@@ -74,38 +75,63 @@ def build_program(
     config, _ = settle_robot(config)
     field = field or load_field(config.map, MAPS)
     spec = RobotSpec.load()
-    chance = Streams.of(config.seed)
     scanner = scanner or LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
-    localization = Localization(
-        scanner, field, config.localization, chance.filter, own, entries, begin.hypotheses
-    )
-    robot = robot or build_robot(config, spec, field, chance.robot, wait)
+    robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
     if begin.truth is not None and isinstance(robot, Placeable):
         robot.place(begin.truth)
-    kinematics = DifferentialDrive(spec, config.drive.multipliers)
-    controls = Controls(
-        robot,
-        Odometry(kinematics, config.odometry),
-        localization,
-        driving_of(config, kinematics),
-        odometry_start(begin, robot, field),
-    )
-    engine = Engine(controls, apply)
+    engine = build_engine(config, robot, field, scanner, own, begin, config.localization, entries)
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return Program(engine, robot, field, scanner, config, path, own.choice)
 
 
-def driving_of(config: Config, kinematics: DifferentialDrive) -> Driving:
-    """Who drives, as configured."""
-    controller = DriveController(kinematics, config.drive)
-    return Driving(controller, config.drive.cmd_vel_timeout, config.figure_eight)
+def build_engine(
+    config: Config,
+    robot: Robot,
+    field: Field,
+    scanner: LineScanner,
+    own: OwnModels,
+    begin: Start,
+    parameters: LocalizationParameters,
+    entries: EntryField | None = None,
+) -> Engine:
+    """An engine before its first tick; a replay makes another each time that it begins anew.
+
+    Args:
+        config: everything that can be set; a reset brings its parameters back.
+        robot: that is stepped.
+        field: the map.
+        scanner: what finds tape in pictures.
+        own: models of the user's own.
+        begin: where filter and odometry start.
+        parameters: those that the filter begins with.
+        entries: the field's table of distances, if it is there already.
+    """
+    kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
+    localization = Localization(
+        scanner,
+        field,
+        parameters,
+        Streams.of(config.seed).filter,
+        own,
+        entries,
+        begin.hypotheses,
+        config.localization,
+    )
+    driving = Driving(
+        DriveController(kinematics, config.drive),
+        config.drive.cmd_vel_timeout,
+        config.figure_eight,
+    )
+    start_pose = _odometry_start(begin, robot, field)
+    odometry = Odometry(kinematics, config.odometry)
+    return Engine(Controls(robot, odometry, localization, driving, start_pose), apply)
 
 
-def odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
+def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
     """Where dead reckoning starts: where the robot is, as far as anybody knows."""
     if isinstance(robot, Placeable):
         return begin.truth or field.start

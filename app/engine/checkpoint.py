@@ -14,13 +14,14 @@ from dataclasses import dataclass, field
 from typing import Any
 from weakref import WeakValueDictionary
 
+from robot.driving.differential_drive import DifferentialDrive
 from robot.localization.models.entry_field import EntryField
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan
 
-IMMUTABLE = (EntryField, RayEvidence, ScanMatcher, Scan)
+IMMUTABLE = (DifferentialDrive, EntryField, RayEvidence, ScanMatcher, Scan)
 """Types of what is frozen and holds arrays that nobody writes to."""
 
 LEFT_OUT = (LineScan,)

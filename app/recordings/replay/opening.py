@@ -7,11 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from app.engine.build import Streams, driving_of, odometry_start, own_models
-from app.engine.commands import apply
-from app.engine.controls import Controls, EngineState
+from app.engine.build import build_engine, own_models
 from app.engine.engine import Engine
-from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import changed_with_own
 from app.engine.program import Program
@@ -28,7 +25,6 @@ from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config
 from robot.driving.differential_drive import DifferentialDrive
-from robot.driving.odometry import Odometry
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.localization.models.entry_field import EntryField
@@ -82,15 +78,14 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     begin = _Begin(
         config,
         field,
-        drive,
         LineScanner(parts.spec.floor_view, config.scanner),
         own,
         _start(config, parts, field, robot),
         robot,
     )
-    engine = begin.engine()
+    engine = begin.engine({}, None)
     settings = ReplaySettings(given)
-    timeline = Timeline(engine, robot, field, settings, begin)
+    timeline = Timeline(engine, robot, field, settings, begin.engine)
     for words in _remarks(reader, parts, options):
         engine.note(words)
     replay = Replay(
@@ -113,18 +108,17 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
 
 @dataclass(frozen=True)
 class _Begin:
-    """Makes the state before the first tick, as often as it is needed."""
+    """Makes an engine before its first tick, as often as it is needed."""
 
     config: Config
     field: Field
-    drive: DifferentialDrive
     scanner: LineScanner
     own: OwnModels
     start: Start
     robot: RecordedRobot
 
-    def __call__(self, changed: dict[str, Any], entries: EntryField | None) -> EngineState:
-        """With some parameters changed, by name; those that cannot be any more are left out."""
+    def engine(self, changed: dict[str, Any], entries: EntryField | None) -> Engine:
+        """A new one, with some parameters changed by name; what cannot be any more is left out."""
         config, own = self.config, self.own
         own.reset()
         parameters = config.localization
@@ -134,28 +128,9 @@ class _Begin:
             except SettingError:
                 continue  # a model's file is gone; the page shows which is in use
             own.choose(choice)
-        localization = Localization(
-            self.scanner,
-            self.field,
-            parameters,
-            Streams.of(config.seed).filter,
-            own,
-            entries,
-            self.start.hypotheses,
-            config.localization,
+        return build_engine(
+            config, self.robot, self.field, self.scanner, own, self.start, parameters, entries
         )
-        odometry = Odometry(self.drive, config.odometry)
-        return EngineState(
-            odometry, localization, odometry_start(self.start, self.robot, self.field)
-        )
-
-    def engine(self) -> Engine:
-        """A new one, before the first tick."""
-        first, driving = self({}, None), driving_of(self.config, self.drive)
-        controls = Controls(
-            self.robot, first.odometry, first.localization, driving, first.map_from_odom
-        )
-        return Engine(controls, apply)
 
 
 def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozenset[str]]:

@@ -11,7 +11,6 @@ from typing import Any
 
 from app.engine.checkpoint import CheckpointError, CheckpointWriter
 from app.engine.commands import RULES, Repeat
-from app.engine.controls import EngineState
 from app.engine.engine import Engine
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
@@ -43,7 +42,7 @@ class Timeline:
         robot: RecordedRobot,
         field: Field,
         settings: ReplaySettings,
-        begin: Callable[[dict[str, Any], EntryField | None], EngineState],
+        begin: Callable[[dict[str, Any], EntryField | None], Engine],
     ) -> None:
         """At the beginning, before the first tick.
 
@@ -52,8 +51,8 @@ class Timeline:
             robot: the recording.
             field: the map.
             settings: of the filter.
-            begin: a first state with some parameters changed; the table of the field, if there is
-                one already, saves some seconds.
+            begin: an engine in its first state, with some parameters changed; the table of the
+                field, if there is one already, saves some seconds.
         """
         self.engine = engine
         self.robot = robot
@@ -67,9 +66,7 @@ class Timeline:
         self._can_keep = True
         own, scanner = engine.localization.own, engine.localization.scanner
         self._saves = own.saves
-        self._keeper = CheckpointWriter(
-            [field, field.edges, scanner, engine.controls.odometry.drive, own]
-        )
+        self._keeper = CheckpointWriter([field, field.edges, scanner, own])
 
     @property
     def log_ns(self) -> int:
@@ -178,7 +175,8 @@ class Timeline:
     def _start_anew(self) -> None:
         engine = self.engine
         self.robot.go_to(ReadPosition())
-        engine.controls.restore(self._begin(self._settings.changed, engine.localization.entries))
+        fresh = self._begin(self._settings.changed, engine.localization.entries)
+        engine.controls.restore(fresh.controls.state)
         self._then = None
 
     def _again(self, command: Command) -> tuple[Command, ...]:
