@@ -85,8 +85,8 @@ def checked(
             off_pitch, off_roll, check.exactness,
         )  # fmt: skip
         check.observe(sums, used, PERIOD)
-        error = check.error()
-        check.follow(error)
+        error = check.error
+        check.follow()
     return check, error
 
 
@@ -125,13 +125,13 @@ def test_noise_alone_is_no_tilt(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_tilt_that_stands_out_is_taken_off_and_the_rest_of_it_is_small() -> None:
     check, error = checked(FIELDS["stub"], HALF_A_DEGREE, 0.0, seconds=4.0)
     assert check.applied[0] == pytest.approx(error.pitch, abs=math.radians(0.02))
-    mean, covariance = check.pose_error(error, 0.004)
+    mean, covariance = check.pose_error(0.004)
     assert np.hypot(*mean[:2]) < 0.004
     assert (np.linalg.eigvalsh(covariance) >= 0).all()
 
 
 def test_before_any_scan_a_camera_is_as_carefully_mounted_as_usual() -> None:
-    error = MountingCheck().error()
+    error = MountingCheck().error
     assert error.tilt == error.scale == error.explained == 0
     assert math.degrees(math.sqrt(error.covariance[0, 0])) == pytest.approx(0.3)
 
@@ -151,7 +151,7 @@ def test_a_map_that_is_drawn_too_small_is_no_tilt() -> None:
             pose, rays, stub.edge_index, RANGE_MAX, *camera, 0.0, 0.0, 1.0
         )
         check.observe(sums, used, PERIOD)
-    error = check.error()
+    error = check.error
     assert abs(error.scale) > 0.0015
     assert math.degrees(error.tilt) < 0.25
 
@@ -227,3 +227,21 @@ def test_a_scan_is_corrected_by_what_is_taken_off() -> None:
         # A tilt of a tilt is left.
         assert (away < 0.05 * shifted) == mended
         np.testing.assert_array_equal(corrected.hit, scan.hit)
+
+
+def test_where_a_scan_tells_nothing_the_pose_stays_as_far_off_as_it_was() -> None:
+    """An edge a metre ahead of the origin, then one beside it: each moves its own axis."""
+    check = MountingCheck()
+    ahead, aside = np.zeros((7, 7)), np.zeros((7, 7))
+    ahead[np.ix_([0, 5], [0, 5])] = 1e8  # d = x + scale, with an edge at x = 1
+    aside[np.ix_([1, 5], [1, 5])] = 1e8
+    check.look(ahead)
+    mean, covariance = check.pose_error(0.01)
+    assert mean == pytest.approx(0)
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0, 0], rel=0.05)
+    check.look(aside)
+    _, covariance = check.pose_error(0.01)
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0.01, 0], rel=0.05)
+    check.look(ahead)
+    _, covariance = check.pose_error(0.01)
+    assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0.01, 0], rel=0.05)

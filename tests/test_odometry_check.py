@@ -14,8 +14,8 @@ from robot.localization.monitoring.odometry_check import (
     ERRORS,
     OdometryCheck,
     OdometryErrors,
-    step_columns,
 )
+from robot.localization.monitoring.step_sums import step_columns
 
 PERIOD = 1 / 30
 FINE = 10

@@ -28,6 +28,7 @@ from robot.localization.hypotheses.rescoring import Rescored
 from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
+from robot.localization.scan_matching import Match
 from robot.localization.setup import Setup
 
 SQUARE = load_field("square", MAPS)
@@ -169,7 +170,7 @@ def test_rays_that_returned_nothing_are_no_ends() -> None:
 
 def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
     work = {"poses": 0, "fits": 0, "lives": 0}
-    score, fit, live = CoarseGrid.score, PlaceSearch._fit, PlaceSearch._live
+    score, fit, live = CoarseGrid.score, PlaceSearch._match, PlaceSearch._live
 
     def scored(
         self: CoarseGrid,
@@ -182,7 +183,7 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
         work["poses"] += costs[turns].size
         score(self, turns, ends, entries, blur, costs)
 
-    def fitted(self: PlaceSearch, start: Pose2) -> object:
+    def fitted(self: PlaceSearch, start: Pose2) -> Match:
         work["fits"] += 1
         return fit(self, start)
 
@@ -191,7 +192,7 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
         return live(self, pose)
 
     monkeypatch.setattr(CoarseGrid, "score", scored)
-    monkeypatch.setattr(PlaceSearch, "_fit", fitted)
+    monkeypatch.setattr(PlaceSearch, "_match", fitted)
     monkeypatch.setattr(PlaceSearch, "_live", lived)
     search, end = searched(drawn(2), alive=[Pose2()])
     pieces = []

@@ -72,11 +72,12 @@ class RayEvidence:
 
         Where no ray returns, any empty part of the floor fits.
         """
-        hit = np.isfinite(rays[:, 3])
-        if not hit.any():
+        ranges = rays[:, 3]
+        returned = ranges[np.isfinite(ranges)]
+        if not len(returned):
             return 0.0
-        returned = self.log_peaks(rays[hit, 3]) - WORSE_ANYWHERE
-        return (float(returned.sum()) - MISSED_ANYWHERE * float((~hit).sum())) / len(rays)
+        worse = WORSE_ANYWHERE * len(returned) + MISSED_ANYWHERE * (len(ranges) - len(returned))
+        return (float(self.log_peaks(returned).sum()) - worse) / len(ranges)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
         """Log-likelihood of rays (n, 7) at a pose, on average of all of them."""
@@ -92,7 +93,7 @@ class RayEvidence:
         )
 
     def log_likelihoods(self, poses: Array, rays: Array) -> Array:
-        """The same (m,) of the same rays at many poses (m, 3)."""
+        """The same (m,) of the same rays at each of some poses (m, 3)."""
         return _at_each(
             poses,
             rays,

@@ -18,6 +18,9 @@ TAIL = 9.0
 """Square of the standard deviations from which on residuals pull less (Cauchy's weights)."""
 LENGTHS = 3
 """Lengths of a step that are tried, each half of the one before."""
+WORTH = 1e-6
+"""A step by which the cost should fall by less is not taken: it is a thousandth of what the
+rays know, as a standard deviation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,16 +101,18 @@ def fit_rays(
     pose = start.copy()
     total, pull = np.empty((3, 3)), np.empty(3)
     next_total, next_pull = np.empty((3, 3)), np.empty(3)
-    used, cost = _normal_equations(
+    used, cost, odd = _normal_equations(
         pose, start, known, rays, index, range_max, sd, gate, slope, np.inf, total, pull
     )
     for _ in range(STEPS):
         # Along what nothing is known of, the pose stays.
         step = np.linalg.solve(total + 1e-3 * np.eye(3), pull)
+        if step @ pull < WORTH:
+            break
         for _ in range(LENGTHS):
             ahead = pose + step
             ahead[2] = (ahead[2] + math.pi) % (2 * math.pi) - math.pi
-            next_used, next_cost = _normal_equations(
+            next_used, next_cost, next_odd = _normal_equations(
                 ahead,
                 start,
                 known,
@@ -126,14 +131,14 @@ def fit_rays(
             step *= 0.5
         if next_cost >= cost:
             break
-        pose, used, cost = ahead, next_used, next_cost
+        pose, used, cost, odd = ahead, next_used, next_cost, next_odd
         total[:], pull[:] = next_total, next_pull
-        if np.abs(step).max() < 1e-6:
-            break
-    # A ray that is off by more pulls the other way than its edge would: it tells nothing for sure.
-    _normal_equations(
-        pose, start, known, rays, index, range_max, sd, gate, slope, TAIL, total, pull
-    )
+    if odd:
+        # A ray that is off by more pulls the other way than its edge would: it tells nothing for
+        # sure.
+        _normal_equations(
+            pose, start, known, rays, index, range_max, sd, gate, slope, TAIL, total, pull
+        )
     return pose, total, used
 
 
@@ -151,12 +156,12 @@ def _normal_equations(
     farthest: float,
     total: Array,
     pull: Array,
-) -> tuple[int, float]:
+) -> tuple[int, float, int]:
     """Put J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
 
     Rays farther off than ``farthest``, as a square of their spreads, are left out of both. Returns
-    how many rays fit, and the cost: Cauchy's of all residuals, where a ray that returned
-    something and fits no edge costs the gate's.
+    how many rays fit; the cost: Cauchy's of all residuals, where a ray that returned something and
+    fits no edge costs the gate's; and how many rays are farther off than ``TAIL``.
     """
     offset = start - pose
     offset[2] = (offset[2] + math.pi) % (2 * math.pi) - math.pi
@@ -165,7 +170,7 @@ def _normal_equations(
     cost = float(offset @ pull)
     most = _cauchy((gate / sd) ** 2)
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    used = 0
+    used = odd = 0
     for i in range(len(rays)):
         near = rays[i, 4]
         if math.isnan(near) or not math.isfinite(rays[i, 3]):
@@ -193,6 +198,7 @@ def _normal_equations(
         square = weight * (rays[i, 3] - expected) ** 2
         cost += _cauchy(square)
         used += 1
+        odd += square > TAIL
         if square > farthest:
             continue
         weight /= 1 + square / TAIL
@@ -201,7 +207,7 @@ def _normal_equations(
         pull[0] += residual * by_x
         pull[1] += residual * by_y
         pull[2] += residual * by_theta
-    return used, cost
+    return used, cost, odd
 
 
 @njit(cache=True, nogil=True, inline="always")

@@ -8,7 +8,6 @@ unlikely now may be right when a mark comes into sight. Only a hopeless one is g
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
 from robot.localization.hypotheses.start_poses import StartPose, begun_at, clusters_of
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
-from robot.localization.particles.resampling import effective_sample_size
+from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
 from robot.localization.rays import rays_of
 from robot.localization.setup import Setup
 from robot.scan import Scan
@@ -86,9 +85,9 @@ class MultiHypothesisFilter:
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """All of all tracks, heaviest first; none while nothing was found yet."""
         result = [
-            replace(hypothesis, weight=hypothesis.weight * weight)
+            Hypothesis(item.weight * weight, item.pose, item.covariance)
             for track, weight in zip(self._tracks, self._weights().tolist(), strict=True)
-            for hypothesis in track.hypotheses
+            for item in track.hypotheses
         ]
         return tuple(sorted(result, key=lambda item: -item.weight))
 
@@ -102,7 +101,9 @@ class MultiHypothesisFilter:
     @property
     def effective(self) -> float:
         """Effective sample size of the cloud."""
-        return effective_sample_size(self.cloud.weights)
+        if not self._tracks:
+            return effective_sample_size(self._anywhere.weights)
+        return joined_sample_size([t.filter.effective for t in self._tracks], self._weights())
 
     @property
     def standing(self) -> Standing:
@@ -276,8 +277,7 @@ class MultiHypothesisFilter:
         if places:
             self._wait = min(self._wait, self._patience)
             self._select()
-        if whole and result:
-            # To fit better than what fitted badly is no certainty.
+        if whole and result:  # To fit better than what fitted badly is no certainty.
             self._elsewhere.at_least(FRESH)
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:

@@ -16,6 +16,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.rescoring import Rescored, ScanHistory, rescore
+from robot.localization.scan_matching import Match
 from robot.localization.setup import Setup
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
@@ -142,13 +143,13 @@ class PlaceSearch:
         yield False
         fits: list[_Fit] = []
         for some in _pieces(len(starts), FITS_A_PIECE):
-            fits += [self._fit(Pose2(*start)) for start in starts[some].tolist()]
+            fits += self._fits(starts[some])
             yield False
         places = self._distinct(fits)
         for some in _pieces(len(places), LIVES_A_PIECE):
             self.found += [self._live(place) for place in places[some]]
             yield False
-        self.alive = [self._live(self._fit(pose).pose) for pose in self._likely]
+        self.alive = [self._live(self._match(pose).pose) for pose in self._likely]
         yield True
 
     def _hopeless_cost(self) -> float:
@@ -156,9 +157,15 @@ class PlaceSearch:
         far, blur = self._entries.max_distance, self._parameters.search_blur
         return 0.9 * len(self._ends) * far**2 / (far**2 + blur**2)
 
-    def _fit(self, start: Pose2) -> _Fit:
-        pose = self._setup.matcher.match(start, self._rays).pose
-        return _Fit(pose, self._setup.evidence.log_likelihood(pose, self._rays))
+    def _match(self, start: Pose2) -> Match:
+        return self._setup.matcher.match(start, self._rays)
+
+    def _fits(self, starts: Array) -> list[_Fit]:
+        """Lay the rays on the edges from each of some poses (n, 3)."""
+        poses = [self._match(Pose2(*start)).pose for start in starts.tolist()]
+        laid = np.array([pose.to_array() for pose in poses])
+        logs = self._setup.evidence.log_likelihoods(laid, self._rays).tolist()
+        return [_Fit(pose, log) for pose, log in zip(poses, logs, strict=True)]
 
     def _live(self, pose: Pose2) -> Rescored:
         return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)

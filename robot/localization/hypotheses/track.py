@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
@@ -69,13 +70,11 @@ class Track:
     def hypotheses(self) -> tuple[Hypothesis, ...]:
         """The filter's, but for stray particles: they would make equal weights flicker."""
         hypotheses = self.filter.hypotheses
-        kept = [
-            hypothesis
-            for hypothesis in hypotheses
-            if hypothesis.weight > STRAY * hypotheses[0].weight
-        ]
-        all_of_it = sum(each.weight for each in hypotheses) / sum(item.weight for item in kept)
-        return tuple(replace(one, weight=one.weight * all_of_it) for one in kept)
+        kept = [each for each in hypotheses if each.weight > STRAY * hypotheses[0].weight]
+        if len(kept) == len(hypotheses):
+            return hypotheses
+        all_of_it = sum(each.weight for each in hypotheses) / sum(each.weight for each in kept)
+        return tuple(replace(each, weight=each.weight * all_of_it) for each in kept)
 
     @property
     def fits_as_well(self) -> bool:
@@ -106,12 +105,12 @@ class Track:
         fitting = match.pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
-        current = setup.evidence.log_likelihood(best.pose, rays)
-        target = setup.evidence.log_likelihood(fitting, rays)
         # (C^-1 + S)^-1 of the covariance and what the scan says, also where either is singular.
         seen = match.information - known
         left = solved(np.eye(3) + best.covariance @ seen, best.covariance)
-        target = max(target, _best_around(fitting, left, rays, setup))
+        poses = np.concatenate([best.pose.to_array()[None], _around(fitting.to_array(), left)])
+        logs = setup.evidence.log_likelihoods(poses, rays)
+        current, target = float(logs[0]), float(logs[1:].max())
         self._fitting = fitting
         self._gains = (*self._gains, target - current)[-STUCK:] if far > FAR else ()
         # Farther than it may be, it would live on what fits another place.
@@ -122,9 +121,8 @@ class Track:
 
         Laid on the edges, a wrong place would fit too well to be noticed.
         """
-        best = self.best
-        current = setup.evidence.log_likelihood(best.pose, rays)
-        return max(current, _best_around(best.pose, best.covariance, rays, setup))
+        poses = _around(self.pose.to_array(), self.best.covariance)
+        return float(setup.evidence.log_likelihoods(poses, rays).max())
 
     def lose(self, loss: float, most: float) -> None:
         """Take off what a scan tells against this place, and for the best one.
@@ -160,17 +158,22 @@ def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[
     return kept[: parameters.max_hypotheses]
 
 
-def _best_around(pose: Pose2, covariance: Array, rays: Array, setup: Setup) -> float:
-    """How well rays fit a standard deviation beside a pose, at best; -inf if it is known sharply.
+@njit(cache=True, nogil=True)
+def _around(pose: Array, covariance: Array) -> Array:
+    """A pose and those a standard deviation beside it (7, 3); it alone if it is known sharply.
 
     Of a robot that turns and sees nothing the heading is known less and less: that an edge is
     missed which is due at the mean, and not beside it, tells nothing.
     """
+    poses = np.empty((7, 3))
+    poses[:] = pose
     if not np.trace(covariance) > SHARP**2:
-        return -math.inf
+        return poses[:1]
     squares, axes = np.linalg.eigh(0.5 * (covariance + covariance.T))
     if not squares[-1] > SHARP**2:
-        return -math.inf
-    root = (axes * np.sqrt(np.maximum(squares, 0.0))).T
-    beside = pose.to_array() + np.concatenate([root, -root])
-    return float(setup.evidence.log_likelihoods(beside, rays).max())
+        return poses[:1]
+    for i in range(3):
+        beside = axes[:, i] * math.sqrt(max(squares[i], 0.0))
+        poses[1 + i] += beside
+        poses[4 + i] -= beside
+    return poses

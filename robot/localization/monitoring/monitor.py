@@ -19,6 +19,7 @@ from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.mounting import LASER, Mounting
 from robot.localization.monitoring.mounting_check import MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
+from robot.localization.monitoring.pose_errors import pose_errors
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.rays import rays_of
@@ -53,7 +54,7 @@ SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
 more than each by itself: slip lasts for about a second, and wheels are never quite as drawn."""
 DOUBT_KEPT = 5.0
 """For so long after a doubt the pose may still be off [s]."""
-SCALE_SD, SCALE_DOUBTED = 0.004, 0.015
+SCALE_SD, SCALE_DOUBTED = 0.007, 0.015
 """How much too large or too small a map may be that is not doubted, and one that is."""
 LEAST_LATE = 0.001
 """Less is not made up for [s]."""
@@ -130,9 +131,8 @@ class Monitor:
         """A step by odometry as it would be with wheels of the size that they seem to have."""
         forward, turn_by_way, turn = self._wheels
         theta = moved.theta * (1 + turn) + moved.x * turn_by_way
-        half = 0.5 * (theta - moved.theta)
-        target = Pose2(theta=half).apply(np.array([[moved.x, moved.y]]) * (1 + forward))[0]
-        return Pose2(float(target[0]), float(target[1]), theta)
+        target = Pose2(theta=0.5 * (theta - moved.theta)) @ Pose2(moved.x, moved.y)
+        return Pose2((1 + forward) * target.x, (1 + forward) * target.y, theta)
 
     def corrected(self, scan: Scan) -> Scan:
         """A scan as it would be without the tilt that the camera seems to have."""
@@ -186,19 +186,18 @@ class Monitor:
         else:
             self._odometry.jump()
             self._camera.look(sums)
-        mounting = self._camera.error()
         findings = Findings(
             scan.stamp,
             elapsed,
             self._odometry.errors,
-            mounting,
+            self._camera.error,
             returned,
             spread,
             math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
             self._pulled,
         )
         self._causes.judge(findings)
-        self._camera.follow(mounting)
+        self._camera.follow()
         self._wheels = _standing_out(findings.odometry)
         if used >= SEEING:
             self._seen = scan.stamp
@@ -220,15 +219,15 @@ class Monitor:
         if not len(seeing):
             return
         badly = self._evidence.log_likelihood_anywhere(seeing)
-        better = self._evidence.log_likelihood(pose, seeing) - badly
+        poses = [pose.to_array()] if expected is None else [pose.to_array(), expected.to_array()]
+        better, *before = (self._evidence.log_likelihoods(np.array(poses), seeing) - badly).tolist()
         if better == 0 and not np.isfinite(seeing[:, 3]).any():
             return
         self._fit += FITTING * (min(better, 1.0) - self._fit)
         self._pulled *= 1 - FORGETTING
-        if expected is not None:
-            before = self._evidence.log_likelihood(expected, seeing) - badly
+        for well in before:
             # From a place that did not fit anyway it may be moved anywhere.
-            self._pulled += max(min(better - before, 0.0), -MOST_PULLED) if before > 0 else 0.0
+            self._pulled += max(min(better - well, 0.0), -MOST_PULLED) if well > 0 else 0.0
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
@@ -243,48 +242,32 @@ class Monitor:
 
     def _doubt(self, pose: Pose2, findings: Findings) -> Doubt:
         errors = findings.odometry
-        twist = self._odometry.twist
-        # The pose is a constant offset beside the robot's, and where it was tau before.
-        offset = np.zeros((3, 7))
-        offset[:, 0] = -twist.v, 0.0, -twist.omega
-        offset[:, 4:] = np.eye(3)
-        left = errors.values.copy()
-        left[0] -= self.lateness
-        mean = offset @ left
-        spread = offset @ errors.covariance @ offset.T
         mapped = any(alert.cause is Cause.MAP for alert in self._causes.alerts)
-        scale_sd = SCALE_DOUBTED if mapped else SCALE_SD
-        caused, caused_spread = self._camera.pose_error(findings.mounting, scale_sd)
-        rotation = np.eye(3)
-        rotation[:2, :2] = [
-            [math.cos(pose.theta), -math.sin(pose.theta)],
-            [math.sin(pose.theta), math.cos(pose.theta)],
-        ]
-        beyond = np.diag(np.square(_beyond(mean, spread)))
-        if self.lateness:
-            # What is made up for is not known better than this.
-            beyond += errors.sd("late") ** 2 * np.outer(offset[:, 0], offset[:, 0])
-        known = rotation @ beyond @ rotation.T + np.diag(np.square(_beyond(caused, caused_spread)))
-        if findings.stamp - self._doubted < DOUBT_KEPT:
-            known += rotation @ self._odometry.wiggle @ rotation.T
-        unknown = rotation @ (np.outer(mean, mean) + spread) @ rotation.T
-        unknown += np.outer(caused, caused) + caused_spread
+        caused, caused_spread = self._camera.pose_error(SCALE_DOUBTED if mapped else SCALE_SD)
+        recently = findings.stamp - self._doubted < DOUBT_KEPT
+        known, unknown = pose_errors(
+            pose.theta,
+            self._odometry.twist.v,
+            self._odometry.twist.omega,
+            errors.values,
+            errors.covariance,
+            self.lateness,
+            caused,
+            caused_spread,
+            self._odometry.wiggle if recently else NO_DOUBT.covariance,
+        )
         torn = float(errors.rest.max()) > TORN
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
 
 
 def _standing_out(errors: OdometryErrors) -> tuple[float, ...]:
     """What is beyond chance of the wheels' errors: forward, turn by way, and turn."""
-    values, sd = errors.values[1:4], np.sqrt(np.diag(errors.covariance)[1:4])
-    return tuple((np.sign(values) * np.maximum(np.abs(values) - sd, 0.0)).tolist())
+    values, variances = errors.values[1:4].tolist(), errors.covariance.diagonal()[1:4].tolist()
+    return tuple(
+        math.copysign(max(abs(value) - math.sqrt(variance), 0.0), value)
+        for value, variance in zip(values, variances, strict=True)
+    )
 
 
 def _is_far(expected: Pose2, pose: Pose2) -> bool:
     return expected.distance_to(pose) > JUMP or abs(expected.turn_to(pose)) > JUMP_TURN
-
-
-def _beyond(mean: Array, covariance: Array) -> Array:
-    """By how much means (3,) stand out of their own spread: no more than half of it is chance."""
-    sd = np.sqrt(np.diag(covariance))
-    out: Array = np.where(np.abs(mean) > sd, np.abs(mean) - 0.5 * sd, 0.0)
-    return out

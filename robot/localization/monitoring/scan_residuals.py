@@ -3,7 +3,9 @@
 At a pose each ray's end lies off the edge that it met by a distance d. The pose moves d by J (3), a
 camera that is mounted askew by A (2): by a pitch error the floor point (X, Y) ahead of the camera
 moves by ((X^2 + h^2) / h, X Y / h), by a roll error by (X Y / h, (Y^2 + h^2) / h), h being the
-camera's height. A map that is drawn too small moves d by its scale times the way to the edge.
+camera's height. A floor that is laid out larger than it is drawn moves an edge away from the map's
+origin, by the scale times its place; a map that a laser made is its own measure, and only the way
+from the robot to the edge counts.
 """
 
 from __future__ import annotations
@@ -88,11 +90,12 @@ def residual_sums(
         ahead_n, aside_n = nx * c + ny * s, ny * c - nx * s
         row[0], row[1], row[2] = nx, ny, ny * ux - nx * uy
         row[3] = row[4] = 0.0
+        row[5] = nx * ux + ny * uy
         if math.isfinite(camera_height):
+            row[5] += nx * pose[0] + ny * pose[1]
             h = camera_height
             row[3] = ((X * X + h * h) * ahead_n + X * Y * aside_n) / h
             row[4] = (X * Y * ahead_n + (Y * Y + h * h) * aside_n) / h
-        row[5] = nx * ux + ny * uy
         row[6] = offset + row[3] * pitch + row[4] * roll
         spread = exactness * SPREAD * (1 + SLOPE * length * length)
         weight = 1 / (spread * spread + offset * offset / TAIL)

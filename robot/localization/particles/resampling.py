@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
@@ -57,6 +58,11 @@ def count_cells(cells: NDArray[np.int64], drawn: NDArray[np.int64]) -> int:
 def effective_sample_size(weights: Array) -> float:
     """1 / sum w^2 of weights (n,) that sum to one: 1 (one particle counts) to n (all do)."""
     return 1.0 / float(weights @ weights)
+
+
+def joined_sample_size(effective: Sequence[float], weights: Array) -> float:
+    """Of clouds joined into one, weighed by weights (n,), from those of each."""
+    return float(weights.sum() ** 2 / (weights**2 / np.array(effective)).sum())
 
 
 def kld_sample_size(bins: int, pf_err: float, pf_z: float) -> int:
