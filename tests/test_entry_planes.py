@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robot.geometry import Array
-from robot.localization.models.entry_planes import distance_at, planes
+from robot.localization.kernels.entry_planes import distance_at, planes
 
 FARTHEST = 0.15
 CELL = 0.005

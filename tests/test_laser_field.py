@@ -9,8 +9,8 @@ from robot.fields.field import FieldError
 from robot.fields.grid_field import field_from_grid
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
+from robot.localization.kernels.entry_planes import ROWS, distance_at, planes
 from robot.localization.models.entry_field import DIRECTIONS, EntryField
-from robot.localization.models.entry_planes import ROWS, distance_at, planes
 from robot.localization.models.free_way import FreeWay
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb

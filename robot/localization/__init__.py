@@ -1,1 +1,1 @@
-"""Where is the robot? Monte Carlo localization, after Probabilistic Robotics, chapters 4 to 8."""
+"""Monte Carlo localization of the robot, after Probabilistic Robotics, chapters 4 to 8."""

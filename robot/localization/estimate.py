@@ -1,4 +1,4 @@
-"""What the filter believes: hypotheses with weights, the heaviest of which is the estimate."""
+"""The filter's belief: weighted hypotheses. The heaviest one is the estimate."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ class Hypothesis:
     """One place where the robot may be: a cluster of particles or boxes, or a Gaussian."""
 
     weight: float
-    """Probability, 0 to 1. Those of an estimate sum to one, or to less: the rest is elsewhere."""
+    """Probability, 0 to 1.
+
+    The weights of an estimate sum to at most one. The rest is the probability of being elsewhere.
+    """
     pose: Pose2
     """Weighted mean in the map."""
     covariance: Array = field(repr=False)
@@ -21,14 +24,14 @@ class Hypothesis:
 
 
 class Standing(Enum):
-    """What a filter knows of its search for other places."""
+    """State of a filter's search for other places."""
 
     CONFIRMED = auto()
-    """Where it was told, or it has looked over the whole field since it was lost."""
+    """The place was not doubted since the start, or a search of the whole field confirmed it."""
     UNCONFIRMED = auto()
-    """It was lost, and has not yet looked for all places again."""
+    """The place was doubted, and no search of the whole field has confirmed it since."""
     LOST = auto()
-    """The robot is likelier elsewhere than at all the places that are followed."""
+    """The robot is more likely elsewhere than at any of the followed places."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +39,7 @@ class Estimate:
     """The filter's answer to one scan."""
 
     stamp: float
-    """Of the scan [s]."""
+    """The scan's stamp [s]."""
     hypotheses: tuple[Hypothesis, ...]
     """Heaviest first; at least one."""
     effective: float

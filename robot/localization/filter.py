@@ -1,4 +1,4 @@
-"""What any filter offers: a belief about the pose that follows odometry and scans."""
+"""Interface of all filters: a belief about the pose, updated by odometry and scans."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robot.scan import Scan
 
 @dataclass(frozen=True, slots=True)
 class Cloud:
-    """Weighted poses that stand for a belief: what is shown of any filter."""
+    """Weighted poses that represent a belief; any filter can be displayed as one."""
 
     poses: Array = field(repr=False)
     """(n, 3) [m, m, rad] in the map."""
@@ -25,12 +25,12 @@ class Cloud:
 
     @classmethod
     def even(cls, poses: Array) -> Cloud:
-        """Poses that all weigh the same."""
+        """Return a cloud of equally weighted poses (n, 3)."""
         return cls(poses, np.full(len(poses), 1.0 / len(poses)))
 
     @classmethod
     def joined(cls, clouds: Sequence[Cloud], weights: Array) -> Cloud:
-        """Several clouds in one, weighed relative to each other by weights (n,)."""
+        """Join n clouds into one; ``weights`` (n,) are the clouds' relative weights."""
         shares = (weights / weights.sum()).tolist()
         parts = [cloud.weights * share for cloud, share in zip(clouds, shares, strict=True)]
         return cls(np.concatenate([cloud.poses for cloud in clouds]), np.concatenate(parts))
@@ -39,7 +39,7 @@ class Cloud:
     def drawn(
         cls, hypotheses: tuple[Hypothesis, ...], count: int, rng: np.random.Generator
     ) -> Cloud:
-        """About so many poses drawn from hypotheses: by weight from each, and at least one."""
+        """Draw about ``count`` poses from hypotheses, by weight, and at least one from each."""
         total = sum(hypothesis.weight for hypothesis in hypotheses)
         parts = []
         for item in hypotheses:
@@ -52,57 +52,57 @@ class Cloud:
 class Filter(Protocol):
     """A Bayes filter (Probabilistic Robotics, Table 2.1): predict with motion, correct by scans.
 
-    When to do so is decided elsewhere (``Localizer``).
+    ``Localizer`` decides when to predict and when to correct.
     """
 
     @property
     def cloud(self) -> Cloud:
-        """The belief after the last scan or start, before any resampling."""
+        """The belief as weighted poses; after a scan, those from before the resampling."""
         ...
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """Where the robot may be, heaviest first; none while nothing can be said."""
+        """Where the robot may be, heaviest first; empty while nothing is known."""
         ...
 
     @property
     def effective(self) -> float:
-        """How many equally heavy particles the cloud is worth."""
+        """Effective sample size: how many equally heavy particles the cloud is worth."""
         ...
 
     @property
     def standing(self) -> Standing:
-        """What it knows of its search for other places."""
+        """State of the search for other places."""
         ...
 
     def use(self, setup: Setup) -> None:
-        """Go on with other models and parameters; the belief stays."""
+        """Switch to other models and parameters, and keep the belief."""
         ...
 
     def loosen(self, factor: float) -> None:
-        """From now on steps err so many times more than the motion model says."""
+        """Multiply the motion model's standard deviations by ``factor`` from now on."""
         ...
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        """Restart around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         ...
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew at places whose weights are relative to each other."""
+        """Restart at hypotheses; only the ratios of their weights count."""
         ...
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew from given weighted poses."""
+        """Restart from weighted poses."""
         ...
 
     def scatter(self) -> None:
-        """Start anew: the robot may be anywhere on the field."""
+        """Restart without a known place: the robot may be anywhere on the field."""
         ...
 
     def predict(self, moved: Pose2) -> None:
-        """Follow a step by odometry, seen from its start."""
+        """Move the belief by a step of odometry, seen from the step's start."""
         ...
 
     def correct(self, scan: Scan) -> None:
-        """Weigh the belief by a scan."""
+        """Correct the belief by a scan."""
         ...

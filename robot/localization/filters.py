@@ -1,4 +1,4 @@
-"""The filters on offer, by name."""
+"""The available filters, by name."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from robot.localization.setup import Setup
 
 @dataclass(frozen=True, slots=True)
 class ParticleTracks:
-    """Makes particle filters that draw from one generator.
+    """Factory of particle filters that share one random generator.
 
-    No closure: what a filter holds can be kept and brought back, with the generator.
+    It is a class and not a closure, so that a checkpoint can save and restore it with a filter.
     """
 
     rng: np.random.Generator
 
     def __call__(self, setup: Setup, share: float) -> ParticleFilter:
-        """One that keeps a share of the particles."""
+        """Return a filter with a share of the usual number of particles."""
         return ParticleFilter.of(setup, self.rng, share)
 
 
@@ -37,16 +37,16 @@ MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
 }
 
 SAID = 0.9
-"""A filter with so much of its weight in hypotheses has said by them what it believes."""
+"""From this total weight on, the hypotheses alone describe a filter's belief."""
 
 
 def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
-    """The filter that the parameters ask for, at the field's start."""
+    """Return the filter that the parameters name, at the field's start pose."""
     return MAKERS[setup.filter.filter](setup, rng)
 
 
 def going_on(new: Filter, old: Filter) -> Filter:
-    """Let a filter go on from what another believes."""
+    """Give a new filter the belief of an old one, and return it."""
     said = old.hypotheses
     if sum(item.weight for item in said) >= SAID:
         new.set_hypotheses(said)

@@ -1,4 +1,4 @@
-"""Parameters of the hypotheses that live."""
+"""Parameters of the multi-hypothesis filter."""
 
 from __future__ import annotations
 
@@ -80,5 +80,5 @@ class HypothesisParameters:
         return math.log(max(self.hopeless, 1e-300))
 
     def alike(self, a: Pose2, b: Pose2) -> bool:
-        """Whether two poses are about the same place."""
+        """Whether two poses are so close that they count as one place."""
         return a.distance_to(b) < self.same_xy and abs(a.turn_to(b)) < self.same_theta

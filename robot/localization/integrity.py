@@ -1,7 +1,7 @@
-"""What the filter claims to know of its own answer: a state, bounds that hold, reasons for doubt.
+"""Integrity of an estimate: its state, its bounds, and reasons for doubt.
 
-*Integrity* as aviation has it: information is misleading when it is claimed to be certain and the
-truth lies outside the claimed bound. No information is better than that.
+*Integrity* is a term of aviation. Information is misleading if it is claimed to be certain and the
+truth lies outside the claimed bound. No information is better than misleading information.
 """
 
 from __future__ import annotations
@@ -12,22 +12,22 @@ from enum import StrEnum
 
 
 class State(StrEnum):
-    """How far the answer may be relied on."""
+    """How far the estimate can be relied on."""
 
     CERTAIN = "certain"
     """One place, and the bound is narrow."""
     APPROXIMATE = "approximate"
-    """One place, and the bound is wide."""
+    """One place with a wide bound, or without one while the place is in doubt."""
     AMBIGUOUS = "ambiguous"
     """Several places look alike."""
     SEARCHING = "searching"
-    """No place stands out: it looks around."""
+    """No place stands out, or its bound is wider than a metre."""
     LOST = "lost"
-    """The place that was known does not fit any more."""
+    """The known place does not fit any more."""
 
 
 class Cause(StrEnum):
-    """What may be wrong when scans and odometry do not fit what the models claim."""
+    """What may be wrong when scans and odometry disagree with the models."""
 
     CAMERA_ASKEW = "camera askew"
     PICTURES_LATE = "pictures late"
@@ -43,21 +43,21 @@ class Alert:
 
     cause: Cause
     text: str
-    """In plain words, with its size."""
+    """The cause in plain words, with its size if that is known."""
 
 
 @dataclass(frozen=True, slots=True)
 class Integrity:
-    """What is claimed of an estimate."""
+    """What the filter claims about an estimate."""
 
     state: State
     radius: float = math.inf
-    """The true place lies within this distance of the estimate [m], in 99.9 % of pictures."""
+    """The true position lies within this distance of the estimate [m], in 99.9 % of pictures."""
     heading_bound: float = math.pi
     """The true heading lies within this angle of the estimate's [rad], in 99.9 % of pictures."""
     alerts: tuple[Alert, ...] = ()
-    """The likeliest reason first."""
+    """The most recent reason for doubt first."""
 
 
 SEARCHING = Integrity(State.SEARCHING)
-"""While nothing is known."""
+"""The claim while nothing is known."""

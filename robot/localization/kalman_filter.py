@@ -26,22 +26,22 @@ from robot.localization.setup import Setup
 from robot.scan import Scan
 
 SHOWN = 200
-"""Poses drawn from the belief, to be shown."""
+"""Number of poses drawn from the belief for display."""
 WIDEST_GATE = 0.15
-"""Farther off than this a range more likely measures another edge [m]."""
+"""Widest gate: with a larger residual, a range more likely measures another edge [m]."""
 GATE = 10.0
-"""Ranges that are off by so many standard deviations do not measure the edge."""
+"""Largest residual of a range that measures the edge, in standard deviations."""
 LEAST_VARIANCE = 1e-12
-"""Nothing is known better than to a thousandth of a millimetre, and of a milliradian [m², rad²]."""
+"""Least variance of a pose: the squares of 0.001 mm and 0.001 mrad [m², rad²]."""
 
 
 class KalmanFilter:
-    """One Gaussian: quick and exact while it is about right, and lost for ever when it is not.
+    """One Gaussian: fast and accurate near the truth; it cannot recover far from it.
 
-    A landmark is replaced by the edges that the rays meet; the update is iterated (Bell and Cathey
-    1993), as a range changes with heading anything but linearly. Told a pose wrong by 70 mm and
-    0.2 rad, it is right within a second in 33 of 40 drives, and with ``doubt`` 1 in 38; after
-    twelve seconds in all.
+    The edges that the rays meet take the place of landmarks. The update is iterated (Bell and
+    Cathey 1993), because a range is far from linear in the heading. From a start that is wrong by
+    70 mm and 0.2 rad, the filter is right within one second in 33 of 40 drives, and with ``doubt``
+    1 in 38. After twelve seconds it is right in all.
     """
 
     def __init__(
@@ -56,64 +56,67 @@ class KalmanFilter:
         doubt: float = 0.0,
     ) -> None:
         self.doubt = doubt
-        """How much less ranges are believed while the pose is in doubt: 0 is the textbook's."""
+        """Weight of the pose's uncertainty in the spread of ranges; 0 is the textbook's filter."""
         self.motion = motion
         self.looseness = 1.0
-        """How many times more than the motion model says steps err."""
+        """Factor on the motion model's standard deviations."""
         self.matcher = matcher
         self.field = field
         self.max_beams = max_beams
         self._rng = rng
-        # The same draws always, so that what is shown does not flicker.
+        # The draws never change, so that the displayed cloud does not flicker.
         self._draws = _standard(rng.standard_normal((SHOWN, 3)))
         self.set_pose(field.start, covariance)
 
     @classmethod
     def of(cls, setup: Setup, rng: np.random.Generator) -> KalmanFilter:
-        """With the models and parameters of a setup."""
+        """Return a filter with the models and parameters of a setup."""
         covariance, beams = setup.filter.initial_covariance, setup.parameters.sensor.max_beams
         matcher = matcher_of(setup)
         return cls(setup.motion, matcher, setup.field, covariance, beams, rng, doubt=1.0)
 
     @property
     def standing(self) -> Standing:
-        """It does not look for other places."""
+        """Always confirmed, because this filter does not search for other places."""
         return Standing.CONFIRMED
 
     def use(self, setup: Setup) -> None:
-        """Go on with other models and parameters; the belief stays."""
+        """Switch to other models and parameters, and keep the belief."""
         self.motion, self.matcher = setup.motion, matcher_of(setup)
         self.max_beams = setup.parameters.sensor.max_beams
 
     def loosen(self, factor: float) -> None:
-        """From now on steps err so many times more than the motion model says."""
+        """Multiply the motion model's standard deviations by ``factor`` from now on."""
         self.looseness = factor
 
     @property
     def cloud(self) -> Cloud:
-        """Draws from the belief, to be shown."""
+        """Poses drawn from the belief, for display."""
         poses = self._pose.to_array() + self._draws @ covariance_root(self._covariance).T
         poses[:, 2] = wrap_angle(poses[:, 2])
         return Cloud.even(poses)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """The only one."""
+        """The Gaussian, as the only hypothesis."""
         return (Hypothesis(1.0, self._pose, self._covariance),)
 
     @property
     def effective(self) -> float:
-        """Of the draws shown, those that the last scan left: by how much its ellipsoid shrank."""
+        """``SHOWN``, times the factor by which the last scan shrank the ellipsoid's volume."""
         return SHOWN * self._left
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        """Restart around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         self._pose = pose
         self._covariance = _symmetric(covariance)
         self._left = 1.0
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew from the mean and covariance of all places, which is none of them."""
+        """Restart from the joint mean and covariance of all hypotheses.
+
+        The mean of several places is usually none of them.
+        """
         poses = np.array([each.pose.to_array() for each in hypotheses])
         weights = np.array([item.weight for item in hypotheses])
         mean = mean_pose(poses, weights / weights.sum())
@@ -124,25 +127,25 @@ class KalmanFilter:
         self.set_pose(mean, within + between)
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew from the mean and covariance of given weighted poses."""
+        """Restart from the mean and covariance of weighted poses."""
         mean = mean_pose(cloud.poses, cloud.weights)
         self.set_pose(mean, pose_covariance(cloud.poses, cloud.weights, mean))
 
     def scatter(self) -> None:
-        """Start anew from the mean and covariance of all free poses: a poor picture of them."""
+        """Restart from the mean and covariance of all free poses, which describe them poorly."""
         self.set_cloud(Cloud.even(self.field.free_poses(self._rng, 2000)))
 
     def predict(self, moved: Pose2) -> None:
-        """Follow a step by odometry."""
+        """Move the belief by a step of odometry."""
         step, noise = loosened(self.motion, self.looseness).moments(moved)
         self._pose, self._covariance = follow(self._pose, self._covariance, step, noise)
 
     def correct(self, scan: Scan) -> None:
-        """Move to where prediction and scan agree best; the information of both adds up.
+        """Move to the pose where prediction and scan agree best, and add the information of both.
 
-        A scan of which no ray fits says nothing.
+        A scan without a fitting ray changes nothing.
         """
-        # A pose told without any doubt has a covariance without an inverse.
+        # The covariance of a pose that was given as exact has no inverse.
         known = _inverse(self._covariance + LEAST_VARIANCE * np.eye(3))
         result = self._cautious(scan).match(self._pose, rays_of(scan, self.max_beams), known)
         self._left = 1.0
@@ -155,10 +158,10 @@ class KalmanFilter:
             )
 
     def _cautious(self, scan: Scan) -> ScanMatcher:
-        """A matcher with a wider gate and a greater variance while the pose is in doubt.
+        """Return a matcher with a wider gate and a larger variance while the pose is uncertain.
 
-        It lets in, within two standard deviations, the ranges that the right edges have from where
-        the robot may be, and does not yet trust them: they may be of others.
+        The gate admits the ranges that the right edges have at poses within two standard
+        deviations. The larger variance gives them less weight, as they may be of other edges.
         """
         if self.doubt == 0 or not scan.hit.any():
             return self.matcher
@@ -170,9 +173,10 @@ class KalmanFilter:
 
 
 def matcher_of(setup: Setup) -> ScanMatcher:
-    """Lays scans on edges, as exactly as the sensor's parameters say.
+    """Return a scan matcher with the spread of ranges that the sensor's parameters give.
 
-    Rays that err together count less: as if each were wider by the root of its share.
+    Rays have correlated errors. So each counts less: its standard deviation is divided by the root
+    of ``likelihood_weight``.
     """
     sensor = setup.parameters.sensor
     sd = sensor.sigma_hit / math.sqrt(sensor.likelihood_weight)
@@ -185,10 +189,10 @@ def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[
     """Carry a pose with its covariance over a step: G Sigma G^T + V M V^T.
 
     Args:
-        pose: in the map, with covariance (3, 3) [m, m, rad].
-        covariance: of the pose.
+        pose: the pose in the map.
+        covariance: Sigma (3, 3), the pose's covariance [m, m, rad].
         moved: the step, seen from its start.
-        noise: M (3, 3), the covariance of its end, seen from its start.
+        noise: M (3, 3), the covariance of the step's end, seen from its start.
     """
     turned = Pose2(theta=pose.theta).apply(moved.to_array()[None, :2])[0]
     G = np.array([[1, 0, -turned[1]], [0, 1, turned[0]], [0, 0, 1]])
@@ -202,13 +206,13 @@ def _inverse(matrix: Array) -> Array:
 
 
 def _symmetric(covariance: Array) -> Array:
-    """Without what rounding has made of it."""
+    """Return the symmetric part of a covariance (removes rounding errors)."""
     even: Array = (covariance + covariance.T) / 2
     return even
 
 
 def _standard(draws: Array) -> Array:
-    """Draws (n, 3) with the mean and covariance that they are draws of: zero, and the unit."""
+    """Transform draws (n, 3), so that their mean is zero and their covariance the identity."""
     centred = draws - draws.mean(axis=0)
     root = np.linalg.cholesky(centred.T @ centred / len(draws))
     standard: Array = np.linalg.solve(root, centred.T).T

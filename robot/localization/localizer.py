@@ -1,4 +1,4 @@
-"""When a filter is asked: it follows odometry, and takes a scan once the robot has moved."""
+"""Updates a filter: with odometry, and with a scan once the robot has moved."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robot.scan import Scan
 
 
 class Localizer:
-    """A filter, fed as nav2_amcl feeds it."""
+    """Updates a filter by the same rules as nav2_amcl."""
 
     def __init__(
         self,
@@ -28,41 +28,41 @@ class Localizer:
         monitor: Monitor | None = None,
     ) -> None:
         self.reach = reach
-        """Shortest and longest range that are believed [m]."""
+        """Shortest and longest range that are trusted [m]."""
         self.filter = belief
         self.parameters = parameters
         self.refinement = refinement
-        """Makes the heaviest hypothesis finer; None leaves it as the filter has it."""
+        """Refines the heaviest hypothesis; None leaves it as the filter computed it."""
         self.monitor = monitor
-        """Watches what is claimed; None claims by weight and covariance alone."""
+        """Checks scans and odometry; without it, claims rest on weights and covariance alone."""
         self.updates = 0
-        """Scans taken since the belief was last made anew."""
+        """Scans used since the last restart."""
         self.integrity: Integrity = SEARCHING
-        """What is claimed of the newest estimate."""
+        """The claim about the newest estimate."""
         self.now: Pose2 | None = None
-        """The robot in the odom frame when a pose is told; None takes that of the next scan."""
+        """The robot's current pose in the odom frame, for restarts; None: that of the next scan."""
         self._odometry: Pose2 | None = None
         self._forced = True
 
     def set_pose(self, pose: Pose2, covariance: Array | None = None) -> None:
-        """Start anew around a pose in the map; without a covariance (3, 3), the one set."""
+        """Restart around a pose in the map; the default covariance (3, 3) is the parameters'."""
         self.filter.set_pose(
             pose, self.parameters.initial_covariance if covariance is None else covariance
         )
         self._restart()
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew at places whose weights are relative to each other."""
+        """Restart at hypotheses; only the ratios of their weights count."""
         self.filter.set_hypotheses(hypotheses)
         self._restart()
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew from given weighted poses."""
+        """Restart from weighted poses."""
         self.filter.set_cloud(cloud)
         self._restart()
 
     def scatter(self) -> None:
-        """Start anew: the robot may be anywhere on the field."""
+        """Restart without a known place: the robot may be anywhere on the field."""
         self.filter.scatter()
         self._restart()
 
@@ -71,12 +71,13 @@ class Localizer:
         self._forced = True
 
     def predict(self, odometry: Pose2) -> bool:
-        """Follow odometry alone: while scans are paused.
-
-        Returns whether it moved; it stays while the robot has hardly moved since the last time.
+        """Move the belief by odometry alone, while scans are paused.
 
         Args:
             odometry: the robot in the odom frame.
+
+        Returns:
+            Whether the belief moved. It stays if the robot has hardly moved since the last time.
         """
         moved = self._moved(odometry)
         due = self._is_due(moved)
@@ -86,17 +87,21 @@ class Localizer:
         return due
 
     def update(self, odometry: Pose2, scan: Scan) -> Estimate | None:
-        """Take a scan; None while the robot has hardly moved since the last, or nothing is known.
+        """Update the filter with a scan.
 
         Args:
             odometry: the robot in the odom frame, at the scan's stamp.
             scan: the measurement.
+
+        Returns:
+            The estimate; None if the robot has hardly moved since the last scan, or if nothing is
+            known.
         """
         moved = self._moved(odometry)
         if not (self._forced or self._is_due(moved)):
             return None
         self._forced = False
-        # The window of odometry advances only here, so no motion is lost between updates.
+        # The odometry of the last step advances only with a prediction, so no motion is lost.
         self._odometry = odometry
         self.filter.predict(self._as_wheels_are(moved))
         seen = scan.within(*self.reach)
@@ -123,7 +128,7 @@ class Localizer:
         return estimate
 
     def estimate(self, stamp: float) -> Estimate | None:
-        """What the filter says now; None while it cannot say anything."""
+        """Return the filter's current estimate; None while nothing is known."""
         hypotheses = self.filter.hypotheses
         if not hypotheses:
             self.integrity = SEARCHING
@@ -138,7 +143,7 @@ class Localizer:
         self.integrity = SEARCHING
         if self.monitor is not None:
             self.monitor.begin_anew()
-        # The belief is about the robot where it is now: what it drove before is in it already.
+        # The new belief is about the robot's current place: it already includes earlier motion.
         self._odometry = self.now
         self._forced = True
 

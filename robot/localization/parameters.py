@@ -1,4 +1,4 @@
-"""The filter's parameters: what nav2_amcl has too is under its names and with their meanings.
+"""The filter's parameters. Those that nav2_amcl has too keep its names and meanings.
 
 Defaults are for this robot on a field of a few metres, not for a building (docs/models.md).
 """
@@ -86,7 +86,7 @@ class FilterParameters:
 
     @property
     def initial_covariance(self) -> Array:
-        """Covariance (3, 3) [m, m, rad] of a pose told without one."""
+        """Covariance (3, 3) [m, m, rad] of a pose that is given without one."""
         return np.diag(np.square([self.initial_sd_xy, self.initial_sd_xy, self.initial_sd_theta]))
 
     @property
@@ -97,7 +97,7 @@ class FilterParameters:
 
 @dataclass(frozen=True)
 class LocalizationParameters:
-    """All of them, in the groups that the dashboard shows."""
+    """All parameters of the localization, in the groups that the dashboard shows."""
 
     motion: MotionParameters = MotionParameters()
     sensor: SensorParameters = SensorParameters()

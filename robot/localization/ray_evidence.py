@@ -1,10 +1,10 @@
-"""How well do rays fit at a pose, hits and misses alike?
+"""Likelihood of rays at a pose, by hits and by misses.
 
-Particles are weighed by where rays end. To tell one place from another that looks much like it, it
-also counts that a mark should have been seen and was not. So each ray is cast, as in the beam model
-(Probabilistic Robotics, Table 6.1), and what the line scanner may not see is left out: what lies
-nearer or farther than the picture shows, tape that is met close to its end, and edges at which the
-scanner's own judgement finds no tape (``robot.fields.visibility``).
+Particles are weighed by where rays end. To distinguish two places that look much alike, a mark that
+should be seen and is not has to count as well. So each ray is cast, as in the beam model
+(Probabilistic Robotics, Table 6.1). Edges that the line scanner may miss are left out: edges nearer
+or farther than the picture shows, tape that a ray meets close to its end, and edges at which the
+scanner's own rules find no tape (``robot.fields.visibility``).
 """
 
 from __future__ import annotations
@@ -23,26 +23,27 @@ from robot.geometry import Array, Pose2
 from robot.scanning.tape_edges import GAP
 
 SEEN, STRAY, MISSED = 0.85, 0.12, 0.03
-"""Of rays where an edge is due, the shares that return it, something else, and nothing, in a clear
-picture. The scanner does better (1 % missed, hardly anything else): these leave room for a floor
-that is less clean. In noise and in the dark a scan says itself how much less returns."""
+"""Shares of the rays with an expected edge that return it, something else, and nothing, in a clear
+picture. The scanner does better (1 % missed, hardly anything else); these values leave a margin for
+less clean floors. In noise and in the dark, the scan itself says how much less returns."""
 SURPRISE = 0.05
-"""Share of the rays that return something where no edge is due."""
+"""Share of the rays that return something where no edge is expected."""
 NEAR, FAR = 0.015, 0.06
-"""So close to where sight begins or ends [m] an edge may be missed: tape is seen as a whole."""
+"""An edge closer than this to the start or the end of a ray's sight [m] may be missed, because the
+scanner must see the whole width of the tape."""
 WORSE_ANYWHERE, MISSED_ANYWHERE = 1.8, 0.2
-"""How much less likely a ray is at a place that fits but badly, as log-likelihood: one that
-returned, than where it fits exactly (as if it were off by 1.9 standard deviations); one that did
-not, than where nothing is due."""
+"""Loss of a ray's log-likelihood at a place that fits badly. A ray that returned is compared with
+an exact fit (the loss is that of 1.9 standard deviations). A ray that did not return is compared
+with a place where no edge is expected."""
 END = 0.06
-"""So close to its end [m] tape may be missed, and what is behind it seen."""
+"""Closer than this to its end [m], tape may be missed and the edge behind it seen instead."""
 ACROSS = 0.06
-"""A ray that would leave tape by its end, and not across so much [m], may find it too narrow."""
+"""If a ray leaves tape by its end before it crosses this width [m], it may find it too narrow."""
 
 
 @dataclass(frozen=True, slots=True)
 class RayEvidence:
-    """Weighs poses by rays that return and rays that do not."""
+    """Weighs poses by the rays that return and the rays that do not."""
 
     index: EdgeIndex = field(repr=False)
     sight: Visibility = field(repr=False)
@@ -52,25 +53,25 @@ class RayEvidence:
     sd: float
     """Standard deviation of a near range [m]."""
     slope: float = 0.0
-    """How it grows with a range r, as 1 + slope r^2 [1/m²]."""
+    """Growth of that deviation with a range r, as 1 + slope r^2 [1/m²]."""
     missed: float = MISSED
-    """Likelihood of no return where an edge is due; 1 would let it tell nothing."""
+    """Likelihood of no return where an edge is expected; with 1, misses would not count."""
 
     @classmethod
     def of(cls, field: Field, range_max: float, sd: float, slope: float = 0.0) -> RayEvidence:
-        """For the edges of a field."""
+        """Return the evidence for the edges of a field."""
         return cls(field.edge_index, field.visibility, range_max, sd, slope)
 
     def log_peaks(self, ranges: Array) -> Array:
-        """Log-likelihoods (n,) of ranges (n,) that are exactly those of the edges which are due."""
+        """Return the log-likelihoods (n,) of ranges (n,) that fit the expected edges exactly."""
         wide = self.sd * (1 + self.slope * ranges**2) * math.sqrt(2 * math.pi)
         peaks: Array = np.log(SEEN / wide + STRAY / self.range_max)
         return peaks
 
     def log_likelihood_anywhere(self, rays: Array) -> float:
-        """Log-likelihood of rays (n, 7) at a place that fits but badly, on average of all.
+        """Return the mean log-likelihood of rays (n, 7) at a place that fits badly.
 
-        Where no ray returns, any empty part of the floor fits.
+        It is 0 if no ray returns, because then any empty part of the floor fits.
         """
         ranges = rays[:, 3]
         returned = ranges[np.isfinite(ranges)]
@@ -80,7 +81,7 @@ class RayEvidence:
         return (float(self.log_peaks(returned).sum()) - worse) / len(ranges)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
-        """Log-likelihood of rays (n, 7) at a pose, on average of all of them."""
+        """Return the mean log-likelihood of rays (n, 7) at a pose."""
         return ray_log_likelihood(
             pose.to_array(),
             rays,
@@ -93,7 +94,7 @@ class RayEvidence:
         )
 
     def log_likelihoods(self, poses: Array, rays: Array) -> Array:
-        """The same (m,) of the same rays at each of some poses (m, 3)."""
+        """Return the mean log-likelihood (m,) of rays (n, 7) at each of the poses (m, 3)."""
         return _at_each(
             poses,
             rays,
@@ -117,7 +118,10 @@ def ray_log_likelihood(
     slope: float,
     missed: float,
 ) -> float:
-    """Log-likelihood of rays (n, 7) at a pose (3,), on average of all of them; 0 without rays."""
+    """Return the mean log-likelihood of rays (n, 7) at a pose (3,).
+
+    Rays that see nowhere do not count. It is 0 if no ray is left.
+    """
     dues = np.empty((len(rays), 5))
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
@@ -178,11 +182,12 @@ def _look(
     sight: Visibility,
     row: Array,
 ) -> None:
-    """What a ray meets that begins at (x, y): a row (5,).
+    """Write what a ray meets that starts at (x, y) into ``row`` (5,).
 
-    Distance of the edge that is due, and of the one behind it where that one may be missed, else
-    infinite [m]; x, y where the first is met [m]; 0 if nothing is met or not as a whole, 1 if it
-    may be missed, 2 if it should be seen.
+    0: distance of the expected edge [m], infinite without one. 1: distance of the edge behind it
+    [m], if the expected edge may be missed at its end; else infinite. 2, 3: x and y where the ray
+    meets the expected edge [m]. 4: 0 if the ray meets no edge, or one at the border of its sight; 1
+    if the edge may be missed at its end; 2 if it should be seen.
     """
     due, edge = cast_toward(x, y, dx, dy, index, reach)
     row[0], row[1], row[4] = math.inf, math.inf, 0.0
@@ -201,7 +206,10 @@ def _look(
 
 @njit(cache=True, nogil=True)
 def _is_supported(dues: Array, ray: int, support: float) -> bool:
-    """Whether neighbouring rays meet enough of an edge, and as a whole, for it to be tape."""
+    """Whether a ray and its neighbours meet enough of an edge for the scanner to find tape.
+
+    Only neighbours that see the whole width of the tape count.
+    """
     first, last = ray, ray
     while first > 0 and _is_next(dues[first - 1], dues[first], support):
         first -= 1
@@ -212,14 +220,14 @@ def _is_supported(dues: Array, ray: int, support: float) -> bool:
 
 @njit(cache=True, nogil=True, inline="always")
 def _is_next(row: Array, beside: Array, support: float) -> bool:
-    """Whether a ray meets the same edge as one beside it."""
+    """Whether a ray meets the same edge as the ray beside it."""
     apart = math.hypot(row[2] - beside[2], row[3] - beside[3])
     return row[4] > 0 and apart <= GAP * support
 
 
 @njit(cache=True, nogil=True, inline="always")
 def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
-    """Of a return that is off the edge which is due [1/m]."""
+    """Return the likelihood density [1/m] of a range that is ``offset`` off the expected edge."""
     peak = SEEN * clear / (sd * math.sqrt(2 * math.pi))
     return peak * math.exp(-0.5 * (offset / sd) ** 2) + STRAY / range_max
 
@@ -228,15 +236,15 @@ def _density(offset: float, sd: float, range_max: float, clear: float) -> float:
 def _met(
     x: float, y: float, dx: float, dy: float, edge: int, edges: Array, sight: Visibility
 ) -> tuple[bool, float]:
-    """Whether a point of an edge may be missed as it is near an end, or blind there.
+    """Whether an edge may be missed at a point: near the tape's end, or where the scanner is blind.
 
-    Also the sine of the edge's angle to the ray.
+    Also returns the sine of the angle between the edge and the ray.
     """
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
     length = math.hypot(ex, ey)
     along = ((x - edges[edge, 0]) * ex + (y - edges[edge, 1]) * ey) / length
     sine, cosine = abs(dx * ey - dy * ex) / length, (dx * ex + dy * ey) / length
-    # A ray that grazes goes on along the tape, from its start or to it.
+    # A grazing ray runs along the tape, toward the edge's end or toward its start.
     ahead = ACROSS * abs(cosine) / max(sine, 1e-9)
     to_start, to_end = (END, max(END, ahead)) if cosine > 0 else (max(END, ahead), END)
     ends, first, last = sight.ends, sight.starts[edge], sight.starts[edge + 1]

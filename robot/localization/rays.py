@@ -1,4 +1,4 @@
-"""Rays seen from the robot, each with where it starts, its direction and its range."""
+"""Rays in the robot's frame, each with its start, its direction and its range."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from robot.scan import Scan, evenly
 
 
 def rays_of(scan: Scan, most: int) -> Array:
-    """At most so many rays of a scan (n, 7).
+    """Return at most ``most`` rays of a scan, evenly spread (n, 7).
 
-    Columns: x, y [m], direction [rad], range [m] or +inf; from where to where the ray sees [m], nan
-    if it sees nowhere; the probability that it returns an edge which is due.
+    Columns: x, y of the start [m]; direction [rad]; range [m] or +inf; the nearest and the farthest
+    distance that the ray sees [m], nan if it sees nowhere; the probability that it returns an edge
+    which is there.
     """
     used = evenly(len(scan.ranges), most)
     rays = np.empty((len(used), 7))

@@ -1,7 +1,7 @@
-"""A finer estimate: the scan laid on the edges at the pose that the filter found.
+"""Refines an estimate: lays the scan on the edges, starting from the filter's pose.
 
-A cloud of some hundred particles has a mean that is off by the luck of its draws. Gauss-Newton
-steps on the distances of the rays' ends from the edges take that away.
+The mean of some hundred particles has a random error, because the particles are drawn. Gauss-Newton
+steps on the distances between the rays' ends and the edges remove that error.
 """
 
 from __future__ import annotations
@@ -18,42 +18,44 @@ from robot.localization.setup import Setup
 from robot.scan import Scan
 
 FEWEST_BEAMS = 100
-"""Of a scan, if it has so many: rays cost little here, and each makes the pose finer."""
+"""At least this many rays of a scan are used, if it has them: they cost little here, and each one
+improves the pose."""
 GATE = 10.0
-"""Ranges that are off by so many standard deviations do not measure the edge."""
+"""Largest residual of a range that measures the edge, in standard deviations."""
 SLOPE = 25.0
-"""Of the spread of a range with its square [1/m²]: one over the square of the camera's height."""
+"""Growth of a range's spread with its square [1/m²]: one over the square of the camera's height."""
 NEAR_SHARE = 0.1
-"""Spread of a near range as a share of ``sigma_hit``, which has to cover a cloud's gaps."""
+"""Spread of a near range as a share of ``sigma_hit``, which also covers the gaps in a cloud."""
 BELIEVED = 16.0
-"""A pose errs so much less, as a variance, than the spread by which its rays are weighed beside the
-cloud: that blend is the most exact, and this makes its covariance honest (NEES near 3)."""
+"""Factor by which the pose's variance is smaller than the spread of its rays says. That spread
+weighs the rays against the cloud, and gives the most exact pose; this factor then makes the
+covariance honest (NEES near 3)."""
 WIDEST = 5.0
-"""A hypothesis wider than so many standard deviations of a range is left as it is: its mean may
-lie between two places."""
+"""A hypothesis wider than this many standard deviations of a range is not refined: its mean may lie
+between two places."""
 DRAWN = 4.0
-"""Where scans say nothing, as along one edge, clouds grow narrower than they know: by chance in
-drawing, and as scans err together. So many times wider is what their covariance is worth."""
+"""Factor on the covariance of a cloud. Where scans say nothing, as along a single edge, clouds grow
+too narrow: by chance in resampling, and because the errors of scans are correlated."""
 LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
-"""How far the filter's mean may be off besides its covariance [m², m², rad²]."""
+"""Error of the filter's mean that its covariance does not include [m², m², rad²]."""
 INEXACT = np.diag(np.square([1e-4, 1e-4, 3e-4]))
-"""Covariance that no number of rays takes away: a lens and a drawing are only so exact, and the
-rays of one picture err together [m², m², rad²]."""
+"""Covariance that remains with any number of rays: a lens and a drawing have limited accuracy, and
+the errors of the rays of one picture are correlated [m², m², rad²]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """Lays scans on edges at hypotheses that are already close."""
+    """Lays scans on edges, starting from hypotheses that are already close."""
 
     matcher: ScanMatcher
     max_beams: int
-    """Rays used of a scan."""
+    """Most rays used of a scan."""
     believed: float = 1.0
-    """How much more than the spread of its rays says a scan knows, as information."""
+    """Factor on the information that a scan gives by the spread of its rays."""
 
     @classmethod
     def of(cls, setup: Setup) -> Refinement | None:
-        """As the parameters ask for; None if they do not."""
+        """Return the refinement for a setup's parameters; None if they turn it off."""
         sensor = setup.parameters.sensor
         if not setup.filter.refine:
             return None
@@ -65,12 +67,12 @@ class Refinement:
         return cls(matcher, max(sensor.max_beams, FEWEST_BEAMS), believed)
 
     def refine(self, hypothesis: Hypothesis, scan: Scan) -> Hypothesis:
-        """The same hypothesis where the scan fits best, weighed with what was known of it."""
+        """Return the hypothesis at the pose that fits both the scan and its prior best."""
         if np.sqrt(np.diag(hypothesis.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
             return hypothesis
         known = inverse(hypothesis.covariance + LUCK)
         match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)
-        # Of the scan alone, and of the cloud what can be relied on.
+        # The information of the scan alone; the reliable part of the cloud's is added below.
         seen = self.believed * (match.information - known)
         return replace(
             hypothesis,

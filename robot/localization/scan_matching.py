@@ -1,4 +1,4 @@
-"""Where exactly is the robot, if it is about here? Rays laid on the edges of the map."""
+"""Scan matching: lays rays on the edges of the map to find the pose near a supposed one."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array, Pose2
 
 STEPS = 6
-"""Gauss-Newton steps, at most; from a few centimetres off four are enough."""
+"""Most Gauss-Newton steps; from a few centimetres away, four are enough."""
 TAIL = 9.0
-"""Square of the standard deviations from which on residuals pull less (Cauchy's weights)."""
+"""Squared residual, in standard deviations, beyond which a ray is an outlier (Cauchy's weights)."""
 LENGTHS = 3
-"""Lengths of a step that are tried, each half of the one before."""
+"""Number of step lengths that are tried, each half of the one before."""
 WORTH = 1e-6
-"""A step by which the cost should fall by less is not taken: it is a thousandth of what the
-rays know, as a standard deviation."""
+"""Least expected fall of the cost for which a step is taken. A smaller step is shorter than a
+thousandth of the pose's standard deviation by the rays."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,9 +29,9 @@ class Match:
 
     pose: Pose2
     information: Array = field(repr=False)
-    """(3, 3) inverse of the covariance [m, m, rad]; singular along what is not measured."""
+    """(3, 3) inverse of the covariance [m, m, rad]; singular in directions without measurement."""
     used: int
-    """Rays that fit."""
+    """Number of rays that fit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,19 +44,19 @@ class ScanMatcher:
     sd: float
     """Standard deviation of a range [m]."""
     gate: float
-    """Ranges that are farther off than this do not measure the edge [m]."""
+    """Largest residual of a range that measures the edge [m]."""
     slope: float = 0.0
-    """How the spread grows with a range r, as 1 + slope * r^2 [1/m²]: the farther the floor, the
-    more of it a pixel sees. 0 is a laser's."""
+    """Growth of the spread with a range r, as 1 + slope * r^2 [1/m²]: the farther the floor, the
+    more of it a pixel sees. It is 0 for a laser."""
 
     def match(self, pose: Pose2, rays: Array, information: Array | None = None) -> Match:
         """Move a pose to where rays (n, 7) fit.
 
         Args:
-            pose: the robot in the map, supposed.
-            rays: as ``rays_of`` makes them.
-            information: (3, 3) inverse covariance of the supposed pose; by default none, and the
-                pose stays along what the rays say nothing of.
+            pose: the supposed pose of the robot in the map.
+            rays: the rays as ``rays_of`` returns them.
+            information: (3, 3) inverse covariance of the supposed pose; None is zero. Then the pose
+                stays in directions that the rays do not measure.
         """
         known = np.zeros((3, 3)) if information is None else information
         result, total, used = fit_rays(
@@ -78,22 +78,22 @@ def fit_rays(
 ) -> tuple[Array, Array, int]:
     """Lay rays on the edges of the map by Gauss-Newton steps.
 
-    Each ray is cast from the pose that is supposed; what it should have measured, what it did, and
-    how the difference changes with the pose give one equation of a least-squares problem. Casting
-    also says which edge it met: one that faces it, and none that is hidden.
+    Each ray is cast from the current pose. The expected range, the measured range, and how their
+    difference changes with the pose give one equation of a least-squares problem. Casting also says
+    which edge the ray meets: one that faces the ray and is not hidden.
 
-    As a ray may change over to another edge, a step counts only if the cost falls by it; it is
-    shortened twice at most, and then not taken.
+    A ray may change to another edge. So a step is taken only if it lowers the cost; otherwise it is
+    halved, at most twice, and then dropped.
 
     Args:
         start: the supposed pose (3,).
         known: its information (3, 3), the inverse of its covariance; zeros if nothing is known.
-        rays: (n, 7) as ``rays_of`` makes them.
+        rays: (n, 7) as ``rays_of`` returns them.
         index: the field's edges.
         range_max: how far rays reach [m].
         sd: standard deviation of a range [m].
-        gate: ranges that are farther off than this do not measure the edge [m].
-        slope: how the spread grows with the square of a range [1/m²].
+        gate: largest residual of a range that measures the edge [m].
+        slope: growth of the spread with the square of a range [1/m²].
 
     Returns:
         The pose (3,) that fits, its information (3, 3), and how many rays fit.
@@ -105,7 +105,7 @@ def fit_rays(
         pose, start, known, rays, index, range_max, sd, gate, slope, np.inf, total, pull
     )
     for _ in range(STEPS):
-        # Along what nothing is known of, the pose stays.
+        # The added term keeps the pose in directions of which nothing is known.
         step = np.linalg.solve(total + 1e-3 * np.eye(3), pull)
         if step @ pull < WORTH:
             break
@@ -134,8 +134,8 @@ def fit_rays(
         pose, used, cost, odd = ahead, next_used, next_cost, next_odd
         total[:], pull[:] = next_total, next_pull
     if odd:
-        # A ray that is off by more pulls the other way than its edge would: it tells nothing for
-        # sure.
+        # Beyond TAIL, Cauchy's cost is curved the other way: such a ray gives no reliable
+        # information.
         _normal_equations(
             pose, start, known, rays, index, range_max, sd, gate, slope, TAIL, total, pull
         )
@@ -157,11 +157,14 @@ def _normal_equations(
     total: Array,
     pull: Array,
 ) -> tuple[int, float, int]:
-    """Put J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
+    """Write J^T W J and J^T W r of prior and rays into ``total`` and ``pull``.
 
-    Rays farther off than ``farthest``, as a square of their spreads, are left out of both. Returns
-    how many rays fit; the cost: Cauchy's of all residuals, where a ray that returned something and
-    fits no edge costs the gate's; and how many rays are farther off than ``TAIL``.
+    Rays whose squared residual, in spreads, is above ``farthest`` are left out of both.
+
+    Returns:
+        How many rays fit; the cost; and for how many rays the squared residual is above ``TAIL``.
+        The cost is the prior's and Cauchy's of all residuals; a ray that returned something and
+        fits no edge costs as much as one at the gate.
     """
     offset = start - pose
     offset[2] = (offset[2] + math.pi) % (2 * math.pi) - math.pi
@@ -175,7 +178,7 @@ def _normal_equations(
         near = rays[i, 4]
         if math.isnan(near) or not math.isfinite(rays[i, 3]):
             continue
-        # Where the ray starts, which moves when the robot turns.
+        # The start of the ray, which moves when the robot turns.
         ahead = c * rays[i, 0] - s * rays[i, 1]
         aside = s * rays[i, 0] + c * rays[i, 1]
         heading = pose[2] + rays[i, 2]
@@ -192,7 +195,7 @@ def _normal_equations(
         # How the range to the edge's line changes with x, y and theta.
         by_x, by_y = -ey / across, ex / across
         by_theta = expected * (dx * ex + dy * ey) / across - aside * by_x + ahead * by_y
-        # It is the end's distance from the edge that errs evenly: a ray that grazes says less.
+        # The spread is that of the end's distance from the edge, so a grazing ray says less.
         spread = sd * (1 + slope * expected * expected)
         weight = across * across / ((ex * ex + ey * ey) * spread * spread)
         square = weight * (rays[i, 3] - expected) ** 2
@@ -212,7 +215,7 @@ def _normal_equations(
 
 @njit(cache=True, nogil=True, inline="always")
 def _cauchy(square: float) -> float:
-    """What a residual's square costs: some rays are far off, and shall not pull."""
+    """Return Cauchy's cost of a squared residual: it limits the influence of outliers."""
     return TAIL * math.log1p(square / TAIL)
 
 

@@ -1,4 +1,4 @@
-"""What every filter is given: the field, the models and the parameters."""
+"""Setup of a filter: the field, the models and the parameters."""
 
 from __future__ import annotations
 
@@ -17,16 +17,19 @@ from robot.localization.scan_matching import ScanMatcher
 
 @dataclass(frozen=True)
 class Setup:
-    """Frozen: to change a model, a filter is told to go on with another setup."""
+    """Field, models and parameters of a filter.
+
+    It is frozen: to change a model, give the filter another setup (``Filter.use``).
+    """
 
     field: Field
     entries: EntryField
     motion: MotionModel
     sensor: SensorModel
     matcher: ScanMatcher
-    """Lays rays on edges where places are looked for."""
+    """Lays rays on edges in a search, and at places that are known roughly."""
     fine_matcher: ScanMatcher
-    """The same at places that are known to millimetres: rays are not laid on another edge."""
+    """The same at places that are known to millimetres: its gate keeps rays off other edges."""
     evidence: RayEvidence
     """Weighs places."""
     parameters: LocalizationParameters
@@ -40,8 +43,8 @@ class Setup:
         sensor: SensorModel,
         parameters: LocalizationParameters,
     ) -> Setup:
-        """With matcher and evidence as the parameters ask for."""
-        _ = entries.planes  # made now, and not while a frame waits for it
+        """Return a setup with the matchers and the evidence that the parameters describe."""
+        _ = entries.planes  # computed now, so that no frame has to wait for it
         reach, p = parameters.sensor.laser_max_range, parameters.hypotheses
         slope = parameters.sensor.sigma_slope
         return cls(
@@ -57,7 +60,7 @@ class Setup:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Shortest and longest range that are believed [m]."""
+        """Shortest and longest range that are trusted [m]."""
         return self.parameters.sensor.laser_min_range, self.parameters.sensor.laser_max_range
 
     @property
@@ -67,15 +70,15 @@ class Setup:
 
     @property
     def filter(self) -> FilterParameters:
-        """Those of the particle filter."""
+        """Parameters of the filter."""
         return self.parameters.filter
 
     @property
     def hypotheses(self) -> HypothesisParameters:
-        """Those of the hypotheses."""
+        """Parameters of the hypotheses."""
         return self.parameters.hypotheses
 
 
 def _half(field: Field) -> float:
-    """Half the width of the tape [m]: farther off, a ray is nearer to its other edge."""
+    """Return half the tape's width [m]: with a larger residual, the tape's other edge is nearer."""
     return math.inf if field.tape_width is None else field.tape_width / 2

@@ -1,1 +1,1 @@
-"""Several places at once: found by a short map, tracked each by itself, weighed by rays."""
+"""Multi-hypothesis localization: places are found by a short map, tracked, and weighed by rays."""

@@ -1,4 +1,4 @@
-"""How likely are the places that a search has found, beside those that are followed?"""
+"""Weights of the places that a search has found, relative to the followed ones."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from robot.localization.hypothesis_parameters import HypothesisParameters
 
 @dataclass(frozen=True, slots=True)
 class FoundPlace:
-    """A place where none is followed."""
+    """A place that a search has found, and that no track follows yet."""
 
     pose: Pose2
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad]"""
     log_weight: float
-    """Relative to the heaviest that is followed."""
+    """Relative to the heaviest track."""
     log_evidence: float
-    """The same by the scans of the short map alone, whatever was known before."""
+    """The same by the scans of the short map alone, without a prior."""
 
 
 def found_places(
@@ -34,15 +34,15 @@ def found_places(
     whole: bool,
     p: HypothesisParameters,
 ) -> list[FoundPlace]:
-    """Places beside the tracks, weighed as if they had been there all along.
+    """Return the found places without a track, weighed as if they had been followed all along.
 
     Args:
-        search: that is done.
-        tracks: heaviest first.
-        priors: what was said of the start.
+        search: a finished search.
+        tracks: the tracks, heaviest first.
+        priors: the given start.
         log_elsewhere: log-weight of being at none of the tracks.
-        whole: whether nothing but the short map tells the tracks from others.
-        p: says what scans are worth.
+        whole: whether the short map is the only evidence for the tracks; then no prior counts.
+        p: the parameters; they say what a scan is worth.
     """
     lives = search.found_beside([track.pose for track in tracks])
     if not lives:
@@ -55,14 +55,14 @@ def found_places(
         pose, weight = life.pose @ search.since, evidence
         if tracks and not whole:
             prior = log_prior(priors, pose, p.log_kidnapped)
-            # One of the places elsewhere is no likelier than all of them together.
+            # One place elsewhere cannot be likelier than all places elsewhere together.
             weight = min(weight + prior, max(log_elsewhere, prior))
         places.append(FoundPlace(pose, life.covariance, weight, evidence))
     return places
 
 
 def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, float]:
-    """How the heaviest place that was lived through fits, and its log-weight."""
+    """Return the fits and the log-weight of the heaviest replayed track, or of the best place."""
     for track in tracks:
         life = search.life_at(track.pose)
         if life is not None:
@@ -73,10 +73,10 @@ def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, flo
 def equal_tracks(
     search: PlaceSearch, tracks: Sequence[Track], p: HypothesisParameters
 ) -> list[Pose2]:
-    """Poses of the other tracks that fit the short map about as well as the heaviest does.
+    """Return the poses of the other tracks that fit the short map about as well as the heaviest.
 
-    A search may take two places that are near each other for one. Of such a track counts how well
-    the last scans fit it.
+    A search may take two places that are near each other for one. The fit of the last scans decides
+    for a track that shares its place with the heaviest, or that the search did not replay.
     """
     leader = search.life_at(tracks[0].pose) if tracks else None
     worth = p.scan_worth * search.scans / search.scans_lived
@@ -100,11 +100,11 @@ def has_rival(
     """Whether another place fits about as well as the heaviest, and is no image of it.
 
     Args:
-        tracks: heaviest first.
-        places: that a search has found beside the tracks.
-        followed: poses of tracks that fit as well.
-        symmetries: of the field, about its origin.
-        p: says how near two places are one.
+        tracks: the tracks, heaviest first.
+        places: places that a search has found beside the tracks.
+        followed: poses of the other tracks that fit as well as the heaviest.
+        symmetries: the field's symmetries, as transformations of the map.
+        p: the parameters; they say how close two poses are one place.
     """
     images = [turned @ track.pose for track in tracks[:1] for turned in symmetries]
     equal = [place.pose for place in places if place.log_evidence > EQUAL]

@@ -1,4 +1,4 @@
-"""Poses evenly over a field, and how badly the ends of rays fit at each."""
+"""An even grid of poses over a field, and how badly the ends of rays fit at each pose."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from robot.geometry import Array
 from robot.localization.models.entry_field import EntryField
 
 MOST_POSES = 2_000_000
-"""A large field gets a coarser grid."""
+"""Most poses of a grid; a large field gets a coarser one."""
 HALVINGS = 2
-"""How often the steps are halved when a pose is sharpened: from 40 mm to 10."""
+"""How often the steps are halved when a pose is refined: from 40 mm to 10 mm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class CoarseGrid:
 
     @classmethod
     def over(cls, box: Extent, step_xy: float, step_theta: float) -> CoarseGrid:
-        """Cover a box [m] in steps [m] and [rad], or in larger ones if that would be too many."""
+        """Cover a box [m] in steps [m] and [rad]; steps [m] grow if there are too many poses."""
         low, size = box[:2], np.subtract(box[2:], box[:2])
         turns = max(1, round(2 * math.pi / step_theta))
         step = max(step_xy, math.sqrt(size[0] * size[1] * turns / MOST_POSES))
@@ -41,7 +41,7 @@ class CoarseGrid:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many headings, rows and columns."""
+        """Number of headings, rows and columns."""
         return len(self.thetas), len(self.ys), len(self.xs)
 
     def poses(self, cells: NDArray[np.int64]) -> Array:
@@ -50,9 +50,9 @@ class CoarseGrid:
         return np.column_stack([self.xs[column], self.ys[row], self.thetas[turn]])
 
     def sharpened(self, poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
-        """The poses (n, 3), each moved to the cheapest nearby by ever finer steps.
+        """Return the poses (n, 3), each moved to the cheapest pose nearby in ever smaller steps.
 
-        A step of the grid off, rays lie nearer to other edges than to those that they are of.
+        At a distance of one grid step, rays lie nearer to other edges than to their own.
         """
         return _sharpen(
             poses,
@@ -66,7 +66,7 @@ class CoarseGrid:
 
     @property
     def _steps(self) -> Array:
-        """Of x, y and theta [m, m, rad]."""
+        """Steps of x, y and theta [m, m, rad]."""
         return np.array([_step(self.xs), _step(self.ys), 2 * math.pi / len(self.thetas)])
 
     def score(
@@ -80,11 +80,11 @@ class CoarseGrid:
         """Fill in the costs (t, h, w) of some headings: sum over the ends of d^2 / (d^2 + blur^2).
 
         Args:
-            turns: the headings.
+            turns: which headings.
             ends: (n, 3) end of each ray [m] and its direction [rad], seen from the robot.
-            entries: how far it is to an edge.
-            blur: how far an end may lie off [m].
-            costs: of all headings.
+            entries: table of the distances to edges.
+            blur: distance of an end from an edge that costs one half [m].
+            costs: the costs of all headings.
         """
         _score(
             ends,
@@ -203,10 +203,10 @@ def _score(
 
 
 class Cheapest:
-    """The cells that cost no more than their neighbours: the cheapest of them, in order."""
+    """The cheapest local minima of a grid: cells that cost no more than their neighbours."""
 
     def __init__(self, most: int, limit: float) -> None:
-        """Keep so many, and none that costs more than a limit."""
+        """Keep at most ``most`` cells, in order of cost, and only those cheaper than a limit."""
         self._costs = np.full(most, limit, dtype=np.float32)
         self._cells = np.zeros((most, 3), dtype=np.int64)
         self._limit = limit
@@ -217,7 +217,7 @@ class Cheapest:
         return self._cells[self._costs < self._limit]
 
     def look(self, costs: NDArray[np.float32], turns: slice) -> None:
-        """Look through some headings of all costs (t, h, w)."""
+        """Search some headings of all costs (t, h, w) for local minima."""
         first, last, _ = turns.indices(len(costs))
         _look(costs, first, last, self._costs, self._cells)
 
@@ -230,7 +230,7 @@ def _look(
     best: NDArray[np.float32],
     cells: NDArray[np.int64],
 ) -> None:
-    """Put the lowest of some headings where they belong among the best (n,), in order."""
+    """Insert the local minima of some headings into the best ones (n,), in order of cost."""
     _, height, width = costs.shape
     for t in range(first, last):
         for y in range(height):
@@ -247,7 +247,7 @@ def _look(
 def _is_lowest(costs: NDArray[np.float32], t: int, y: int, x: int) -> bool:
     """Whether no neighbour costs less.
 
-    Where only a wall is seen, a whole row of cells costs the same, and each may be the place.
+    If only a wall is seen, a whole row of cells costs the same, and each may be the right one.
     """
     turns, height, width = costs.shape
     for dt in (-1, 0, 1):

@@ -1,4 +1,4 @@
-"""Has the whole field been searched since the place was doubted last?"""
+"""Records whether a search of the whole field has confirmed the place since the last doubt."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from robot.localization.hypotheses.track import Track
 from robot.localization.hypothesis_parameters import HypothesisParameters
 
 LEADING = 0.95
-"""A place that weighs more is the only likely one."""
+"""Weight above which a place is the only likely one."""
 
 
 class Confirmation:
-    """A place is confirmed by a search of a short map that knows of no scan of before the doubt.
+    """A search confirms a place if its short map has no scan from before the last doubt.
 
-    It is doubted when it may be elsewhere, and when another place has become the only likely one.
+    The place is doubted when the robot may be elsewhere, and when another place becomes the only
+    likely one.
     """
 
     def __init__(self, held: bool = True) -> None:
-        """``held``: whether the place was told."""
+        """Begin without a doubt; ``held`` says whether the start was given."""
         self.is_given = True
-        """Also of a place that was told, until it is doubted."""
+        """Whether the place is confirmed; true from the start until a doubt."""
         self._doubted_at = 0
-        """Scans kept then."""
+        """Number of kept scans at the last doubt."""
         self._leader: Track | None = None
         self._search_counts = False
         self._put_off = False
@@ -29,16 +30,16 @@ class Confirmation:
         """Whether the leader was confirmed before the doubt, and has not been lost since."""
 
     def doubt(self, scans: int) -> None:
-        """It may be elsewhere; so many scans were kept so far."""
+        """Doubt the place; ``scans`` is the number of kept scans so far."""
         self.is_given, self._doubted_at = False, scans
         self._search_counts = self._put_off = False
 
     def lose(self) -> None:
-        """The place is lost: whichever leads next follows no other."""
+        """Forget the leader, as the place is lost: the next leader does not replace another."""
         self._leader, self._held = None, False
 
     def follow(self, heaviest: Track, weight: float, p: HypothesisParameters) -> bool:
-        """Take the heaviest track with its share; whether it leads at another place than before."""
+        """Take the heaviest track and its weight; return whether the leading place changed."""
         if weight <= LEADING:
             return False
         before, self._leader = self._leader, heaviest
@@ -52,15 +53,15 @@ class Confirmation:
         return not (self.is_given or self._search_counts) and local.lacking == 0 and fresh
 
     def begin(self, scans: int, local: LocalMap) -> None:
-        """A search begins."""
+        """Note that a search begins."""
         self._search_counts = self.is_due(scans, local)
 
     def end(self, scans: int, rival: bool) -> None:
-        """It is done, and has found a rival that fits as well, or none.
+        """Note that the search is done, and whether it found a rival that fits as well.
 
-        A rival puts off a place that is new until scans tell them apart. It puts off a place that
-        was held before only once: what looks as good over a short map, but not over the scans
-        before, is found again and again.
+        A rival puts off the confirmation of a new place until scans distinguish the two. It puts
+        off a place that was held before only once, because a rival that looks as good over a short
+        map, but not over the scans before it, is found again and again.
         """
         if self._search_counts:
             self.is_given = not rival or (self._put_off and self._held)

@@ -1,4 +1,4 @@
-"""Places that a field's own symmetry makes look like another one: nothing ever tells them apart."""
+"""Images of a place: a symmetric field looks the same there, so no scan can distinguish them."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from robot.localization.hypotheses.track import Track
 from robot.localization.hypothesis_parameters import HypothesisParameters
 
 EQUAL = -3.0
-"""A place of so much log-weight beside the heaviest has its images followed."""
+"""Log-weight relative to the heaviest place from which on the images of a place are followed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A place that looks like one that is followed."""
+    """A place that looks like a followed one."""
 
     pose: Pose2
     covariance: Array = field(repr=False)
@@ -29,7 +29,7 @@ class Image:
 def missing_images(
     tracks: Sequence[Track], symmetries: Sequence[Pose2], parameters: HypothesisParameters
 ) -> Iterator[Image]:
-    """Images of the heaviest tracks that are not followed; those that are get the same weight."""
+    """Yield images of the heaviest tracks that are not followed; the others get the same weight."""
     for track in tracks:
         if track.log_weight < EQUAL:
             continue
@@ -44,7 +44,7 @@ def missing_images(
 
 
 def _turned(covariance: Array, turn: float) -> Array:
-    """A covariance (3, 3) after a turn of the map [rad]."""
+    """Return a covariance (3, 3) after a turn of the map [rad]."""
     c, s = math.cos(turn), math.sin(turn)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     turned: Array = rotation @ covariance @ rotation.T

@@ -1,4 +1,4 @@
-"""A short map: the scans of the last moments, laid together by odometry alone."""
+"""A short map: the last scans, joined by odometry alone."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class _Kept:
     """A scan of the map."""
 
     pose: Pose2
-    """Of the robot."""
+    """Pose of the robot in the short map."""
     scan: Scan
     hits: int
     """Rays that returned something."""
@@ -36,37 +36,37 @@ class _Kept:
 
 
 class LocalMap:
-    """The scans of the last stretch of the way, and how the robot moved between them."""
+    """The scans of the last stretch of the path, and how the robot moved between them."""
 
     def __init__(self, spacing_xy: float, spacing_theta: float, most: int) -> None:
         self._spacing = spacing_xy, spacing_theta
         self._most = most
         self._robot = Pose2()
-        """In a frame of its own, that starts anywhere."""
+        """Current pose of the robot in the short map's own frame, with an arbitrary origin."""
         self._scans: deque[_Kept] = deque(maxlen=most)
         self.whole = True
-        """Whether it goes back to where it began, or began anew: no scan was given up since."""
+        """Whether it goes back to its start or restart: no scan was dropped since then."""
 
     @classmethod
     def of(cls, parameters: HypothesisParameters) -> LocalMap:
-        """An empty one, as the parameters want it."""
+        """Return an empty short map for the parameters."""
         return cls(parameters.map_step_xy, parameters.map_step_theta, parameters.map_scans)
 
     def __len__(self) -> int:
         return len(self._scans)
 
     def begin_anew(self, keep: int) -> None:
-        """Keep only the newest scans: the robot may have been carried before."""
+        """Keep only the newest scans: the robot may have been carried off before them."""
         self.whole = True
         while len(self._scans) > keep:
             self._scans.popleft()
 
     def move(self, moved: Pose2) -> None:
-        """Follow a step by odometry."""
+        """Move the robot by a step of odometry."""
         self._robot = self._robot @ moved
 
     def add(self, scan: Scan) -> bool:
-        """Keep a scan if the robot has moved on since the last that was kept."""
+        """Keep a scan if the robot has moved since the last kept one; return whether it is kept."""
         if self._scans:
             since = self._scans[-1].pose.inverse() @ self._robot
             near = math.hypot(since.x, since.y) < self._spacing[0]
@@ -77,9 +77,9 @@ class LocalMap:
         return True
 
     def rays(self, scans: int, beams: int) -> Array:
-        """At most so many rays of so many scans (n, 7), as ``rays_of`` has them, from the newest.
+        """Return at most ``beams`` rays of each of at most ``scans`` scans, as ``rays_of`` (n, 7).
 
-        They are seen from where the robot was at the newest kept scan.
+        They are seen from the robot's pose at the newest kept scan.
         """
         last = self._scans[-1].pose.inverse()
         some = evenly(len(self._scans), scans)
@@ -88,7 +88,7 @@ class LocalMap:
         )
 
     def past(self, scans: int, beams: int, motion: MotionModel) -> ScanHistory:
-        """At most so many of the scans, the newest first, with so many rays each."""
+        """Return at most ``scans`` scans, the newest first, with at most ``beams`` rays each."""
         some = [self._scans[-1 - i] for i in evenly(len(self._scans), scans)]
         before = [some[0], *some[:-1]]
         moves = [
@@ -102,7 +102,7 @@ class LocalMap:
 
     @property
     def lacking(self) -> int:
-        """Scans until it is full."""
+        """Number of scans until the short map is full."""
         return self._most - len(self._scans)
 
     @property
@@ -112,7 +112,7 @@ class LocalMap:
 
     @property
     def hit_share(self) -> float:
-        """Share of the rays that returned something, of those that see anything."""
+        """Share of rays that returned something, among those that see anything."""
         seeing = sum(kept.seeing for kept in self._scans)
         return sum(kept.hits for kept in self._scans) / seeing if seeing else 0.0
 
@@ -125,7 +125,7 @@ def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
 
 
 def _stacked(scans: list[Array]) -> Array:
-    """Rays of several scans (m, k, 7), filled up with rays that see nowhere."""
+    """Stack the rays of several scans (m, k, 7); fill up with rays that see nowhere."""
     most = max(len(rays) for rays in scans)
     stacked = np.full((len(scans), most, 7), np.nan)
     for place, rays in enumerate(scans):

@@ -1,8 +1,8 @@
-"""Several hypotheses that live: multi-hypothesis tracking (Probabilistic Robotics, section 7.5).
+"""Multi-hypothesis tracking (Probabilistic Robotics, section 7.5).
 
-Each is a filter of its own. They are born where a short map of the last scans fits the field,
-weighed by how well the rays of each scan fit, and never resampled against each other: what looks
-unlikely now may be right when a mark comes into sight. Only a hopeless one is given up.
+Each hypothesis has its own filter. It starts where a short map of the last scans fits the field,
+and is weighed by how well the rays of each scan fit. Hypotheses are never resampled against each
+other: one that looks unlikely now may prove right at the next mark. Only hopeless ones are dropped.
 """
 
 from __future__ import annotations
@@ -31,23 +31,23 @@ from robot.scan import Scan
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""
 FIRST, LOST, SOON, LATE = 12, 2, 8, 64
-"""Scans before the first search, and when lost; between searches that find something, and at most,
-when they find nothing."""
+"""Scans before the first search, and before a search when lost; scans between searches that find
+something, and the most between searches that find nothing."""
 CONFIRMING = 0.5
-"""To confirm a place that is known, so much of the returns do that a search else needs."""
+"""A search that confirms a known place needs only this share of the returns of other searches."""
 LEAST_SHARE = 0.2
-"""A track keeps at least this part of its particles, however many there are."""
+"""A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05
-"""A place is found within centimetres: a few particles do to begin with."""
+"""Share of the particles of a new track: its place is known to centimetres, so a few are enough."""
 REMEMBERED = 4
-"""Short maps' lengths for which it counts what was told of the start: then more has been seen."""
+"""Lengths of a short map after which the given start does not count: scans tell more by then."""
 
 
 class MultiHypothesisFilter:
-    """Follows all places where the robot may be, and looks for others all the time.
+    """Follows all places where the robot may be, and searches for others all the time.
 
-    The weights of its hypotheses sum to less than one: what is missing is the probability that the
-    robot is elsewhere. It grows while no hypothesis fits.
+    The weights of its hypotheses sum to less than one. The rest is the probability that the robot
+    is elsewhere; it grows while no hypothesis fits.
     """
 
     def __init__(
@@ -56,34 +56,34 @@ class MultiHypothesisFilter:
         new_filter: Callable[[Setup, float], TrackFilter],
         rng: np.random.Generator,
     ) -> None:
-        """At the field's start; ``new_filter`` makes one that keeps a share of the particles."""
+        """Begin at the field's start; ``new_filter`` makes a filter with a share of particles."""
         self.setup = setup
         self._new_filter = new_filter
         self._rng = rng
         self._tracks: list[Track] = []
         self._told: list[Prior] = []
-        """What was said of the start; nothing after ``scatter``, nor when that is long ago."""
+        """The given start; empty after ``scatter``, and when the start is long ago."""
         self._anywhere: Cloud
-        """Shown while nothing was found yet."""
+        """Displayed until a place is found."""
         self._local: LocalMap
         self._search: PlaceSearch | None = None
         self._scans = 0
-        """Kept since the start."""
-        self._lost_at = 0  # The same, when it was last lost or the start.
+        """Number of scans kept since the start."""
+        self._lost_at = 0  # The same number when the place was last lost; 0 is the start.
         self._anchored = True
-        """Whether the start was told, and it was never lost since."""
+        """Whether the start was given, and the place was neither lost nor changed since."""
         self._confirmation = Confirmation()
         self._looseness = 1.0
         self._wait = FIRST
         """Scans until the next search."""
         self._patience = SOON
-        """Scans between searches, at present."""
+        """Current number of scans between searches."""
         self._elsewhere = Kidnapping(FRESH)
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """All of all tracks, heaviest first; none while nothing was found yet."""
+        """The hypotheses of all tracks, heaviest first; empty until a place is found."""
         result = [
             Hypothesis(item.weight * weight, item.pose, item.covariance)
             for track, weight in zip(self._tracks, self._weights().tolist(), strict=True)
@@ -93,7 +93,7 @@ class MultiHypothesisFilter:
 
     @property
     def cloud(self) -> Cloud:
-        """The particles of all tracks; poses all over the field while nothing was found yet."""
+        """The particles of all tracks; poses all over the field until a place is found."""
         if not self._tracks:
             return self._anywhere
         return Cloud.joined([track.filter.cloud for track in self._tracks], self._weights())
@@ -107,19 +107,19 @@ class MultiHypothesisFilter:
 
     @property
     def standing(self) -> Standing:
-        """Lost while elsewhere is likelier; then confirmed by a search of a whole short map."""
+        """Lost while elsewhere is likelier; unconfirmed from a doubt until a search settles it."""
         if self._elsewhere.lost:
             return Standing.LOST
         return Standing.CONFIRMED if self._confirmation.is_given else Standing.UNCONFIRMED
 
     def loosen(self, factor: float) -> None:
-        """Let steps err so many times more than the motion model says."""
+        """Multiply the motion model's standard deviations by ``factor`` from now on."""
         self._looseness = factor
         for track in self._tracks:
             track.filter.loosen(factor)
 
     def use(self, setup: Setup) -> None:
-        """Go on with other models and parameters; all hypotheses stay."""
+        """Switch to other models and parameters, and keep all hypotheses."""
         if setup.hypotheses != self.setup.hypotheses:
             self._local, self._search, self._wait = LocalMap.of(setup.hypotheses), None, FIRST
             self._local.whole = False
@@ -128,21 +128,21 @@ class MultiHypothesisFilter:
             track.filter.use(setup)
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        """Start anew with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
+        """Restart with one hypothesis around a pose, with covariance (3, 3) [m, m, rad]."""
         item = self._new_filter(self.setup, 1.0)
         item.set_pose(pose, covariance)
         self._start([Track(item, 0.0)], [Prior(pose, covariance)])
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew at the likeliest of some places; their weights are relative to each other."""
+        """Restart at the heaviest hypotheses; only the ratios of their weights count."""
         best = sorted((h for h in hypotheses if h.weight > 0), key=lambda h: -h.weight)
         places = [StartPose(item) for item in best[: self.setup.hypotheses.max_hypotheses]]
         self._start(*begun_at(places, self._new_filter, self.setup))
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew with a hypothesis for each cluster of given weighted poses.
+        """Restart with a hypothesis for each cluster of weighted poses.
 
-        Poses that are all over the field are no places: then it is looked for them.
+        Poses spread over the field form no clusters: search the field instead.
         """
         places = clusters_of(cloud, self.setup)
         if places:
@@ -151,13 +151,13 @@ class MultiHypothesisFilter:
             self.scatter()
 
     def scatter(self) -> None:
-        """Start anew without any: places are looked for."""
+        """Restart without a hypothesis, and search the field for places."""
         count = self.setup.parameters.filter.most_particles
         self._anywhere = Cloud.even(self.setup.field.free_poses(self._rng, count))
         self._start([], [])
 
     def predict(self, moved: Pose2) -> None:
-        """Follow a step by odometry."""
+        """Move all hypotheses by a step of odometry."""
         for track in self._tracks:
             track.filter.predict(moved)
         self._local.move(moved)
@@ -166,7 +166,7 @@ class MultiHypothesisFilter:
         self._told = [prior.moved(moved, self.setup.motion) for prior in self._told]
 
     def correct(self, scan: Scan) -> None:
-        """Correct each hypothesis by a scan, weigh them, and look for more."""
+        """Correct each hypothesis by a scan, weigh them, and search for more."""
         for track in self._tracks:
             track.filter.correct(scan)
         if self._local.add(scan):
@@ -180,7 +180,7 @@ class MultiHypothesisFilter:
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
-        """Multiply each weight by the scan's likelihood, to the power that a scan is worth."""
+        """Multiply each weight by the scan's likelihood, to the power of ``scan_worth``."""
         rays = rays[~np.isnan(rays[:, 4])]
         if not self._tracks or not len(rays):
             return
@@ -195,7 +195,7 @@ class MultiHypothesisFilter:
                 track.born = self._scans
 
     def _select(self) -> None:
-        """Give up what is hopeless, and the lighter of two that are in one place.
+        """Drop hopeless tracks, and the lighter of two tracks at one place.
 
         The lighter one's weight is not added: it is the same place, found or followed twice.
         """
@@ -204,7 +204,7 @@ class MultiHypothesisFilter:
             self._level(self._tracks[0].log_weight)
 
     def _mirror(self) -> None:
-        """Follow what looks the same as the heaviest places, unless the start was told."""
+        """Follow the images of the heaviest places, unless the start was given."""
         if self._anchored:
             return
         p = self.setup.hypotheses
@@ -213,7 +213,7 @@ class MultiHypothesisFilter:
                 self._follow(image.pose, image.covariance, image.log_weight)
 
     def _level(self, heaviest: float) -> None:
-        """Make the heaviest weight one; notice when elsewhere has become the likeliest."""
+        """Scale the heaviest weight to one; react if the robot is lost or another place leads."""
         for track in self._tracks:
             track.log_weight -= heaviest
         lost_now = self._elsewhere.level(heaviest, self.setup.hypotheses)
@@ -230,14 +230,14 @@ class MultiHypothesisFilter:
             self._begin_anew(self._scans - self._tracks[0].born)
 
     def _begin_anew(self, scans: int) -> None:
-        """Forget what was before the robot was carried, about so many scans ago."""
+        """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
         self._local.begin_anew(max(scans, 1))
         self._search, self._wait = None, LOST
         self._told, self._lost_at = [], self._scans
         self._anchored = False
 
     def _look_around(self) -> None:
-        """Begin a search for places, or go on with it."""
+        """Begin a search for places, or do the next piece of it."""
         if self._is_search_due():
             self._confirmation.begin(self._scans, self._local)
             back = self._local.since.inverse()
@@ -255,11 +255,11 @@ class MultiHypothesisFilter:
         return self._search is None and self._wait <= 0 and self._local.hit_share >= least
 
     def _bear(self, search: PlaceSearch) -> None:
-        """Follow the places that were found."""
+        """Follow the places that a search has found."""
         p = self.setup.hypotheses
-        # Back to where it was lost, or to a start of which nothing was told, a place found now is
-        # as likely as one that was found since then, or come to, and fits as well. But a place that
-        # was held before and fits again was not lost at all.
+        # If the short map goes back to where the robot was lost or scattered, a place found now is
+        # as likely as an earlier one that fits as well. But if the leading track is older than the
+        # loss, and fits again, its place was not lost at all.
         old = any(track.born < self._lost_at for track in self._tracks[:1])
         whole = search.whole and not self._told and not old
         elsewhere = self._elsewhere.log_weight
@@ -271,13 +271,13 @@ class MultiHypothesisFilter:
         for place in places:
             if place.log_weight > p.log_hopeless:
                 self._follow(place.pose, place.covariance, place.log_weight)
-        # A place that is new, and not hopeless, may be the first of more.
+        # A new place that is not hopeless may be the first of several.
         result = len(self._tracks) > before
         self._patience = SOON if result else min(2 * self._patience, LATE)
         if places:
             self._wait = min(self._wait, self._patience)
             self._select()
-        if whole and result:  # To fit better than what fitted badly is no certainty.
+        if whole and result:  # A better fit than a bad one is not certain yet.
             self._elsewhere.at_least(FRESH)
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:

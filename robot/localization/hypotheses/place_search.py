@@ -1,7 +1,8 @@
-"""Where on the field does a short map fit? The whole field is searched, a little at a time.
+"""Searches the whole field for places where a short map fits, a little at a time.
 
-First a coarse grid of poses is scored by how far the ends of the map's rays lie from edges; the
-best are laid on the edges exactly; those that fit about as well as the best are lived through.
+First, a coarse grid of poses is scored by how far the ends of the map's rays lie from edges. Then
+the best poses are laid on the edges exactly. Finally, the recent scans are replayed for the poses
+that fit about as well as the best.
 """
 
 from __future__ import annotations
@@ -20,19 +21,19 @@ from robot.localization.scan_matching import Match
 from robot.localization.setup import Setup
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
-"""Rays by which the grid is scored."""
+"""Scans, and rays of each, by which the grid is scored."""
 SCANS, BEAMS = 12, 12
-"""Rays that are laid on the edges."""
+"""Scans, and rays of each, that are laid on the edges."""
 LIVED_SCANS, LIVED_BEAMS = 8, 30
-"""Rays of the way that is lived through."""
+"""Scans, and rays of each, that are replayed."""
 PEAKS = 90
-"""Places on the grid that are laid on the edges."""
+"""Poses of the grid that are laid on the edges."""
 WORSE = 1.5
-"""A place that fits by so much less than the best, in log-likelihood a ray, is none."""
+"""A place is dropped if its log-likelihood per ray is this much below the best one's."""
 LOOKED_A_PIECE = 100_000
-"""Poses among which the cheapest are looked for in one go: about 1 ms."""
+"""Poses that are searched for the cheapest ones in one piece of work: about 1 ms."""
 POSES_A_PIECE, FITS_A_PIECE, LIVES_A_PIECE = 20_000, 45, 12
-"""Work that is done in one go: 2 to 4 ms."""
+"""Poses scored, poses laid on edges, and places replayed in one piece of work: 2 to 4 ms."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +43,7 @@ class _Fit:
 
 
 class PlaceSearch:
-    """One search, in pieces, so that no frame has to wait for it."""
+    """One search, cut into pieces so that no frame has to wait for it."""
 
     def __init__(
         self,
@@ -53,20 +54,20 @@ class PlaceSearch:
         """Begin to search.
 
         Args:
-            local: the short map; what is found are poses of its newest scan.
-            alive: poses there that are held likely already, to be lived through as well.
-            setup: the field, and how to search it.
+            local: the short map; the search finds poses of its newest scan.
+            alive: poses of that scan that are already likely, for which scans are replayed as well.
+            setup: the field, and the parameters of the search.
         """
         self.scans = len(local)
-        """In the short map."""
+        """Number of scans in the short map."""
         self.whole = local.whole
-        """Whether the short map goes back to the start."""
+        """Whether the short map goes back to its start or restart."""
         self.since = local.since
-        """How the robot moved since its newest scan."""
+        """How the robot moved since the newest scan of the short map."""
         self.found: list[Rescored] = []
-        """The places, once all is done."""
+        """The found places; complete when the search is done."""
         self.alive: list[Rescored] = []
-        """What those that are alive would have come to."""
+        """The poses that were already likely, after the replay."""
         self._setup = setup
         self._entries, self._parameters = setup.entries, setup.hypotheses
         self._ends = _ends(local.rays(COARSE_SCANS, COARSE_BEAMS))
@@ -74,23 +75,23 @@ class PlaceSearch:
         self._past: ScanHistory = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
         self._likely = alive
         self._done = 0
-        """Pieces of the work."""
+        """Number of pieces of work that are done."""
         self._pieces: Iterator[bool] | None = self._work()
 
     @property
     def scans_lived(self) -> int:
-        """Scans that a life is judged by."""
+        """Number of scans that are replayed for each place."""
         return len(self._past.moves)
 
     def life_at(self, pose: Pose2) -> Rescored | None:
-        """What one would have come to that is at a pose by now; None if there is none."""
+        """Return the replayed hypothesis that is now at a pose; None if there is none."""
         for life in (*self.alive, *self.found):
             if self._parameters.alike(life.pose @ self.since, pose):
                 return life
         return None
 
     def found_beside(self, poses: Sequence[Pose2]) -> list[Rescored]:
-        """The places that are none of some poses by now."""
+        """Return the found places that are now at none of some poses."""
         alike = self._parameters.alike
         return [
             life
@@ -100,15 +101,15 @@ class PlaceSearch:
 
     @property
     def best_life(self) -> Rescored:
-        """The one that fits best."""
+        """The replayed hypothesis that fits best."""
         return max((*self.alive, *self.found), key=lambda life: float(life.fits.sum()))
 
     def move(self, moved: Pose2) -> None:
-        """Follow a step by odometry."""
+        """Add a step of odometry to ``since``."""
         self.since = self.since @ moved
 
     def advance(self) -> bool:
-        """Do a piece of the work; true when all of it is done."""
+        """Do one piece of the work; return true when all of it is done."""
         if self._pieces is None:
             self._catch_up()
         self._done += 1
@@ -116,7 +117,7 @@ class PlaceSearch:
         return next(self._pieces, True)
 
     def __getstate__(self) -> dict[str, object]:
-        """What can be kept: work that is half done cannot, and is done again when it goes on."""
+        """Return the state to save: without unfinished work, which is repeated after a restore."""
         return {**self.__dict__, "_pieces": None, "found": [], "alive": []}
 
     def _catch_up(self) -> None:
@@ -153,7 +154,7 @@ class PlaceSearch:
         yield True
 
     def _hopeless_cost(self) -> float:
-        """What a pose costs where hardly an end lies near any edge."""
+        """Return the cost of a pose where hardly any end lies near an edge."""
         far, blur = self._entries.max_distance, self._parameters.search_blur
         return 0.9 * len(self._ends) * far**2 / (far**2 + blur**2)
 
@@ -161,7 +162,7 @@ class PlaceSearch:
         return self._setup.matcher.match(start, self._rays)
 
     def _fits(self, starts: Array) -> list[_Fit]:
-        """Lay the rays on the edges from each of some poses (n, 3)."""
+        """Lay the rays on the edges, starting from each of the poses (n, 3)."""
         poses = [self._match(Pose2(*start)).pose for start in starts.tolist()]
         laid = np.array([pose.to_array() for pose in poses])
         logs = self._setup.evidence.log_likelihoods(laid, self._rays).tolist()
@@ -171,7 +172,7 @@ class PlaceSearch:
         return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)
 
     def _distinct(self, fits: list[_Fit]) -> list[Pose2]:
-        """The best of those that are about in the same place; not too many, and no bad ones."""
+        """Return the best pose of each place; not too many, and no bad ones."""
         kept: list[Pose2] = []
         fits = sorted(fits, key=lambda fit: -fit.log_likelihood)
         for item in fits:
@@ -187,7 +188,7 @@ def _pieces(count: int, size: int) -> Iterator[slice]:
 
 
 def _ends(rays: Array) -> NDArray[np.float64]:
-    """End and direction (n, 3) of the rays that returned."""
+    """Return end and direction (n, 3) of the rays that returned something."""
     seen = np.isfinite(rays[:, 3]) & ~np.isnan(rays[:, 4])
     x, y, direction, length = rays[seen, :4].T
     return np.column_stack(

@@ -1,4 +1,4 @@
-"""What was told of the pose at the start, carried along by odometry."""
+"""The given start pose as a prior, moved along by odometry."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robot.localization.kalman_filter import follow
 from robot.localization.models.motion_models import MotionModel
 
 LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))
-"""Nobody tells a pose better than this [m², m², rad²]."""
+"""Least covariance of a given pose: nobody knows it better than this [m², m², rad²]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,15 +23,15 @@ class Prior:
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad]"""
     log_weight: float = 0.0
-    """Relative to the likeliest that was told."""
+    """Relative to the likeliest given pose."""
 
     def moved(self, step: Pose2, motion: MotionModel) -> Prior:
-        """After a step by odometry."""
+        """Return the prior after a step of odometry."""
         mean, noise = motion.moments(step)
         return Prior(*follow(self.pose, self.covariance, mean, noise), self.log_weight)
 
     def log_likelihood(self, pose: Pose2) -> float:
-        """Of a pose, relative to the likeliest that was told."""
+        """Return the log-likelihood of a pose, relative to the likeliest given pose."""
         offset = self.pose.offset_to(pose)
         return self.log_weight - 0.5 * float(
             offset @ np.linalg.solve(self.covariance + LEAST_VARIANCE, offset)
@@ -39,7 +39,7 @@ class Prior:
 
 
 def log_prior(priors: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> float:
-    """How likely a pose was before it was found, beside the one that is followed."""
+    """Return the prior log-likelihood of a found pose, relative to the followed one."""
     if not priors:
         return log_kidnapped
     likeliest = max(prior.log_likelihood(pose) for prior in priors)

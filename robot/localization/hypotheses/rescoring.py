@@ -1,8 +1,8 @@
-"""What would a hypothesis have come to, had it been there all along?
+"""Replays the recent scans for a new hypothesis, to weigh it fairly.
 
-The scans of a short map are laid together by odometry, which errs by some degrees over such a way:
-at the right place, too, the map as a whole does not quite fit. So a place is judged by an extended
-Kalman filter that follows the way back from the newest scan, where the place is known best.
+The scans of a short map are joined by odometry, which errs by some degrees over such a path. So the
+map as a whole does not quite fit even at the right place. A place is therefore judged by an
+extended Kalman filter that follows the path back from the newest scan, where it is known best.
 """
 
 from __future__ import annotations
@@ -20,37 +20,37 @@ from robot.localization.ray_evidence import RayEvidence, ray_log_likelihood
 from robot.localization.scan_matching import ScanMatcher, fit_rays
 
 START_INFORMATION = np.diag(1 / np.square([0.02, 0.02, 0.08]))
-"""How well a pose is known when a place is found [1/m², 1/m², 1/rad²]."""
+"""Information on the pose of a newly found place [1/m², 1/m², 1/rad²]."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScanHistory:
-    """Scans of the way, the newest first, and how the robot got from each to the next."""
+    """Scans along the path, the newest first, and the steps between them."""
 
     moves: Array = field(repr=False)
-    """(m, 3) [m, m, rad] the step to each scan from the one before, seen from its start."""
+    """(m, 3) [m, m, rad] step back to each scan from the newer one, seen from the step's start."""
     noise: Array = field(repr=False)
     """(m, 3, 3) covariance of each step, seen from its start."""
     rays: Array = field(repr=False)
-    """(m, k, 7) of each scan, as ``rays_of`` makes them."""
+    """(m, k, 7) rays of each scan, as ``rays_of`` returns them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Rescored:
-    """What a hypothesis would have come to."""
+    """A hypothesis after the recent scans were replayed for it."""
 
     pose: Pose2
-    """At the newest scan."""
+    """Pose at the newest scan."""
     covariance: Array = field(repr=False)
     """(3, 3) [m, m, rad]"""
     fits: Array = field(repr=False)
-    """(m,) log-likelihood of each scan, on average of its rays."""
+    """(m,) mean log-likelihood of the rays of each scan."""
 
 
 def rescore(
     start: Pose2, past: ScanHistory, matcher: ScanMatcher, evidence: RayEvidence
 ) -> Rescored:
-    """Follow the way back from a pose at its newest scan."""
+    """Replay the scans of ``past`` for a hypothesis that has pose ``start`` at the newest one."""
     pose, information, fits = _rescore(
         start.to_array(),
         past.moves,
@@ -84,7 +84,7 @@ def _rescore(
     evidence_sd: float,
     missed: float,
 ) -> tuple[Array, Array, Array]:
-    """Pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
+    """Return pose (3,) and information (3, 3) at the newest scan, and how each scan fits (m,)."""
     fits = np.empty(len(moves))
     newest, known, _ = fit_rays(
         start, START_INFORMATION, rays[0], index, range_max, sd, gate, slope
@@ -104,7 +104,7 @@ def _rescore(
 
 @njit(cache=True, nogil=True)
 def _moved(pose: Array, information: Array, move: Array, noise: Array) -> tuple[Array, Array]:
-    """Pose and information after a step: G Sigma G^T + V M V^T."""
+    """Return pose and information after a step: G Sigma G^T + V M V^T."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
     dx, dy = c * move[0] - s * move[1], s * move[0] + c * move[1]
     G = np.array([[1.0, 0.0, -dy], [0.0, 1.0, dx], [0.0, 0.0, 1.0]])

@@ -1,4 +1,4 @@
-"""Places in a set of poses that was given to start from."""
+"""Turns given hypotheses or poses into the tracks and priors of a start."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.setup import Setup
 
 ENOUGH = 50
-"""Poses that stand for a place by themselves; of fewer, the mean and the spread are taken."""
+"""Least number of poses to start a filter from; fewer are replaced by their mean and spread."""
 WIDEST = 10.0
-"""A cluster wider than so many distances within which places are one is no place."""
+"""Clusters wider than this multiple of the merge distance (``same_xy``) are ignored."""
 COVERED = 0.9
-"""Share of the weight that the places must have."""
+"""Least share of a cloud's weight that its clusters must have."""
 
 
 @dataclass(frozen=True, slots=True)
 class StartPose:
-    """A place, or a cluster of poses."""
+    """A hypothesis to start from, or a cluster of poses."""
 
     hypothesis: Hypothesis
     cloud: Cloud | None = None
-    """The poses, if there were any."""
+    """The poses of a cluster; None for a hypothesis alone."""
 
     def begin(self, item: Filter) -> None:
-        """Let a filter start there."""
+        """Start a filter at this place."""
         if self.cloud is not None and len(self.cloud.weights) >= ENOUGH:
             item.set_cloud(self.cloud)
         else:
@@ -43,7 +43,7 @@ class StartPose:
 def begun_at(
     places: list[StartPose], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
 ) -> tuple[list[Track], list[Prior]]:
-    """A track at each place, and what was told of it; the heaviest first."""
+    """Return a track and a prior for each place, the heaviest first."""
     tracks, told = [], []
     total = sum(place.hypothesis.weight for place in places)
     for place in places:
@@ -57,7 +57,7 @@ def begun_at(
 
 
 def clusters_of(cloud: Cloud, setup: Setup) -> list[StartPose]:
-    """The places that a cloud is made of, heaviest first; none if it is all over the field."""
+    """Return the clusters of a cloud, heaviest first; none if it is spread over the field."""
     p = setup.hypotheses
     cells = Cells(setup.filter.cell_xy, max(1, round(2 * math.pi / setup.filter.cell_theta)))
     result = find_clusters(cloud.poses, cloud.weights, cells, p.max_hypotheses)

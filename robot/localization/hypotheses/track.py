@@ -1,4 +1,4 @@
-"""One hypothesis: a filter of its own, and how likely it is beside the others."""
+"""Track: one hypothesis with its own filter, and its weight relative to the others."""
 
 from __future__ import annotations
 
@@ -18,57 +18,57 @@ from robot.localization.kernels.matrices import inverse, solved
 from robot.localization.setup import Setup
 
 POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
-"""How far a hypothesis may be moved to where a scan fits, beyond its covariance [m², m², rad²]: a
-camera that is mounted 0.3 degrees askew moves what it sees by so much."""
+"""Covariance added to a hypothesis's own when it is moved to where a scan fits [m², m², rad²]: a
+camera that is mounted 0.3 degrees askew shifts what it sees by so much."""
 FARTHEST = 11.3
-"""Squared Mahalanobis distance beyond which it would be another place: chi-square, 3, 99 %."""
+"""Squared Mahalanobis distance beyond which a pose is another place (chi-square, 3, 99 %)."""
 FAR, STUCK = 3.0, 3
-"""So many scans in a row that fit so far off, as squared Mahalanobis distance: the filter is surer
-of itself than it should be, would hold on until it is lost, and is set to where they fit, if they
-fit better there. Also beyond FARTHEST: of 12 robots with cameras askew two are lost if such scans
-do not count."""
+"""If STUCK successive scans fit farther off than FAR (squared Mahalanobis distance), the filter is
+overconfident, and would stay where it is until it is lost. So it is restarted where they fit, if
+they fit better there. Scans beyond FARTHEST count too: without them, two of 12 robots with askew
+cameras get lost."""
 NARROW = 0.012
-"""Of a cloud less wide than this [m] no ray can be of another edge than the nearest."""
+"""In a cloud narrower than this [m], each ray can only be of the nearest edge."""
 SHARP = 0.008
-"""A pose that is known better than this [m, rad] is asked for what is due there alone."""
+"""A pose that is known better than this [m, rad] is weighed at its mean alone."""
 STEADY, FORGETTING = 0.6, 0.2
-"""A scan counts for so much more than the mean of those before it, as log-likelihood, and for so
-much in their mean."""
+"""How much more log-likelihood a scan may count than the mean of the scans before it, and the share
+of a new scan in that mean."""
 INDIFFERENT = 0.5
-"""Less than this, in log-likelihood, a scan does not tell for one place or another: no more than
-one ray makes. Such small differences come from where a fit ends, and would add up."""
+"""Smaller losses of log-likelihood do not count: a single ray makes as much. Such small differences
+come from where a fit ends, and they would add up."""
 
 STRAY = 0.05
-"""Clusters below this share of a track's heaviest are no places of their own."""
+"""Clusters below this share of a track's heaviest cluster are not separate places."""
 
 
 class TrackFilter(Filter, Protocol):
-    """A filter that can be one of many."""
+    """A filter that can serve as one track of many."""
 
     share: float
-    """Part of its usual number of particles that it may keep."""
+    """Share of its usual number of particles that it may keep."""
 
 
 @dataclass
 class Track:
-    """A hypothesis that lives."""
+    """A hypothesis that lives on from scan to scan, with its own filter."""
 
     filter: TrackFilter
     log_weight: float
-    """Relative to the heaviest."""
+    """Relative to the heaviest track."""
     born: int = 0
-    """Scans that had been kept when it was found."""
+    """Number of kept scans when it was found, or last came unstuck."""
     _gains: tuple[float, ...] = ()
-    """How much better the last scans fit where they were laid; only those in a row that lie far
-    off."""
+    """How much better the last scans fit where they were laid than at the track; only of successive
+    scans that were laid far off."""
     _fitting: Pose2 | None = None
-    """Where the last scan fits."""
+    """Pose at which the last scan fits."""
     _mean_loss: float = 0.0
-    """What a scan tells against this place, on average of the last."""
+    """Mean loss of log-likelihood by the last scans, relative to the best place."""
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:
-        """The filter's, but for stray particles: they would make equal weights flicker."""
+        """The filter's hypotheses without stray particles: these make equal weights flicker."""
         hypotheses = self.filter.hypotheses
         kept = [each for each in hypotheses if each.weight > STRAY * hypotheses[0].weight]
         if len(kept) == len(hypotheses):
@@ -78,24 +78,24 @@ class Track:
 
     @property
     def fits_as_well(self) -> bool:
-        """Whether the last scans tell as little against this place as against the best one."""
+        """Whether the last scans fit this place about as well as the best one."""
         return self._mean_loss < INDIFFERENT
 
     @property
     def best(self) -> Hypothesis:
-        """Where it says the robot is."""
+        """The filter's heaviest hypothesis."""
         return self.filter.hypotheses[0]
 
     @property
     def pose(self) -> Pose2:
-        """Where it says the robot is."""
+        """Pose of the filter's heaviest hypothesis."""
         return self.best.pose
 
     def fit(self, rays: Array, setup: Setup) -> float:
-        """How well rays fit here, once they are laid on the edges.
+        """Return the mean log-likelihood of rays at this place, after they are laid on the edges.
 
-        So that the filter's luck in finding its mean does not count: of places that look the same,
-        none comes to seem likelier than another.
+        Laying them removes the random error of the filter's mean. So of places that look the same,
+        none becomes likelier than another.
         """
         best = self.best
         known = inverse(best.covariance + POLISH)
@@ -105,7 +105,7 @@ class Track:
         fitting = match.pose
         away = best.pose.offset_to(fitting)
         far = float(away @ known @ away)
-        # (C^-1 + S)^-1 of the covariance and what the scan says, also where either is singular.
+        # (C^-1 + S)^-1 of covariance C and the scan's information S, even if one is singular.
         seen = match.information - known
         left = solved(np.eye(3) + best.covariance @ seen, best.covariance)
         poses = np.concatenate([best.pose.to_array()[None], _around(fitting.to_array(), left)])
@@ -113,32 +113,33 @@ class Track:
         current, target = float(logs[0]), float(logs[1:].max())
         self._fitting = fitting
         self._gains = (*self._gains, target - current)[-STUCK:] if far > FAR else ()
-        # Farther than it may be, it would live on what fits another place.
+        # Beyond this distance, the track would gain weight by scans that fit another place.
         return target if far < FARTHEST else current
 
     def fit_unlaid(self, rays: Array, setup: Setup) -> float:
-        """How well rays fit as the filter has it.
+        """Return the mean log-likelihood of rays at the filter's own pose, or close to it.
 
-        Laid on the edges, a wrong place would fit too well to be noticed.
+        After rays are laid on the edges, a wrong place would fit too well to be noticed.
         """
         poses = _around(self.pose.to_array(), self.best.covariance)
         return float(setup.evidence.log_likelihoods(poses, rays).max())
 
     def lose(self, loss: float, most: float) -> None:
-        """Take off what a scan tells against this place, and for the best one.
+        """Subtract a scan's loss of log-likelihood, relative to the best place, from the weight.
 
-        Successive scans err together: one piece of tape that is seen badly is seen so for a dozen
-        pictures. So a scan counts for little more than the mean of those before it, and a steady
-        difference in full after some scans.
+        The errors of successive scans are correlated: a piece of tape that is seen badly stays so
+        for a dozen pictures. So a scan counts little more than the mean of the scans before it, and
+        a steady difference counts in full after some scans.
         """
         counted = min(loss, self._mean_loss + STEADY, most)
         self._mean_loss += FORGETTING * (min(loss, most) - self._mean_loss)
         self.log_weight -= counted if counted > INDIFFERENT else 0.0
 
     def come_unstuck(self) -> bool:
-        """Begin anew where scans fit, if they have fitted far off, and better, for long enough.
+        """Restart where the scans fit, if they have fitted far off, and better, for long enough.
 
-        Returns whether it did.
+        Returns:
+            Whether it restarted.
         """
         better = len(self._gains) == STUCK and self._gains[-1] > 0 and sum(self._gains) > 0
         if better and self._fitting is not None:
@@ -149,7 +150,10 @@ class Track:
 
 
 def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[Track]:
-    """The heaviest first, without those that are hopeless, or where a heavier one is."""
+    """Return the tracks, heaviest first, without the hopeless ones and without duplicates.
+
+    A duplicate is at the place of a heavier track.
+    """
     kept: list[Track] = []
     for track in sorted(tracks, key=lambda track: -track.log_weight):
         hopeless = kept and track.log_weight < kept[0].log_weight + parameters.log_hopeless
@@ -160,10 +164,10 @@ def distinct(tracks: Sequence[Track], parameters: HypothesisParameters) -> list[
 
 @njit(cache=True, nogil=True)
 def _around(pose: Array, covariance: Array) -> Array:
-    """A pose and those a standard deviation beside it (7, 3); it alone if it is known sharply.
+    """Return a pose and those one standard deviation beside it (7, 3); a well known pose alone.
 
-    Of a robot that turns and sees nothing the heading is known less and less: that an edge is
-    missed which is due at the mean, and not beside it, tells nothing.
+    If a robot turns and sees nothing, its heading gets uncertain. Then a missed edge means nothing
+    if it is expected at the mean pose, but not beside it.
     """
     poses = np.empty((7, 3))
     poses[:] = pose

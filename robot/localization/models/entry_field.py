@@ -21,9 +21,8 @@ from scipy.spatial import cKDTree
 from robot.fields.edges import sample
 from robot.fields.field import Field
 from robot.geometry import Array, heading_vectors
-from robot.localization.models.entry_planes import planes
+from robot.localization.kernels.entry_planes import DIRECTIONS, planes
 
-DIRECTIONS = 8
 SAMPLE_M = 0.002
 """Distance of the points that stand for an edge [m]; farther apart where cells are larger."""
 SIGNED_CELLS = 2.0

@@ -11,8 +11,8 @@ from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 
 from robot.geometry import Array
+from robot.localization.kernels.ray_sums import DEGREE, sum_over_rays
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.ray_sums import DEGREE, sum_over_rays
 from robot.scan import Scan
 
 FADED = 6.0
@@ -66,7 +66,7 @@ class LikelihoodField:
     def _curve(self) -> tuple[float, NDArray[np.float32]]:
         """Log p by x = d^2 / 2 sigma^2, as a polynomial of 2 x / end - 1; and that end.
 
-        ScanHistory it log p is all but constant, up to it the polynomial is right to 1e-3.
+        Beyond the end log p hardly changes; up to it the polynomial is right to 1e-3.
         """
         end = max(self._log_p(0.0) - self._log_p(math.inf), 0.0) + FADED
         log_p = np.vectorize(self._log_p)

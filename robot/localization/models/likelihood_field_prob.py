@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array, heading_angles, heading_vectors
-from robot.localization.models.entry_field import DIRECTIONS
+from robot.localization.kernels.entry_planes import DIRECTIONS
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.scan import Scan, evenly
 

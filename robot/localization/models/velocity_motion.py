@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.models.turn_and_go import Legs, spread_of, turn_go_turn
+from robot.localization.kernels.steps import turn_go_turn
+from robot.localization.models.turn_and_go import Legs, spread_of
 
 
 @dataclass(frozen=True, slots=True)

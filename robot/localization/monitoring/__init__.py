@@ -1,1 +1,1 @@
-"""Do scans and odometry fit what the models claim? If not: by how much, and why?"""
+"""Checks whether scans and odometry agree with the models; if not, by how much and why."""

@@ -1,4 +1,4 @@
-"""Which error is the likeliest? Each leaves its own pattern in what scans and steps differ by."""
+"""Finds the likeliest error: each leaves its own pattern in the residuals of scans and steps."""
 
 from __future__ import annotations
 
@@ -11,32 +11,35 @@ from robot.localization.monitoring.mounting_check import MountingError
 from robot.localization.monitoring.odometry_check import OdometryErrors
 
 RAISED, CLEARED = 0.4, 3.0
-"""A cause is told when it was the likeliest for so long, until it was not for so long [s]."""
+"""An alert is raised after its cause was the likeliest for RAISED [s]. It is cleared when its cause
+was not the likeliest for CLEARED [s]."""
 WHEELS_SLIP = 2.8
-"""What is left of steps in heading, in usual spreads, where wheels slip."""
+"""Wheels slip if the unexplained rest of steps in heading is larger than this, in usual spreads."""
 PATH_TORN = 2.4
-"""The same of steps ahead or aside, where poses do not fit together."""
+"""Poses do not fit together if that rest of steps ahead or aside is larger than this."""
 LATE, LATE_SURE = 0.012, 2.4
-"""Pictures that come later than so much [s], and so many standard deviations, are late."""
+"""Pictures are late if they come later than this [s], and by this many standard deviations."""
 TILT = math.radians(0.1)
 TILT_EXPLAINS = 0.4
-"""A camera that is askew by so much [rad] explains such a share of what no pose does."""
+"""A camera is askew if its tilt is larger than this [rad], and explains more than this share of the
+residuals that no pose explains."""
 RADII, RADII_TURN = 0.025, 0.38
-"""Wheels that are off by so much, as a share of the way and as a turn by way [rad/m]."""
+"""Wheels are of another size if they err by more: a share of a distance, or a turn by distance
+[rad/m]."""
 SURE = 3.0
-"""Standard deviations by which a wheel's error stands out."""
+"""Standard deviations above which a wheel's error is significant."""
 FLAT, FLAT_WIDE = 0.97, 0.010
-"""A model that leaves such a share of the cloud effective, which is wider than so much [m], rates
-all poses alike."""
+"""A sensor model rates all poses alike if more than this share of the cloud stays effective, and
+the cloud is wider than this [m]."""
 PULLED = -1.6
-"""A model that takes so much of a ray's log-likelihood away is none of this scanner."""
+"""A sensor model that takes more than this of a ray's log-likelihood does not suit this scanner."""
 FLAT_RAYS = 20
-"""Rays that should have told."""
+"""Least number of returns by which a sensor model should have distinguished poses."""
 
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """All that is judged by."""
+    """All quantities by which causes are judged."""
 
     stamp: float
     elapsed: float
@@ -46,9 +49,9 @@ class Findings:
     spread: float
     """Share of the cloud that is effective."""
     width: float
-    """Of the hypothesis [m]."""
+    """Width of the hypothesis [m]."""
     pulled: float
-    """By how much scans moved the pose to where they fit worse, as log-likelihood."""
+    """Change of a ray's log-likelihood by scans that moved the pose to a worse fit; at most 0."""
 
 
 class Causes:
@@ -56,17 +59,17 @@ class Causes:
 
     def __init__(self) -> None:
         self._held: dict[Cause, float] = {}
-        """For how long each has been the likeliest [s]."""
+        """How long each cause has been the likeliest [s]."""
         self._last: dict[Cause, tuple[float, str]] = {}
-        """When each was last told [s], and its words."""
+        """Stamp [s] and text of each cause's last alert."""
         self.alerts: tuple[Alert, ...] = ()
 
     def forget(self) -> None:
-        """Another place is followed from now on."""
+        """Clear all alerts, because another place is followed from now on."""
         self._held, self._last, self.alerts = {}, {}, ()
 
     def judge(self, findings: Findings) -> None:
-        """Take what was found of one more scan."""
+        """Update the alerts by the findings of one more scan."""
         cause, text = self._likeliest(findings)
         for each in Cause:
             before = self._held.get(each, 0.0)
@@ -79,7 +82,7 @@ class Causes:
         self.alerts = tuple(Alert(each, words) for each, (_, words) in newest)
 
     def _likeliest(self, f: Findings) -> tuple[Cause | None, str]:
-        """The first of the patterns that is there: what stands first hides what comes after."""
+        """Return the first cause whose pattern is present: an earlier cause can hide later ones."""
         for cause, pattern in PATTERNS.items():
             text = pattern(f)
             if text:

@@ -1,4 +1,4 @@
-"""What is claimed of an estimate: its state, and bounds that hold in 99.9 % of pictures."""
+"""Claims about an estimate: its state, and bounds that hold in 99.9 % of pictures."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from robot.localization.kernels.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29
-"""Standard deviations within which 99.9 % lie: of a place on a plane, and of a heading."""
+"""Standard deviations that contain 99.9 %: of a position on a plane, and of a heading."""
 LEAST_PLACE, LEAST_HEADING = 0.0005, 0.0015
-"""Standard deviation of what no covariance knows: the scanner's own errors [m], [rad]."""
+"""Standard deviations of the scanner's own errors, which no covariance includes [m], [rad]."""
 NARROW, NARROW_HEADING = 0.080, math.radians(10)
-"""A wider bound is approximate only [m], [rad]."""
+"""With a wider bound, an estimate is only approximate [m], [rad]."""
 TURNED, WAY, TURN = 0.3, 0.03, 0.05
-"""How odometry errs by itself, as standard deviations: a turn by way [rad/m], a way as a share of
-it, and a turn as a share of it."""
+"""Standard deviations of odometry: of the turn by distance [rad/m], of a distance as a share of it,
+and of a turn as a share of it."""
 ANYWHERE = 1.0
-"""With a wider bound it is not known where the robot is [m]: a Gaussian alone may become so."""
+"""With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide."""
 CERTAIN = 0.95
-"""Weight from which on one place is the only one."""
+"""Weight above which a place counts as the only one."""
 ANY = 0.5
-"""Places that weigh less together are no answer: the robot may be anywhere."""
+"""If all places together weigh less, the robot may be anywhere."""
 
 
 def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) -> Integrity:
-    """What may be claimed of the heaviest hypothesis.
+    """Return what may be claimed about the heaviest hypothesis.
 
     Args:
-        hypotheses: heaviest first, with weights that sum to one, or less where it may be elsewhere.
-        standing: what the filter knows of its search.
+        hypotheses: heaviest first; weights sum to one, or to less if the robot may be elsewhere.
+        standing: the state of the filter's search.
         doubt: what the monitor found.
     """
     if standing is Standing.LOST:
@@ -46,13 +46,13 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
     if radius > ANYWHERE:
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if not doubt.fits or standing is not Standing.CONFIRMED:
-        # It may be another place: no radius holds.
+        # The robot may be at another place, so no bound holds.
         return Integrity(State.APPROXIMATE, alerts=doubt.alerts)
     return Integrity(_one_place(radius, heading), radius, heading, doubt.alerts)
 
 
 def carried_on(claimed: Integrity, moved: Pose2) -> Integrity:
-    """What may be claimed after a step by odometry alone, as between two pictures."""
+    """Return what may be claimed after a step by odometry alone, as between two pictures."""
     if not math.isfinite(claimed.radius):
         return claimed
     way = math.hypot(moved.x, moved.y)
@@ -69,7 +69,7 @@ def _one_place(radius: float, heading: float) -> State:
 
 
 def bounds(covariance: Array) -> tuple[float, float]:
-    """Radius [m] and angle [rad] that hold in 99.9 % of pictures, by a covariance (3, 3)."""
+    """Return radius [m] and angle [rad] that hold in 99.9 % of pictures, by a covariance (3, 3)."""
     radius = PLACE_QUANTILE * math.hypot(widest(covariance), LEAST_PLACE)
     heading = HEADING_QUANTILE * math.sqrt(float(covariance[2, 2]) + LEAST_HEADING**2)
     return radius, min(heading, math.pi)

@@ -1,8 +1,8 @@
-"""Watches an estimate: do scans and odometry fit what the models claim?
+"""Monitors an estimate: checks whether scans and odometry agree with the models.
 
-What is steadily off shows in the scans. What stands out of its own spread is taken off: the tilt of
-the camera, the size of the wheels, the lateness of pictures. The monitor says what the likeliest
-reason is, and how far the pose may still be off.
+Steady errors show in the scans. Significant ones are corrected: the tilt of the camera, the size of
+the wheels, the lateness of pictures. The monitor names the likeliest reason for doubt, and says how
+far the pose may still be off.
 """
 
 from __future__ import annotations
@@ -27,59 +27,61 @@ from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
 
 BEAMS = 91
-"""Rays of a scan that are looked at."""
+"""Rays of a scan that are checked."""
 LAID_SD, LAID_SLOPE, LAID_GATE = 0.0003, 25.0, 0.03
-"""Spread of a near range [m], how it grows [1/m²], and the gate [m] with which a scan is laid on
-the edges before it is looked at."""
+"""Spread of a near range [m], its growth [1/m²], and the gate [m] with which a scan is laid on the
+edges before it is checked."""
 LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
-"""How little then is held to where the robot should be [1/m², 1/m², 1/rad²]."""
+"""Information by which the estimate then holds the pose: little [1/m², 1/m², 1/rad²]."""
 FITTING = 0.5
-"""Share of a new scan in the mean of how well scans fit."""
+"""Share of a new scan in the running mean of how well scans fit."""
 FORGETTING = 0.01
-"""Share of what scans did to the pose that the next one makes forget."""
+"""Share of the sum ``_pulled`` that is forgotten with each scan."""
 MOST_PULLED = 1.5
-"""What one scan may do to the pose counts for no more: another place may take the lead."""
+"""Most that one scan counts in ``_pulled``: a pose also moves when another place takes the lead."""
 TRUSTED, EXPLAINED = 0.95, 0.6
-"""Weight of a place, and share of the returns that it explains, to learn of the robot there."""
+"""A place must weigh more than this, and explain more than this share of the returns, for errors of
+the robot to be learnt there."""
 TORN = 2.5
-"""Where steps differ from odometry by so many spreads, wheels slip or it was carried off."""
+"""Wheels slip, or the robot was carried off, if steps differ from odometry by more spreads."""
 JUMP, JUMP_TURN = 0.04, 0.2
-"""A pose that moves so much from one scan to the next is another place [m], [rad]."""
+"""A pose farther than this from the one that odometry predicts is another place [m], [rad]."""
 LOOSEST = 4.0
-"""Odometry is believed this much less, at most."""
+"""Largest factor on odometry's standard deviations."""
 USUAL = 1.5
-"""Steps that differ from odometry by no more than so many spreads are as usual."""
+"""Steps that differ from odometry by no more than this many spreads are usual."""
 SEEING, BLIND_AFTER, BLIND = 6, 0.3, 2.5
-"""With fewer rays on edges than this for so long [s], steps add up unseen, and err so many times
-more than each by itself: slip lasts for about a second, and wheels are never quite as drawn."""
+"""If fewer than SEEING rays lie on edges for longer than BLIND_AFTER [s], steps add up unseen. Then
+they err BLIND times as much as each step alone, because slip lasts for about a second, and wheels
+are never exactly as drawn."""
 DOUBT_KEPT = 5.0
-"""For so long after a doubt the pose may still be off [s]."""
+"""Time after an alert for which the pose may still be off [s]."""
 SCALE_SD, SCALE_DOUBTED = 0.007, 0.015
-"""How much too large or too small a map may be that is not doubted, and one that is."""
+"""Standard deviation of the scale of a map that is not doubted, and of one that is."""
 LEAST_LATE = 0.001
-"""Less is not made up for [s]."""
+"""A smaller lateness is not corrected [s]."""
 LATE_SURE, LATE_BLEND = 3.0, 0.1
-"""Lateness of so many standard deviations is made up for, by so much more with each scan."""
+"""Lateness is corrected above this many standard deviations, by this share of a change per scan."""
 
 
 @dataclass(frozen=True, slots=True)
 class Doubt:
-    """How far an estimate may be off by what its covariance does not know."""
+    """How far an estimate may be off by errors that its covariance does not include."""
 
     covariance: Array = field(repr=False)
-    """(3, 3) [m, m, rad] by what was found: zero while nothing is."""
+    """(3, 3) [m, m, rad] of the errors that were found; zero if none was."""
     unknown: Array = field(repr=False)
-    """(3, 3) by what was not found, but cannot be excluded yet."""
+    """(3, 3) of the errors that were not found, but cannot be excluded yet."""
     alerts: tuple[Alert, ...]
     fits: bool
-    """Whether the last scans fit here at all, and poses follow each other as odometry says."""
+    """Whether the last scans fit at the estimate, and the steps of the pose agree with odometry."""
 
 
 NO_DOUBT = Doubt(np.zeros((3, 3)), np.zeros((3, 3)), (), True)
 
 
 class Monitor:
-    """Takes each estimate with the scan that it was made of."""
+    """Checks each estimate, together with the scan that it was made from."""
 
     def __init__(self, evidence: RayEvidence, mounting: Mounting = LASER) -> None:
         self.use(evidence)
@@ -91,36 +93,36 @@ class Monitor:
         self._last: tuple[Pose2, Pose2] | None = None
         """Pose and odometry of the last scan."""
         self._seen = -math.inf
-        """When edges were seen last [s]."""
+        """Stamp at which edges were last seen [s]."""
         self._fit = 1.0
         self._pulled = 0.0
-        """By how much scans moved the pose to where they fit worse, as log-likelihood."""
+        """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
         self._doubted = -math.inf
-        """When a doubt was raised last [s]."""
+        """Stamp of the last alert [s]."""
         self.doubt = NO_DOUBT
         self.lateness = 0.0
-        """By so much pictures seem to be stamped later than they were taken [s]."""
+        """How much later pictures seem to be stamped than they were taken [s]."""
         self._wheels: tuple[float, ...] = (0.0, 0.0, 0.0)
-        """By how much odometry seems to be off: forward, turn by way [rad/m], and turn."""
+        """Apparent errors of odometry: forward [-], turn by distance [rad/m], and turn [-]."""
         self.looseness = 1.0
-        """How many times wider than usual odometry seems to err."""
+        """Factor on odometry's usual standard deviations."""
 
     def begin_anew(self) -> None:
-        """Another pose was told: what was found of the robot stays, steps to here do not count."""
+        """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
         self._odometry.begin_anew()
         self._last, self._fit, self._pulled = None, 1.0, 0.0
         self._causes.forget()
         self.doubt = NO_DOUBT
 
     def use(self, evidence: RayEvidence) -> None:
-        """Go on with other parameters."""
+        """Switch to the evidence of other parameters."""
         self._evidence = evidence
         self._matcher = ScanMatcher(
             evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
 
     def caught_up(self, hypothesis: Hypothesis) -> Hypothesis:
-        """Where the robot is at the scan's stamp, if its picture was taken before."""
+        """Return the hypothesis at the scan's stamp, if its picture was taken earlier."""
         if self.lateness == 0.0:
             return hypothesis
         return replace(
@@ -128,14 +130,14 @@ class Monitor:
         )
 
     def corrected_step(self, moved: Pose2) -> Pose2:
-        """A step by odometry as it would be with wheels of the size that they seem to have."""
+        """Return a step by odometry, corrected by the apparent errors of the wheels."""
         forward, turn_by_way, turn = self._wheels
         theta = moved.theta * (1 + turn) + moved.x * turn_by_way
         target = Pose2(theta=0.5 * (theta - moved.theta)) @ Pose2(moved.x, moved.y)
         return Pose2((1 + forward) * target.x, (1 + forward) * target.y, theta)
 
     def corrected(self, scan: Scan) -> Scan:
-        """A scan as it would be without the tilt that the camera seems to have."""
+        """Return a scan, corrected by the apparent tilt of the camera."""
         tilt, hit = self._camera.applied, scan.hit
         if not (tilt.any() and math.isfinite(self._mounting.height) and hit.any()):
             return scan
@@ -147,13 +149,13 @@ class Monitor:
         return replace(scan, bearings=bearings, ranges=ranges)
 
     def observe(self, hypothesis: Hypothesis, scan: Scan, odometry: Pose2, spread: float) -> None:
-        """Take the heaviest hypothesis after a scan.
+        """Check the heaviest hypothesis after a scan.
 
         Args:
             hypothesis: where the robot should be.
-            scan: that was taken there, as ``corrected``.
-            odometry: the robot in the odom frame then.
-            spread: share of the cloud that is effective; 1 is a scan that told nothing.
+            scan: the scan that was taken there, as ``corrected`` returns it.
+            odometry: the robot in the odom frame at the scan's stamp.
+            spread: share of the cloud that is effective; 1 if the scan gave no information.
         """
         elapsed = 0.03 if self._stamp is None else max(scan.stamp - self._stamp, 1e-3)
         self._stamp = scan.stamp
@@ -162,7 +164,7 @@ class Monitor:
         if expected is not None and _is_far(expected, hypothesis.pose):
             self._odometry.begin_anew()
             self._causes.forget()
-        # On bent tape a pose that is centimetres off would leave what looks like a tilt.
+        # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
         laid = self._matcher.match(hypothesis.pose, rays, LOOSE).pose
         sums, used, returned = residual_sums(
@@ -178,7 +180,7 @@ class Monitor:
         )
         self._judge_fit(hypothesis.pose, expected, rays)
         self._last = hypothesis.pose, odometry
-        # At a wrong place nothing is learnt of the robot.
+        # At a wrong place, nothing can be learnt about the robot's errors.
         trusted = hypothesis.weight > TRUSTED and self._fit > 0 and used > EXPLAINED * returned
         if trusted:
             self._camera.observe(sums, used, elapsed)
@@ -208,7 +210,7 @@ class Monitor:
         self.doubt = self._doubt(hypothesis.pose, findings)
 
     def _expected(self, odometry: Pose2) -> Pose2 | None:
-        """Where the last pose is by now, by odometry."""
+        """Return the last pose, moved on by odometry; None without a last pose."""
         if self._last is None:
             return None
         pose, before = self._last
@@ -226,7 +228,7 @@ class Monitor:
         self._fit += FITTING * (min(better, 1.0) - self._fit)
         self._pulled *= 1 - FORGETTING
         for well in before:
-            # From a place that did not fit anyway it may be moved anywhere.
+            # A scan may move the pose anywhere from a place that did not fit anyway.
             self._pulled += max(min(better - well, 0.0), -MOST_PULLED) if well > 0 else 0.0
 
     def _looseness(self, findings: Findings) -> float:
@@ -261,7 +263,7 @@ class Monitor:
 
 
 def _standing_out(errors: OdometryErrors) -> tuple[float, ...]:
-    """What is beyond chance of the wheels' errors: forward, turn by way, and turn."""
+    """Return what exceeds one standard deviation of the wheels' errors (as in ``_wheels``)."""
     values, variances = errors.values[1:4].tolist(), errors.covariance.diagonal()[1:4].tolist()
     return tuple(
         math.copysign(max(abs(value) - math.sqrt(variance), 0.0), value)

@@ -1,4 +1,4 @@
-"""Where the camera sits, which decides what its tilt does to scans."""
+"""Position of the camera, which determines how its tilt changes scans."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robot.geometry import Array
 
 @dataclass(frozen=True, slots=True)
 class Mounting:
-    """Where the camera is: what its tilt does to ranges depends on it."""
+    """Position of the camera on the robot; how a tilt changes ranges depends on it."""
 
     x: float
     """Ahead of the robot's origin [m]."""
@@ -20,7 +20,7 @@ class Mounting:
     """Above the floor [m]."""
 
     def shifts(self, points: Array) -> Array:
-        """How floor points (n, 2) in the robot frame move with pitch and roll (n, 2, 2) [m/rad].
+        """Return how pitch and roll move floor points (n, 2) in the robot frame (n, 2, 2) [m/rad].
 
         The first index is the point, the second x or y, the third pitch or roll.
         """
@@ -37,4 +37,4 @@ class Mounting:
 
 
 LASER = Mounting(0.0, math.inf)
-"""A laser measures ranges; it does not see them on the floor."""
+"""A laser measures ranges directly, and not by points that it sees on the floor."""

@@ -1,8 +1,8 @@
-"""Is the camera mounted as drawn, and the map of this floor? From what no pose explains in scans.
+"""Checks the camera's mounting and the map's scale by residuals of scans that no pose explains.
 
-The state is projected out of the residuals, as receivers of satellite navigation do it (RAIM: Brown
-1992); what is left is compared with what a pitch or a roll of the camera, or another scale of the
-map, would leave.
+The pose is projected out of the residuals, as receivers of satellite navigation do it (RAIM: Brown
+1992). The rest is compared with the residuals that a pitch or a roll of the camera, or another
+scale of the map, would leave.
 """
 
 from __future__ import annotations
@@ -19,37 +19,38 @@ from robot.localization.kernels.matrices import inverse
 MEMORY = 20.0
 """Scans older than this hardly count [s]."""
 RAYS_WORTH = 0.1
-"""Neighbouring rays, and scans that follow each other, err together: one counts for so many."""
+"""Weight of one ray: the errors of neighbouring rays, and of successive scans, are correlated."""
 EXACT, INEXACT, ADAPTED = 0.15, 4.0, 0.1
-"""Rays lie no closer to their edges than this, nor farther, in usual spreads; and how much of that
-is learnt from a scan. Without it a few rays that meet another edge than they should would count for
-more than all that are exact."""
+"""Least and largest distance of rays from their edges, in usual spreads, and the share of it that
+is learnt from one scan. Without this, a few rays that meet a wrong edge would count for more than
+all exact ones."""
 PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.0015]))
-"""How far off pitch, roll and scale usually are: a camera that was mounted with care."""
+"""Prior information on pitch, roll and scale: for a camera that was mounted with care."""
 HELD = np.diag(1 / np.square([0.03, 0.03, 0.1]))
-"""How firmly a pose is held where it was by what is known besides a scan [1/m², 1/m², 1/rad²]."""
+"""Information besides a scan, which holds a pose where it was [1/m², 1/m², 1/rad²]."""
 STANDS_OUT, EXPLAINS = 2.0, 0.3
-"""A tilt of so many standard deviations, which explains such a share, is taken off the scans."""
+"""A tilt is taken off the scans if it exceeds this many standard deviations, and explains more than
+this share of the residuals."""
 BLEND = 0.2
-"""How much of what is new of the tilt is taken off the next scan."""
+"""Share of a change of the tilt that is taken off the next scan."""
 
 
 @dataclass(frozen=True, slots=True)
 class MountingError:
-    """How far camera and map seem to be off."""
+    """Apparent errors of the camera's mounting and of the map's scale."""
 
     pitch: float
     """[rad], positive where ranges are too long."""
     roll: float
     """[rad]"""
     scale: float
-    """Of the map, as a share of it: positive where it is drawn too large."""
+    """Error of the map's scale, as a share: positive where the floor is larger than drawn."""
     covariance: Array = field(repr=False)
     """(3, 3) of these."""
     explained: float
-    """Share of what no pose explains that these explain."""
+    """Share of the residuals that these errors explain, of those that no pose explains."""
     unexplained: float
-    """Mean square of what is left, in spreads of a ray."""
+    """Mean square of the remaining residuals, in spreads of a ray."""
 
     @property
     def tilt(self) -> float:
@@ -58,27 +59,27 @@ class MountingError:
 
 
 class MountingCheck:
-    """Adds up scans."""
+    """Estimates the mounting error from the sums of all scans."""
 
     def __init__(self) -> None:
         self._sums = np.zeros((4, 4))
         self._rays = 0.0
         self._caused = np.zeros((3, 3))
-        """Pose error (3,) [m, m, rad] by pitch, roll and scale, at the last scan."""
+        """(3, 3) pose error [m, m, rad] per unit of pitch, roll and scale, at the last scan."""
         self.exactness = 0.25
         """How far rays lie from their edges, in usual spreads."""
         self.applied = np.zeros(2)
         """Pitch and roll [rad] that are taken off the scans."""
         self.error = self._likeliest()
-        """The likeliest, whatever is taken off already."""
+        """The likeliest errors, including what is already taken off."""
 
     def observe(self, sums: Array, rays: int, elapsed: float) -> None:
         """Add a scan.
 
         Args:
-            sums: of ``residual_sums`` (7, 7).
-            rays: how many lie on an edge.
-            elapsed: since the last one [s].
+            sums: sums (7, 7) of the scan by ``residual_sums``.
+            rays: number of rays that lie on an edge.
+            elapsed: time since the last scan [s].
         """
         keep = math.exp(-elapsed / MEMORY)
         left = self.look(sums)
@@ -89,12 +90,12 @@ class MountingCheck:
         self.exactness = min(max(exactness, EXACT), INEXACT)
 
     def look(self, sums: Array) -> Array:
-        """Only see what tilt and scale do to a pose; returns what no pose explains (4, 4)."""
+        """Update only how tilt and scale shift the pose; return what no pose explains (4, 4)."""
         left, self._caused = _taken_up(sums, self._caused)
         return left
 
     def follow(self) -> None:
-        """Take off what stands out."""
+        """Take a significant tilt off the next scans."""
         error = self.error
         tilt = np.array([error.pitch, error.roll])
         (a, b), (_, d) = error.covariance[:2, :2].tolist()
@@ -109,10 +110,10 @@ class MountingCheck:
         return MountingError(pitch, roll, scale, covariance, explained, rest)
 
     def pose_error(self, scale_sd: float) -> tuple[Array, Array]:
-        """How far the last pose is off by what is not taken off, along the map's axes.
+        """Return the error of the last pose by what is not taken off, along the map's axes.
 
         Args:
-            scale_sd: how far the map's scale may be off besides what is known [-].
+            scale_sd: standard deviation of the map's scale besides the estimated one [-].
 
         Returns:
             Mean (3,) and covariance (3, 3) [m, m, rad].
@@ -127,9 +128,10 @@ class MountingCheck:
 
 @njit(cache=True, nogil=True)
 def _explained(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
-    """Pitch, roll and scale (3,) that explain most of what no pose does, from sums (4, 4).
+    """Return pitch, roll and scale (3,) that explain most of the residuals in sums (4, 4).
 
-    Also their covariance (3, 3), the share that they explain, and the mean square of what is left.
+    Also returns their covariance (3, 3), the share that they explain, and the mean square of the
+    rest.
     """
     columns = np.ascontiguousarray(sums[:3, :3])
     pull = np.ascontiguousarray(sums[:3, 3])
@@ -142,19 +144,19 @@ def _explained(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
 
 @njit(cache=True, nogil=True)
 def _taken_up(sums: Array, caused: Array) -> tuple[Array, Array]:
-    """What no pose explains in sums (7, 7) of a scan, and what tilt and scale do to its pose.
+    """Project the pose out of a scan's sums, and update how tilt and scale shift the pose.
 
     Args:
-        sums: of ``residual_sums``.
-        caused: pose error (3,) by pitch, roll and scale (3, 3) before.
+        sums: sums (7, 7) by ``residual_sums``.
+        caused: pose error per unit of pitch, roll and scale (3, 3) before the scan.
 
     Returns:
-        Sums (4, 4) without what a pose takes up, and the pose error (3, 3) after.
+        Sums (4, 4) that no pose explains, and the pose error (3, 3) after the scan.
     """
     by_pose = np.ascontiguousarray(sums[:3, :3]) * RAYS_WORTH
     across = np.ascontiguousarray(sums[:3, 3:])
     gain = inverse(by_pose + np.eye(3)) @ (across * RAYS_WORTH)
     left = sums[3:, 3:] - np.ascontiguousarray(across.T) @ gain
-    # Where a scan tells nothing, the pose stays as far off as it was.
+    # Where a scan gives no information, the pose error stays.
     by_errors = np.ascontiguousarray(across[:, :3]) * RAYS_WORTH
     return left, inverse(by_pose + HELD) @ (HELD @ caused - by_errors)

@@ -1,11 +1,10 @@
-"""Do steps of the pose agree with odometry? If not: which of the two errs, and how?
+"""Compares steps of the pose with odometry, and estimates which of the two errs, and how.
 
-Over a third of a second the pose moved by M and odometry by D; e = D^-1 M is what they differ by.
-It is explained by seven errors that do not change: pictures stamped late by tau; wheels whose
-radii are off (as a share k_f of the way, a turn k_t a metre) or whose track is (k_w of a turn);
-and a camera that sees the floor from (o_x, o_y, psi) beside its place. They are estimated together
-(recursive least squares with a prior): from few motions one looks like another, and the covariance
-says so.
+Over a third of a second, the pose moves by M and odometry by D; their difference is e = D^-1 M.
+Seven constant errors explain it: pictures stamped late by tau; wheels whose radii are off (a share
+k_f of a distance, a turn k_t a metre) or whose track is off (a share k_w of a turn); and a camera
+that is shifted by (o_x, o_y, psi) from its place. They are estimated together, by recursive least
+squares with a prior. After few motions one error looks like another, and the covariance says so.
 """
 
 from __future__ import annotations
@@ -20,32 +19,32 @@ from robot.geometry import Array, Pose2, Twist2
 from robot.localization.monitoring.step_sums import StepSums, learned, likeliest
 
 LAG, LONGEST = 0.33, 1.2
-"""Time over which steps are compared, and most where pictures are few [s]."""
+"""Time over which steps are compared, and the longest such time when pictures are rare [s]."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
 SETTLING = 1.5
-"""For so long after a place was told or found, steps ahead and aside tell no tears [s]; to stand
-there does not count, as the filter then takes no scans."""
+"""Until the robot has driven for this long after a place was given or found, steps ahead and aside
+do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans."""
 
 
 @dataclass(frozen=True, slots=True)
 class OdometryErrors:
-    """What steady errors the steps of the last seconds tell of."""
+    """Steady errors, estimated from the steps of the last seconds."""
 
     values: Array = field(repr=False)
     """(7,) in the order of ``ERRORS``."""
     covariance: Array = field(repr=False)
     """(7, 7)"""
     rest: Array = field(repr=False)
-    """(3,) root mean square of what is left of steps ahead, aside and in heading, by its spread."""
+    """(3,) root mean square of the unexplained rest ahead, aside and in heading, in its spreads."""
     steps: float
-    """Steps that they are made of; those of long ago count less."""
+    """Number of steps behind the estimate; old ones count less."""
 
     def value(self, name: str) -> float:
-        """One of the errors."""
+        """Return the value of one of ``ERRORS``."""
         return float(self.values[ERRORS.index(name)])
 
     def sd(self, name: str) -> float:
-        """Its standard deviation."""
+        """Return the standard deviation of one of ``ERRORS``."""
         place = ERRORS.index(name)
         return math.sqrt(float(self.covariance[place, place]))
 
@@ -61,29 +60,29 @@ class _Step:
 
 
 class OdometryCheck:
-    """Compares each pose with that of a third of a second before."""
+    """Compares each pose with the pose a third of a second earlier."""
 
     def __init__(self) -> None:
         self._steps: deque[_Step] = deque()
         self._sums = StepSums(*(np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2)))
         self._followed = 0.0
-        """For how long the place has been followed while the robot drove [s]."""
+        """How long the place has been followed while the robot drove [s]."""
         self.errors = self._estimated(likeliest(self._sums))
         """The likeliest steady errors."""
         self.twist = Twist2(0.0, 0.0)
-        """By odometry, at the last pose."""
+        """Twist by odometry at the last pose."""
 
     def jump(self) -> None:
-        """Another place is followed from now on: no step leads there."""
+        """Forget earlier poses, because no step leads from them to the next one."""
         self._steps.clear()
 
     def begin_anew(self) -> None:
-        """A place was told or found: at first its pose is set right, and steps are torn."""
+        """Restart at a given or found place: its pose is corrected at first, and steps jump."""
         self.jump()
         self._followed = 0.0
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
-        """Take a pose in the map with its covariance (3, 3), and odometry's, at a stamp."""
+        """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         robot_from_map = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         local = robot_from_map @ covariance @ robot_from_map.T
@@ -136,6 +135,6 @@ class OdometryCheck:
 
     @property
     def wiggle(self) -> Array:
-        """Covariance (3, 3) of what is left of steps, along the robot's axes."""
+        """Covariance (3, 3) of the unexplained rest of steps, along the robot's axes."""
         left: Array = np.diag(self._sums.wiggle / (self._sums.counts[1] + 1))
         return left

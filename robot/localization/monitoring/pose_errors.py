@@ -1,4 +1,4 @@
-"""What steady errors of clock, wheels, camera and map do to a pose."""
+"""Effect of steady errors of clock, wheels, camera and map on a pose."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ def pose_errors(
     caused_spread: Array,
     wiggle: Array,
 ) -> tuple[Array, Array]:
-    """How far a pose may be off by steady errors: what was found, and what cannot be excluded.
+    """Return how far a pose may be off by steady errors: found ones, and ones not excluded yet.
 
     Args:
-        heading: of the pose [rad].
-        v: of the robot [m/s].
-        omega: the same [rad/s].
-        values: of the errors of odometry (7,).
-        covariance: of these (7, 7).
-        lateness: that is made up for already [s].
+        heading: heading of the pose [rad].
+        v: velocity of the robot [m/s].
+        omega: turning velocity of the robot [rad/s].
+        values: errors of odometry (7,).
+        covariance: covariance of these errors (7, 7).
+        lateness: lateness that is already corrected [s].
         caused: pose error by camera and map (3,), along the map's axes.
-        caused_spread: its covariance (3, 3).
-        wiggle: what is left of steps (3, 3), along the robot's axes.
+        caused_spread: covariance of that pose error (3, 3).
+        wiggle: covariance of the unexplained rest of steps (3, 3), along the robot's axes.
 
     Returns:
         Two covariances (3, 3) [m, m, rad], along the map's axes.
     """
-    # The pose is a constant offset beside the robot's, and where it was tau before.
+    # The pose is that of the robot tau earlier, shifted by a constant offset.
     offset = np.zeros((3, 7))
     offset[0, 0], offset[2, 0] = -v, -omega
     offset[:, 4:] = np.eye(3)
@@ -51,7 +51,7 @@ def pose_errors(
     back = np.ascontiguousarray(rotation.T)
     beyond = np.diag(_beyond(mean, spread) ** 2) + wiggle
     if lateness != 0:
-        # What is made up for is not known better than this.
+        # The corrected lateness is not known better than this.
         beyond += covariance[0, 0] * np.outer(offset[:, 0], offset[:, 0])
     known = rotation @ beyond @ back + np.diag(_beyond(caused, caused_spread) ** 2)
     unknown = rotation @ (np.outer(mean, mean) + spread) @ back
@@ -61,6 +61,6 @@ def pose_errors(
 
 @njit(cache=True, nogil=True)
 def _beyond(mean: Array, covariance: Array) -> Array:
-    """By how much means (3,) stand out of their own spread: no more than half of it is chance."""
+    """Return the significant part of means (3,): above one spread, less half of it; else zero."""
     sd = np.sqrt(np.diag(covariance))
     return np.where(np.abs(mean) > sd, np.abs(mean) - 0.5 * sd, 0.0)

@@ -1,11 +1,11 @@
-"""Compiled sums over the rays of a scan: what a pose cannot explain, and what a mounting could.
+"""Compiled sums over a scan's rays: their residuals, and how pose, mounting and scale change them.
 
-At a pose each ray's end lies off the edge that it met by a distance d. The pose moves d by J (3), a
-camera that is mounted askew by A (2): by a pitch error the floor point (X, Y) ahead of the camera
-moves by ((X^2 + h^2) / h, X Y / h), by a roll error by (X Y / h, (Y^2 + h^2) / h), h being the
-camera's height. A floor that is laid out larger than it is drawn moves an edge away from the map's
-origin, by the scale times its place; a map that a laser made is its own measure, and only the way
-from the robot to the edge counts.
+At a pose, each ray's end is at a distance d from the edge that the ray met. The pose changes d by
+J (3), and a camera that is mounted askew changes it by A (2). The camera's height is h. A pitch
+error moves the floor point (X, Y) ahead of the camera by ((X^2 + h^2) / h, X Y / h), and a roll
+error moves it by (X Y / h, (Y^2 + h^2) / h). If a floor is laid out larger than it is drawn, an
+edge moves away from the map's origin by the scale times its position. A map that a laser made is
+its own measure: then only the way from the robot to the edge counts.
 """
 
 from __future__ import annotations
@@ -20,13 +20,15 @@ from robot.fields.ray_casting import cast_toward, tangent_at
 from robot.geometry import Array
 
 COLUMNS = 7
-"""Of a ray's row: derivatives by x, y, theta, pitch, roll and scale; and the distance itself."""
+"""Columns of a ray's row: the distance's derivatives by x, y, theta, pitch, roll and scale; then
+the distance itself."""
 GATE = 0.03
-"""Ends farther off than this are of another edge [m]."""
+"""Ends that are farther off an edge than this belong to another edge [m]."""
 SPREAD, SLOPE = 0.0001, 25.0
-"""Of an end from its edge where the floor is near [m], and how it grows with a range's square."""
+"""Spread of an end's distance from its edge where the floor is near [m], and its growth with the
+square of the range [1/m²]."""
 TAIL = 9.0
-"""Squares of the spread from which on an end counts less."""
+"""Squared distance, in spreads, at which an end counts half."""
 
 
 @njit(cache=True, nogil=True)
@@ -41,18 +43,18 @@ def residual_sums(
     roll: float,
     exactness: float,
 ) -> tuple[Array, int, int]:
-    """Sums of products (7, 7) over the rays of a scan, each weighed by its spread.
+    """Return sums of products (7, 7) over the rays of a scan, each weighed by its spread.
 
     Args:
-        pose: of the robot in the map (3,).
-        rays: (n, 7) as ``rays_of`` makes them.
+        pose: pose of the robot in the map (3,).
+        rays: (n, 7) as ``rays_of`` returns them.
         index: the field's edges.
         range_max: how far rays reach [m].
-        camera_x: the camera ahead of the robot's origin [m].
-        camera_height: above the floor [m]; infinite for a laser, which has neither pitch nor roll.
-        pitch: by which the rays were corrected already [rad].
-        roll: the same.
-        exactness: of the ends, in usual spreads: far off by this measure, a ray counts no more.
+        camera_x: how far ahead of the robot's origin the camera is [m].
+        camera_height: height above the floor [m]; infinite for a laser, without pitch and roll.
+        pitch: pitch by which the rays were already corrected [rad].
+        roll: roll by which the rays were already corrected [rad].
+        exactness: how far ends lie off, in usual spreads; ends much farther off hardly count.
 
     Returns:
         The sums, how many rays lie on an edge, and how many returned something.
@@ -81,8 +83,8 @@ def residual_sums(
         if abs(offset) > GATE:
             continue
         used += 1
-        # Where the end is due, from the robot: along the map's axes, and along the robot's from the
-        # camera. By the end that was measured, noise of rays that graze would look like a tilt.
+        # The expected end: from the robot along the map's axes, and from the camera along the
+        # robot's. With the measured end, the noise of grazing rays would look like a tilt.
         reach = near + expected
         ux, uy = ahead + reach * dx, aside + reach * dy
         X = rays[i, 0] + reach * math.cos(turn) - camera_x

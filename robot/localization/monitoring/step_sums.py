@@ -1,4 +1,4 @@
-"""Compiled sums over steps: which steady errors explain that odometry and poses differ?"""
+"""Compiled sums over steps, to find the steady errors by which odometry and poses differ."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ from robot.geometry import Array
 from robot.localization.kernels.matrices import inverse
 
 MEMORY = 20.0
-"""Steps older than this hardly count for errors that stay [s]."""
+"""Steps older than this hardly count for steady errors [s]."""
 RECENT = 3.0
-"""The same for what is left unexplained [s]."""
+"""The same for the unexplained rest [s]."""
 CORRELATION = 5.0
-"""Slip lasts for about a second: so many steps at the same speed are worth one."""
+"""This many steps at the same speed are worth one, because slip lasts for about a second."""
 PRIOR_SD = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
-"""How far robots are off that nobody has calibrated [s, -, rad/m, -, m, m, rad]."""
+"""Standard deviations of the errors of an uncalibrated robot [s, -, rad/m, -, m, m, rad]."""
 PRIOR = np.diag(PRIOR_SD**-2)
 TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
-"""A step over which the speed changes by more than this [m/s, rad/s] is worth so many: there slip
-is the same before and after, and what is late shows."""
+"""A step over which the speed changes by more than CHANGE [m/s, rad/s] is worth TELLING steps: slip
+is the same before and after it, and lateness shows."""
 MOST = 100.0
-"""Squares of its spread that a step counts for, at most."""
+"""Largest square that a step counts for, in its spreads."""
 MOST_WIGGLE = np.square([0.05, 0.05, 0.2])
 SMALL = 1e-4
 TAIL = 9.0
 
 
 class StepSums(NamedTuple):
-    """What is added up over steps; a step counts the less the longer ago it was."""
+    """Sums over steps; older steps count less."""
 
     information: Array
-    """(7, 7) on the errors."""
+    """(7, 7) information on the errors."""
     pull: Array
-    """(7,)"""
+    """(7,) information times errors."""
     left: Array
-    """(3,) of what is left unexplained of the last seconds' steps."""
+    """(3,) unexplained rest of the last seconds' steps [m, m, rad]."""
     squares: Array
-    """(3,) of the same, by its spread."""
+    """(3,) squares of that rest without its mean, in its spreads."""
     wiggle: Array
-    """(3,) of the same [m², m², rad²]."""
+    """(3,) squares of that rest [m², m², rad²]."""
     counts: Array
-    """(2,): steps, and steps of the last seconds."""
+    """(2,): number of steps, and of the last seconds' steps."""
 
 
 @njit(cache=True, nogil=True)
@@ -62,24 +62,24 @@ def learned(
     duration: float,
     settled: bool,
 ) -> tuple[Array, Array, Array]:
-    """Add a step to the sums, and estimate the errors anew.
+    """Add a step to the sums, and update the estimate of the errors.
 
     Args:
-        sums: of the steps before.
-        values: of the errors (7,), as they were estimated.
-        rest: what was left of steps (3,).
+        sums: sums over the steps before; they are updated.
+        values: the errors (7,) as estimated before.
+        rest: the unexplained rest of steps (3,) before, in spreads.
         moved: the step (3,) by odometry.
-        went: the same by the filter's poses.
-        first: v and omega at its start [m/s, rad/s].
-        last: the same at its end.
-        covariance_before: of the pose at its start (3, 3), along the robot's axes.
-        covariance_after: the same at its end.
-        elapsed: since the last step [s].
-        duration: of this one [s].
+        went: the step (3,) by the filter's poses.
+        first: v and omega at the step's start [m/s, rad/s].
+        last: v and omega at the step's end [m/s, rad/s].
+        covariance_before: (3, 3) of the pose at the step's start, along the robot's axes.
+        covariance_after: (3, 3) of the pose at the step's end, along the robot's axes.
+        elapsed: time since the last step [s].
+        duration: duration of this step [s].
         settled: whether the place has been followed for long enough.
 
     Returns:
-        Values (7,), covariance (7, 7), and what is left of steps (3,).
+        Values (7,), covariance (7, 7), and the unexplained rest of steps (3,), in spreads.
     """
     offset = _compose(_inverse(moved), went)
     offset[2] = (offset[2] + math.pi) % (2 * math.pi) - math.pi
@@ -89,24 +89,24 @@ def learned(
     columns = step_columns(
         moved, np.array([first[0], 0.0, first[1]]), np.array([last[0], 0.0, last[1]])
     )
-    # Steps overlap; but what a change of speed tells, few of them tell.
+    # Steps overlap, so each counts as a share. But only few of them contain a change of speed.
     share = elapsed / max(duration, 1e-3)
     keep, recent = math.exp(-elapsed / MEMORY), math.exp(-elapsed / RECENT)
     left = offset - columns @ values
     sums.counts[1] = recent * sums.counts[1] + share
     sums.left[:] = recent * sums.left + share * left
-    # What stays off is no slip, though it may not be learnt yet.
+    # A steady difference is no slip, even if it is not learnt yet.
     unsteady = (left - sums.left / (sums.counts[1] + 1)) ** 2 / variance
     if not settled:
         unsteady[:2] = np.minimum(unsteady[:2], 1.0)
-    # What slips now says less of what stays.
+    # While wheels slip, steps say less about the steady errors.
     wide = variance * np.maximum(rest**2, 1.0)
     weights = share / (wide * (1 + unsteady / TAIL))
     sums.information[:] *= keep
     sums.pull[:] *= keep
     _add(sums, columns, offset, weights / CORRELATION)
     if abs(last[0] - first[0]) > CHANGE_V or abs(last[1] - first[1]) > CHANGE_OMEGA:
-        # What its wheels are off by is not told by the one second in which it changes.
+        # The second in which the speed changes shall say nothing about the wheels' errors.
         by_wheels = np.zeros(7)
         by_wheels[1:4] = values[1:4]
         beside_wheels = offset - columns @ by_wheels
@@ -120,7 +120,7 @@ def learned(
 
 @njit(cache=True, nogil=True)
 def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
-    """Add what a step (3,) tells of the errors, by its columns (3, 7)."""
+    """Add the information of a step (3,) on the errors, by its columns (3, 7)."""
     weighed = np.ascontiguousarray(columns.T * weights)
     sums.information[:] += weighed @ columns
     sums.pull[:] += weighed @ offset
@@ -128,16 +128,16 @@ def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
 
 @njit(cache=True, nogil=True)
 def likeliest(sums: StepSums) -> tuple[Array, Array, Array]:
-    """Values (7,) of the errors, their covariance (7, 7), and what is left of steps (3,)."""
+    """Return the errors (7,), their covariance (7, 7), and the unexplained rest of steps (3,)."""
     covariance = inverse(sums.information + PRIOR)
-    # As if a step before any had been as usual.
+    # The sums begin as if one usual step came before all others.
     rest = np.sqrt((sums.squares + 1) / (sums.counts[1] + 1))
     return covariance @ sums.pull, covariance, rest
 
 
 @njit(cache=True, nogil=True)
 def step_columns(moved: Array, first: Array, last: Array) -> Array:
-    """How a step (3, 7) changes by a unit of each of ``ERRORS``, seen from its end.
+    """Return how a step changes by a unit of each of ``ERRORS`` (3, 7), seen from its end.
 
     Args:
         moved: the step (3,) by odometry.
@@ -146,7 +146,7 @@ def step_columns(moved: Array, first: Array, last: Array) -> Array:
     """
     columns = np.zeros((3, 7))
     inverse = _inverse(moved)
-    # Where it was tau earlier, at both ends.
+    # The step between the robot's poses tau earlier, at both ends.
     late = _compose(_compose(SMALL * first, moved), -SMALL * last)
     columns[:, 0] = _compose(inverse, late) / SMALL
     c, s = math.cos(moved[2]), math.sin(moved[2])

@@ -10,6 +10,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2, covariance_root, wrap_angle
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
+from robot.localization.kernels.combs import count_cells
 from robot.localization.models.loosened_motion import loosened
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, count_rays
@@ -18,7 +19,6 @@ from robot.localization.particles.clusters import Cells, Clusters, find_clusters
 from robot.localization.particles.density import coarseness
 from robot.localization.particles.recovery import Recovery
 from robot.localization.particles.resampling import (
-    count_cells,
     effective_sample_size,
     kld_sample_size,
     low_variance,

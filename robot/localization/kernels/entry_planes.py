@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from robot.geometry import Array
 
+DIRECTIONS = 8
+"""Tables of a field, each for rays of about one direction."""
 FARTHEST = 8190
 """The greatest distance, in steps of the value (14 bits with sign): 18 um at 0.15 m."""
 STEEPEST = 254

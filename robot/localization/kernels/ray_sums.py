@@ -1,5 +1,7 @@
 """Sums over rays of a curve of their ends' distances: what weighing by a likelihood field costs.
 
+Textbook twin: ``likelihood_field_range_finder_model`` of ``robot.localization.textbook``.
+
 Ray by ray, over some hundred particles at a time, in three loops: which word of the table (sixteen
 particles at a time), reading it, and the curve (sixteen again). Reading stands alone as processors
 do it one by one anyway, and slower so when asked for sixteen at once. 0.8 ns for each ray and
@@ -15,9 +17,14 @@ from numba import float32, int32, njit, uint32, uint64
 from numpy.typing import NDArray
 
 from robot.geometry import Array
+from robot.localization.kernels.entry_planes import (
+    DIRECTIONS,
+    FARTHEST,
+    STEEPEST,
+    VALUE_SHIFT,
+    X_SHIFT,
+)
 from robot.localization.kernels.headings import heading_vector
-from robot.localization.models.entry_field import DIRECTIONS
-from robot.localization.models.entry_planes import FARTHEST, STEEPEST, VALUE_SHIFT, X_SHIFT
 
 Row = NDArray[np.float32]
 Words = NDArray[np.uint32]
@@ -142,7 +149,7 @@ def _in_cells(
 ) -> tuple[tuple[Row, Row, Row, Row], NDArray[np.int32]]:
     """x, y, cosine and sine (m,) in cells of the table, and headings (m,) in parts of ROUND.
 
-    ScanHistory the poses they are zeros.
+    Behind the poses they are zeros.
     """
     count = (len(poses) + LANES - 1) // LANES * LANES
     places, headings = rows(4, count), np.zeros(count, dtype=np.int32)
