@@ -1,4 +1,4 @@
-"""``python -m app`` is ``brickpose``."""
+"""Runs ``brickpose`` as ``python -m app``."""
 
 from app.command_line import main
 

@@ -28,10 +28,10 @@ from robot.settings import SettingError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns 0 when it did its job, 2 on a wrong argument, 1 on another failure."""
+    """Run a command; return 0 on success, 2 on a wrong argument, 1 on any other failure."""
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     parsed = _parser().parse_args(arguments)
-    # A program that is told to end cleans up as by Ctrl-C; a server has its own way later.
+    # SIGTERM then cleans up as Ctrl-C does; a server installs its own handlers later.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return int(parsed.command(parsed))
@@ -172,7 +172,7 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
-    # Imported here, so that a wrong argument is answered at once.
+    # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, settle_robot  # noqa: PLC0415
     from app.page.address import address_of  # noqa: PLC0415
     from app.page.serving import listen, serve  # noqa: PLC0415
@@ -204,7 +204,7 @@ def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
 
 
 def _bench(parsed: argparse.Namespace) -> int:
-    # Benchmarks are of a checkout: the program does not import them.
+    # Benchmarks exist only in a checkout: the program does not import them.
     if not (ROOT / "benchmarks").is_dir():
         raise SettingError("benchmarks are only in a checkout of the sources, not in the wheel")
     written = [] if parsed.json is None else ["--json", str(parsed.json.absolute())]

@@ -1,4 +1,4 @@
-"""Lines for people."""
+"""Output of lines for people."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ import sys
 
 
 def say(text: str) -> None:
-    """Write a line at once."""
+    """Write a line to standard output at once."""
     sys.stdout.write(text + "\n")
     sys.stdout.flush()

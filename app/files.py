@@ -1,4 +1,4 @@
-"""A folder of results that is either whole or not there."""
+"""Writes folders and files of results as a whole: an error leaves no unfinished content."""
 
 from __future__ import annotations
 
@@ -15,21 +15,22 @@ from typing import Any
 from robot.settings import SettingError
 
 RESULTS = "results.json"
-"""Comes last and goes first: where it is, the rest is of the same run."""
+"""Written last and removed first: where it exists, the other files are of the same run."""
 
 
 @contextmanager
 def written_whole(folder: Path) -> Iterator[Path]:
-    """A folder to write to, whose content replaces that of the same names when all is done.
+    """Yield a temporary folder to write to; when the block ends, move its content to ``folder``.
 
-    On an error nothing of it is left, and what was there before is as it was.
+    The new content replaces files and folders of the same names. If the block raises an error, the
+    new content is deleted, and ``folder`` keeps what it had before.
 
     Args:
-        folder: where results belong; it is made if it is not there.
+        folder: where the results belong; it is made if it does not exist.
 
     Raises:
-        SettingError: it cannot be a folder.
-        OSError: it cannot be written.
+        SettingError: ``folder`` cannot be a folder.
+        OSError: the content cannot be written.
     """
     make_folder(folder)
     beside = Path(tempfile.mkdtemp(prefix=".unfinished-", dir=folder))
@@ -47,13 +48,14 @@ def written_whole(folder: Path) -> Iterator[Path]:
 
 @contextmanager
 def file_written_whole(path: Path) -> Iterator[Path]:
-    """A file to write, which takes a path when all is done; on an error it is as it was.
+    """Yield a temporary path to write to; when the block ends, move that file to ``path``.
 
-    At any moment, also after a power cut, the path holds a whole file or none. Several programs
-    may write to the same path: one of them wins.
+    If the block raises an error, ``path`` stays as it was. At any moment, even after a power cut,
+    ``path`` holds a complete file or none. Several programs may write to the same path: one of
+    them wins.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     new = path.with_name(f".unfinished-{uuid.uuid4().hex}{path.suffix}")
@@ -70,7 +72,7 @@ def make_folder(folder: Path) -> None:
     """Make a folder for results, before there are any.
 
     Raises:
-        SettingError: it cannot be one.
+        SettingError: the folder cannot be made.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -81,5 +83,5 @@ def make_folder(folder: Path) -> None:
 
 
 def write_json(path: Path, content: dict[str, Any]) -> None:
-    """Write a table so that people can read it too; no number is without a value."""
+    """Write a table as JSON that people can read, too; NaN and infinities are refused."""
     path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")

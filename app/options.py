@@ -1,4 +1,4 @@
-"""Options that several commands have."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from app.settings.conditions import condition_names, in_condition
 from app.settings.config import Config, load_config
 
 OPTIONS = ("robot", "host", "port", "seed", "sensor_model", "motion_model", "models")
-"""Options that are settings of the same name."""
+"""Options that set the top-level settings of the same names."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
-"""Options that are settings of the start pose."""
+"""Options that set the settings of the same names in ``start_pose``."""
 
 ROUTE_OPTIONS = {"ros2": "dds", "foxglove": "foxglove"}
-"""Options that are settings of the topics, under this name."""
+"""Settings of ``ros2`` by the options that set them."""
 
 Commands = Any
 """What ``add_subparsers`` returns."""
 
 
 def add_map(command: argparse.ArgumentParser) -> None:
-    """Which field."""
+    """Add the option for the field."""
     command.add_argument(
         "--map",
         metavar="NAME|FILE",
@@ -35,7 +35,7 @@ def add_map(command: argparse.ArgumentParser) -> None:
 
 
 def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> None:
-    """What is worse than usual with a simulated robot."""
+    """Add the option for conditions: what is worse than usual with a simulated robot."""
     repeated = "; may be given more than once" if many else ""
     command.add_argument(
         "--condition",
@@ -48,7 +48,7 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
 
 
 def add_config(command: argparse.ArgumentParser) -> None:
-    """Settings from a file."""
+    """Add the option for a file of settings."""
     command.add_argument(
         "--config",
         type=Path,
@@ -59,7 +59,7 @@ def add_config(command: argparse.ArgumentParser) -> None:
 
 
 def add_serial_port(command: argparse.ArgumentParser) -> None:
-    """Where the Build HAT is."""
+    """Add the option for the Build HAT's serial port."""
     command.add_argument(
         "--serial-port",
         metavar="DEVICE",
@@ -69,7 +69,7 @@ def add_serial_port(command: argparse.ArgumentParser) -> None:
 
 
 def add_camera(command: argparse.ArgumentParser) -> None:
-    """What the real robot sees with."""
+    """Add the option for the real robot's camera."""
     command.add_argument(
         "--camera",
         metavar="SOURCE",
@@ -80,7 +80,7 @@ def add_camera(command: argparse.ArgumentParser) -> None:
 
 
 def config_from(parsed: argparse.Namespace) -> Config:
-    """The configuration file, if there is one, with the command line's options over it."""
+    """Return the configuration of the file, if one is given, overridden by the other options."""
     given = vars(parsed)
     config = config_of(given)
     over = {name: given[name] for name in OPTIONS if name in given}
@@ -100,6 +100,6 @@ def config_from(parsed: argparse.Namespace) -> Config:
 
 
 def config_of(given: dict[str, Any]) -> Config:
-    """The configuration file, if there is one, with the map of the command line."""
+    """Return the configuration of the file, if one is given, overridden by the option ``map``."""
     config = load_config(given["config"]) if "config" in given else Config()
     return replace(config, map=given["map"]) if "map" in given else config

@@ -26,12 +26,12 @@ import { getJson } from "./wire/http.js";
 /** @typedef {import("./messages").FieldMessage} FieldMessage */
 /** @typedef {import("./messages").TelemetryMessage} TelemetryMessage */
 
-/** Numbers and words change this often: faster nobody can read [1/s]. */
+/** Update rate of numbers and words: nobody can read faster [1/s]. */
 const WORDS_HERTZ = 5;
-/** Descriptions for screen readers change this often [ms]. */
+/** Interval between updates of descriptions for screen readers [ms]. */
 const DESCRIPTIONS_MS = 2000;
 const FIELD_AGAIN_MS = 3000;
-/** The delay shown is the middle one of so many pictures. */
+/** The delay shown is the median over this many pictures. */
 const PICTURES = 15;
 
 refreshPalette();
@@ -67,7 +67,7 @@ let truthKnown = true;
 const writeWords = loop.add(() => telemetry && describe(telemetry), { hertz: WORDS_HERTZ });
 
 /**
- * Send a command; when it is refused, say why.
+ * Send a command; if it is refused, show why.
  * @param {Command} command
  * @returns {Promise<boolean>}
  */
@@ -97,7 +97,7 @@ function take(news) {
   writeWords();
 }
 
-/** Only a simulator knows the truth. @param {boolean} known */
+/** Show the parts that need the truth, which only a simulator knows. @param {boolean} known */
 function showTruth(known) {
   truthKnown = known;
   for (const part of document.querySelectorAll("[data-needs-truth]")) {
@@ -106,7 +106,7 @@ function showTruth(known) {
   plots.setTruth(known);
 }
 
-/** A recording cannot be driven, and has more to show. @param {boolean} replayed */
+/** A recording cannot be driven, but has more parts to show. @param {boolean} replayed */
 function showReplay(replayed) {
   drive.drive.possible = !replayed;
   document.body.toggleAttribute("data-replay", replayed);
@@ -128,17 +128,17 @@ function describe(news) {
   view3d.describe(news);
 }
 
-/** A new picture is on the screen. @param {number} stamp of its exposure */
+/** Note that a new picture is on the screen. @param {number} stamp of its exposure */
 function drawn(stamp) {
   const now = connection.clock.now();
-  // What was recorded long ago has no delay.
+  // The delay of a recorded picture means nothing.
   if (now === null || replay.shown) return;
   addDelay(probe, (now - stamp) * 1000);
   const last = probe.delays.slice(-PICTURES).sort((a, b) => a - b);
   delay = last[Math.floor(last.length / 2)];
 }
 
-/** @param {string} name of the field that telemetry speaks of */
+/** @param {string} name of the field in telemetry */
 async function loadField(name) {
   fieldName = name;
   try {
@@ -151,7 +151,7 @@ async function loadField(name) {
     map.setField(field, await loadPicture("/api/field.png"));
   } catch (error) {
     toasts.show(`The field could not be read: ${error instanceof Error ? error.message : error}.`);
-    // Tried again with telemetry, but not at its rate.
+    // Telemetry makes it try again, but less often than telemetry comes.
     setTimeout(() => (fieldName = ""), FIELD_AGAIN_MS);
   }
 }

@@ -18,15 +18,15 @@ export type Command =
   | StopCommand
   | UpdateCommand;
 
-/** The command was taken. */
+/** The command was accepted. */
 export interface AckMessage {
   type: "ack";
   id: number | string | null;
-  /** The robot's clock when the answer was written, to line up the clocks [s]. */
+  /** The robot's clock when the answer was written, to align the clocks [s]. */
   stamp: number | null;
 }
 
-/** Drive; holds for 0.5 s, so it is renewed. Beyond the limits it is limited. */
+/** Drive; holds for 0.5 s unless renewed. Velocities beyond the limits are reduced to them. */
 export interface DriveCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -70,26 +70,26 @@ export interface FieldMessage {
   rays_px: [number, number][][];
 }
 
-/** Drive the open-loop figure-eight; holds for 0.5 s like drive, and goes on when renewed. */
+/** Drive the open-loop figure-eight; holds for 0.5 s like drive, and continues if renewed. */
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "figure_eight";
 }
 
-/** What the filter does. */
+/** State of the filter. */
 export interface FilterMessage {
   paused: boolean;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
   /**
-   * What is wrong with a model in a file of the user's own, with file and line; the robot stands
-   * still and the filter pauses until it is mended.
+   * What is wrong with a user's own model, with file and line; the robot stands still and the
+   * filter pauses until it is fixed.
    */
   broken: string | null;
 }
 
-/** Whether the program does its job. */
+/** Whether the program works. */
 export interface HealthMessage {
   status: "ok" | "degraded" | "failed";
   detail: string;
@@ -109,25 +109,26 @@ export interface HypothesisMessage {
   covariance: number[];
 }
 
-/** What is claimed of the estimate. */
+/** How far the estimate can be relied on. */
 export interface IntegrityMessage {
   /**
-   * certain: one place within a narrow bound; approximate: one, within a wide bound; ambiguous:
-   * several places look alike; searching: no place stands out; lost: one did that fits no more.
+   * certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
+   * ambiguous: several places look alike; searching: no place stands out; lost: the place that was
+   * known does not fit any more.
    */
   state: State;
   /**
-   * The robot is within this distance of the estimate [m], in 99.9 % of pictures; null where
-   * nothing is claimed.
+   * The robot is within this distance of the estimate [m], in 99.9 % of pictures; null if nothing
+   * is claimed.
    */
   radius: number | null;
-  /** Its heading is within this angle of the estimate's [rad]; null where nothing is claimed. */
+  /** Its heading is within this angle of the estimate's [rad]; null if nothing is claimed. */
   heading_bound: number | null;
-  /** Reasons for doubt in plain words, the likeliest first; empty when there is none. */
+  /** Reasons for doubt in plain words, the likeliest first; empty if there are none. */
   alerts: string[];
 }
 
-/** How the engine keeps up. */
+/** Rates and delays of the engine. */
 export interface LoopMessage {
   step_hz: number;
   /** Work of one step, smoothed. */
@@ -152,37 +153,38 @@ export interface ParameterMessage {
   integer?: boolean;
 }
 
-/** The cloud. */
+/** The cloud of particles, and the hypotheses. */
 export interface ParticlesMessage {
   count: number;
   /** Effective sample size, 1 to count. */
   effective: number;
-  /** Where the robot may be, heaviest first; none while nothing can be said. */
+  /** Where the robot may be, heaviest first; empty while nothing is known. */
   hypotheses: HypothesisMessage[];
-  /** xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span. */
+  /** xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span. */
   extent: number[];
   /**
-   * base64 of 8 bytes a particle, little-endian: uint16 x, uint16 y over the extent (0 to 65535),
-   * int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most 2,000.
+   * base64 of 8 bytes per particle, little-endian: uint16 x, uint16 y over the extent (0 to
+   * 65535), int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most
+   * 2,000 particles.
    */
   cloud: string;
 }
 
-/** Stop updating the filter by measurements; odometry goes on moving the cloud. */
+/** Stop updating the filter by measurements; odometry still moves the cloud. */
 export interface PauseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "pause";
 }
 
-/** Do nothing; the answer's stamp lines up the clocks. */
+/** Do nothing; the answer's stamp serves to align the clocks. */
 export interface PingCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "ping";
 }
 
-/** Put the simulated robot itself elsewhere; the filter is not told. */
+/** Put the simulated robot itself elsewhere, without telling the filter. */
 export interface PlaceCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -199,13 +201,13 @@ export interface PoseMessage {
   theta: number;
 }
 
-/** One entry of the record of errors. */
+/** One entry of the record of problems. */
 export interface ProblemMessage {
   stamp: number;
   message: string;
 }
 
-/** The record of errors, newest last; at most the last hundred. */
+/** The record of problems, newest last; at most the last hundred. */
 export interface ProblemsMessage {
   problems: ProblemMessage[];
 }
@@ -219,20 +221,20 @@ export interface ProfileMessage {
   distances: number[];
   /** Brightness, 0 to 255. */
   grey: number[];
-  /** Answer of the edge kernel, in grey levels; negative where it gets darker. */
+  /** Response of the edge kernel, in grey levels; negative where it gets darker. */
   response: number[];
   threshold: number;
   /** Distance of the entry edge [m]. */
   entry: number | null;
   exit: number | null;
-  /** Measured across the line [m]. */
+  /** Width measured across the line [m]. */
   width: number | null;
   counted: boolean;
-  /** Why it counted or not, in plain words. */
+  /** Why the ray counted or not, in plain words. */
   why: string;
 }
 
-/** Begin a recording, or end the one that runs. */
+/** Start a recording, or end the running one. */
 export interface RecordCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -240,47 +242,47 @@ export interface RecordCommand {
   on: boolean;
 }
 
-/** What is being recorded, or was until it ended by itself. */
+/** The running recording, or the last one. */
 export interface RecordingMessage {
-  /** Its name; ``/api/recordings`` has it. */
+  /** Name of the recording; ``/api/recordings`` lists it. */
   file: string;
   running: boolean;
   duration_s: number;
   size_bytes: number;
-  /** Why it ended by itself, or what is missing in it; null when all is well. */
+  /** Why the recording ended by itself, or what is missing in it; null when all is well. */
   message: string | null;
 }
 
-/** Change how a recording is replayed; what is left out stays. */
+/** Change how a recording is replayed; what is left out stays as it is. */
 export interface ReplayCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "replay";
   paused?: boolean | null;
-  /** Seconds of the recording a second. */
+  /** Seconds of the recording per second. */
   speed?: number | null;
-  /** Go to a time since the beginning of the recording. */
+  /** Go to this time since the recording's beginning. */
   position_s?: number | null;
-  /** Go so many pictures on, or back, and pause. */
+  /** Go this many pictures forward (or back, if negative), and pause. */
   step?: number | null;
 }
 
-/** Where in a recording the program is. */
+/** State of a replay. */
 export interface ReplayMessage {
   file: string;
-  /** Since its beginning. */
+  /** Time since the recording's beginning. */
   position_s: number;
   duration_s: number;
-  /** Seconds of the recording a second. */
+  /** Seconds of the recording per second. */
   speed: number;
   paused: boolean;
-  /** How far it is on its way to a place that was asked for, 0 to 1; null when it is there. */
+  /** Share of the way to the requested time, 0 to 1; null when the replay is there. */
   catching_up: number | null;
-  /** What was estimated when it was recorded. */
+  /** The recorded estimate. */
   estimate_then: PoseMessage | null;
 }
 
-/** The filter's parameters as configured at the start, and the cloud at the start pose. */
+/** Restore the filter's configured parameters, and put the cloud at the start pose. */
 export interface ResetCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -302,18 +304,18 @@ export interface RobotMessage {
   can_be_placed: boolean;
 }
 
-/** The newest scan, and where it was found in the picture. */
+/** The newest scan, and where its edges are in the picture. */
 export interface ScanMessage {
   /** Exposure of the frame it comes from [s]. */
   stamp: number;
   bearings: number[];
-  /** [m]; no return is null. */
+  /** [m]; null is no return. */
   ranges: (number | null)[];
   /** Where the rays start, in the robot frame. */
   robot_from_scan: PoseMessage;
   /** The estimate at the scan's stamp, to draw the scan from. */
   robot: PoseMessage | null;
-  /** Pixel (u, v) where the ray enters the tape, a ray each; null where none counted. */
+  /** Pixel (u, v) where each ray enters the tape; null for a ray that did not count. */
   entry_px: ([number, number] | null)[];
   exit_px: ([number, number] | null)[];
   /** Median width measured over the rays that counted [m]. */
@@ -327,7 +329,7 @@ export interface ScatterCommand {
   type: "scatter";
 }
 
-/** Change parameters of the filter; all or none, names as ``/api/parameters`` lists them. */
+/** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */
 export interface SetParametersCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -335,14 +337,14 @@ export interface SetParametersCommand {
   values: Record<string, number | string | boolean>;
 }
 
-/** Start the filter from given poses: the robot is at one of them, or near. */
+/** Start the filter from given poses: the robot is at or near one of them. */
 export interface SetParticlesCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "set_particles";
-  /** x, y, theta of each. */
+  /** x, y, theta of each pose. */
   poses: [number, number, number][];
-  /** How likely each is, in any measure; all alike without. */
+  /** How likely each pose is, on any scale; null is equally likely. */
   weights?: number[] | null;
 }
 
@@ -372,7 +374,7 @@ export interface ShowCommand {
   visible: boolean;
 }
 
-/** How far the answer may be relied on. */
+/** How far the estimate can be relied on. */
 export type State = "certain" | "approximate" | "ambiguous" | "searching" | "lost";
 
 /** Stand still at once, whatever drives. */
@@ -389,7 +391,7 @@ export interface TelemetryMessage {
   stamp: number;
   map: string;
   truth: PoseMessage | null;
-  /** Dead reckoning since the start (or the last place), in the map. */
+  /** Dead reckoning since the start (or the last ``place`` command), in the map. */
   odometry: PoseMessage | null;
   estimate: EstimateMessage | null;
   integrity: IntegrityMessage;
@@ -405,9 +407,9 @@ export interface TelemetryMessage {
   /** Problems since the start; ``/api/problems`` lists them. */
   error_count: number;
   recording?: RecordingMessage | null;
-  /** Null with a robot that is there now. */
+  /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
-  /** Layers of the 3D view that are switched off, for all viewers; null where there is none. */
+  /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */
   hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth")[] | null;
 }
 
@@ -417,7 +419,7 @@ export interface TwistMessage {
   omega: number;
 }
 
-/** One measurement update with the next frame, even paused or standing still. */
+/** Update once with the next frame, even if the filter is paused or the robot stands still. */
 export interface UpdateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;

@@ -1,1 +1,1 @@
-"""Simulated robots behind the same interface as the real one."""
+"""Simulated robots with the same interface as the real one."""

@@ -1,4 +1,4 @@
-"""A world with forces: pybullet without a window, one physics client a world."""
+"""World with forces: pybullet without a window; each world has its own physics client."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from sim.bullet_body import add_floor, add_robot, add_rotor, motion, principal
 from sim.world import WorldError, check_pose, limited
 
 GRAVITY = 9.81
-"""[m/s^2]"""
+"""Acceleration by gravity [m/s^2]."""
 
 
 class BulletMissingError(ImportError):
@@ -55,8 +55,8 @@ class BulletSettings:
 class BulletWorld:
     """The robot as rigid bodies with motors, gravity and friction; a ``World``.
 
-    Nothing in it is random: the same commands give the same run, bit for bit. The motors are
-    speed controllers with a torque limit, whose target follows the command with a first-order lag.
+    Nothing is random: the same commands give the same run, bit for bit. The motors are speed
+    controllers with a torque limit; their target follows the command with a first-order lag.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class BulletWorld:
         return self._settings.step_time
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot at a pose in the map, standing; joint positions are kept."""
+        """Place the robot at a pose in the map, at rest; joint positions are kept."""
         check_pose(pose)
         client = self._open()
         bullet, robot = self._bullet, self._robot
@@ -117,7 +117,7 @@ class BulletWorld:
         self._seen = None
 
     def step(self, velocities: Array) -> None:
-        """One step on, towards commanded joint velocities (j,) [rad/s], limited to the motors'."""
+        """Advance one step towards joint velocities (j,) [rad/s], clipped to the motors' limits."""
         client = self._open()
         self._targets = [
             target + self._gain * (wanted - target)
@@ -135,7 +135,7 @@ class BulletWorld:
         self._seen = None
 
     def add_rotors(self, inertias: Array) -> None:
-        """Motors' rotors, as seen at the joints (j,) [kg m^2], turn with the wheels from now on.
+        """Add the motors' rotors to the wheels; inertias as seen at the joints (j,) [kg m^2].
 
         For motors that give a torque instead of following a speed: ``hold`` and ``step_torques``.
         """
@@ -146,7 +146,7 @@ class BulletWorld:
             add_rotor(self._bullet, client, self._robot, joint, body, inertia)
 
     def hold(self, frictions: Array) -> None:
-        """Coulomb friction at the joints (j,) [N m], against all motion, until told otherwise."""
+        """Set the Coulomb friction at the joints (j,) [N m]; it stays until it is set again."""
         self._bullet.setJointMotorControlArray(
             self._robot,
             self._joints,
@@ -157,7 +157,7 @@ class BulletWorld:
         )
 
     def step_torques(self, torques: Sequence[float]) -> None:
-        """One step on with motors' torques at the joints (j,) [N m], beside ``hold``'s friction."""
+        """Advance one step with motor torques at the joints (j,) [N m] and ``hold``'s friction."""
         client = self._open()
         self._unburden(client)
         self._bullet.setJointMotorControlArray(
@@ -171,10 +171,10 @@ class BulletWorld:
         self._seen = None
 
     def _unburden(self, client: int) -> None:
-        """Take what speeds up the rotors off the robot's body.
+        """Cancel the rotors' reaction torque on the robot's body.
 
-        A rotor spins much faster than its wheel and has so much less angular momentum than its
-        inertia at the joint stands for; the body feels nearly nothing of it.
+        A rotor spins much faster than its wheel. So its angular momentum is much smaller than its
+        inertia as seen at the joint suggests, and the body feels almost no reaction.
         """
         velocities = self.velocities
         torque = float(self._rotors @ (velocities - self._before)) / self.step_time
@@ -211,19 +211,19 @@ class BulletWorld:
         return self._look()[2]
 
     def close(self) -> None:
-        """End the physics client; may be called twice."""
+        """Disconnect the physics client; may be called twice."""
         if self._client is not None:
             self._bullet.disconnect(self._client)
             self._client = None
 
     def _build(self, bodies: list[RigidBody]) -> int:
-        """Floor and robot in the client; returns the robot's number."""
+        """Add floor and robot to the client; return the robot's number."""
         client, settings = self._open(), self._settings
         self._bullet.setGravity(0, 0, -GRAVITY, physicsClientId=client)
         self._bullet.setTimeStep(settings.step_time, physicsClientId=client)
-        # By default the solver stops early when little moves, and a standing robot turns by
-        # 2.6 mrad a minute; without, by 0.2 mrad. Friction stays a cone: the pyramid is quicker,
-        # but its axes are the map's, and a wheel on a diagonal would grip 1.4 times as well.
+        # By default the solver stops early when little moves: a standing robot then turns by
+        # 2.6 mrad a minute, otherwise by 0.2 mrad. Friction stays a cone: the pyramid is faster,
+        # but its axes are the map's, so a wheel on a diagonal would grip 1.4 times as well.
         self._bullet.setPhysicsEngineParameter(solverResidualThreshold=0, physicsClientId=client)
         add_floor(self._bullet, client)
         friction = {body.joint: settings.caster_friction for body in bodies}
@@ -240,7 +240,7 @@ class BulletWorld:
         return self._bullet.getJointStates(self._robot, self._joints, physicsClientId=client)
 
     def _look(self) -> tuple[Pose2, Twist2, float]:
-        """Pose, twist and tilt after the last step, worked out once."""
+        """Return pose, twist and tilt after the last step, computed once a step."""
         if self._seen is None:
             client = self._open()
             at_centre, orientation = self._bullet.getBasePositionAndOrientation(
@@ -255,7 +255,7 @@ class BulletWorld:
 
 @functools.cache
 def load_pybullet() -> Any:
-    """The module pybullet.
+    """Return the module pybullet.
 
     Raises:
         BulletMissingError: it is not installed; says how to get it.
@@ -274,7 +274,7 @@ def load_pybullet() -> Any:
 
 @contextmanager
 def _stderr_without(greeting: str) -> Iterator[None]:
-    """Drop the line that C code greets with on standard error; other lines come out at the end."""
+    """Drop C code's greeting line from standard error; other lines are written at the end."""
     kept = os.dup(2)
     with tempfile.TemporaryFile() as caught:
         os.dup2(caught.fileno(), 2)

@@ -1,8 +1,8 @@
-"""The robot and the floor as pybullet's bodies.
+"""The robot and the floor as bodies in pybullet.
 
-The robot is made from our own rigid bodies instead of by Bullet's URDF reader, which gives each
-link without inertia a mass of 1 kg and, where it merges fixed links, forgets how their inertia is
-turned. Bullet wants the root in the axes of its inertia, at its centre of mass: ``principal``.
+The robot is built from our own rigid bodies and not by Bullet's URDF reader. That reader gives each
+link without inertia a mass of 1 kg, and ignores the orientation of the inertia of fixed links that
+it merges. Bullet needs the root at its centre of mass, in its principal axes: ``principal``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from robot.geometry import Array, Pose2, Twist2, heading_angles
 
 
 def add_floor(bullet: Any, client: int) -> None:
-    """An endless level floor of friction 1; Bullet multiplies the coefficients of two bodies."""
+    """Add an endless level floor of friction 1; Bullet multiplies two bodies' coefficients."""
     plane = bullet.createCollisionShape(bullet.GEOM_PLANE, physicsClientId=client)
     floor = bullet.createMultiBody(0, plane, physicsClientId=client)
     bullet.changeDynamics(floor, -1, lateralFriction=1.0, physicsClientId=client)
@@ -28,10 +28,10 @@ def add_floor(bullet: Any, client: int) -> None:
 def add_robot(
     bullet: Any, client: int, bodies: list[RigidBody], friction: dict[str | None, float]
 ) -> int:
-    """The robot as one multi-body at the origin; returns its number.
+    """Add the robot as one multi-body at the origin; return its number.
 
-    Link ``i`` of it is body ``i + 1``, -1 the root. ``friction`` has the coefficient of each body
-    by its joint's name, the root's by None.
+    Its link ``i`` is body ``i + 1``; link -1 is the root. ``friction`` has the coefficient of each
+    body by the name of its joint; the root's key is None.
     """
     root, *moving = bodies
     robot: int = bullet.createMultiBody(
@@ -52,8 +52,8 @@ def add_robot(
         physicsClientId=client,
     )
     for link, body in enumerate(bodies, -1):
-        # Friction alone: a damping argument, of any value, makes the joints drag so much that the
-        # motors no longer follow their commands (measured with pybullet 3.2.7).
+        # Set only the friction: a damping argument, of any value, makes the joints drag so much
+        # that the motors no longer follow their commands (measured with pybullet 3.2.7).
         mu = friction[body.joint]
         bullet.changeDynamics(robot, link, lateralFriction=mu, physicsClientId=client)
         moments = principal(body)[0].tolist()
@@ -64,7 +64,7 @@ def add_robot(
 def add_rotor(
     bullet: Any, client: int, robot: int, link: int, body: RigidBody, inertia: float
 ) -> None:
-    """Give a wheel what its motor's rotor adds to its inertia about the joint's axis [kg m^2]."""
+    """Add a rotor's inertia [kg m^2] to that of its wheel about the joint's axis."""
     moments, axes = principal(body)
     along = int(np.abs(axes.inv().apply(body.axis)).argmax())
     moments[along] += inertia
@@ -74,15 +74,15 @@ def add_rotor(
 
 
 def principal(body: RigidBody) -> tuple[Array, Rotation]:
-    """Principal moments (3,) [kg m^2], and the rotation from their axes to the body's."""
+    """Return principal moments (3,) [kg m^2], and the rotation from their axes to the body's."""
     moments, axes = np.linalg.eigh(body.inertia)
-    if np.linalg.det(axes) < 0:  # a rotation, not a mirror
+    if np.linalg.det(axes) < 0:  # make it a rotation, not a reflection
         axes[:, 0] = -axes[:, 0]
     return moments, Rotation.from_matrix(axes)
 
 
 def _collision(bullet: Any, client: int, body: RigidBody) -> int:
-    """One collision shape for a body; -1 for a body that touches nothing."""
+    """Create one collision shape for a body; return its number, or -1 without collision shapes."""
     if not body.collisions:
         return -1
     kinds = {
@@ -115,10 +115,11 @@ def motion(
     velocity: Sequence[float],
     spin: Sequence[float],
 ) -> tuple[Pose2, Twist2, float]:
-    """Pose, twist and tilt of the robot frame from how the centre of mass moves, in the map.
+    """Compute pose, twist and tilt of the robot frame from the motion of the centre of mass.
 
-    ``turned`` (3, 3) turns the robot's axes to the map's; ``to_centre`` leads from the robot
-    frame's origin to the centre of mass. Written out for speed: it is asked every step.
+    ``turned`` (3, 3) rotates from the robot's axes to the map's; ``to_centre`` is the vector from
+    the robot frame's origin to the centre of mass, in the map's axes. The formulas are written out
+    for speed, because they run at every step.
     """
     (rx, ry, rz), (wx, wy, wz) = to_centre.tolist(), spin
     pose = Pose2(at_centre[0] - rx, at_centre[1] - ry, float(heading_angles(turned[:2, 0])))

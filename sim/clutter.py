@@ -1,7 +1,7 @@
-"""Things on a floor that are no tape: to find out what they do to a robot that looks for tape.
+"""Things on a floor that are not tape, to test a robot that looks for tape.
 
-They are painted onto the picture of the floor that a simulated camera looks at; the map knows
-nothing of them. Sizes are in metres; places are drawn anew for each seed.
+They are painted onto the picture of the floor that a simulated camera sees; the map does not have
+them. Sizes are in metres; each seed gives other positions.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from robot.geometry import Array
 
 DISCS = 25
 RADII = (0.006, 0.040)
-"""Radii of the discs: the chords of many are as long as tape is wide."""
+"""Radii of the discs: many discs have chords as long as tape is wide."""
 
 CABLE_WIDTH = 0.007
 SHADOW = 0.55
 """Share of the light that is left in the shadow."""
 
 PENUMBRA = 0.04
-"""Width of the shadow's edge, of a lamp under the ceiling."""
+"""Width of the shadow's edge, for a lamp at the ceiling."""
 
 SHOE = (0.28, 0.10)
-"""Length and width."""
+"""Length and width of a shoe."""
 
 PAIRS_OF_SHOES = 3
 DARK = 32
 
 _SHIFT = 4
-"""OpenCV draws to so many bits of a pixel."""
+"""Number of fractional bits in pixel coordinates for OpenCV."""
 
 _Canvas = NDArray[np.uint8]
 
 
 class _Painter:
-    """A copy of a floor picture, painted on in map coordinates [m]."""
+    """Paints on a copy of a floor picture, in map coordinates [m]."""
 
     def __init__(self, floor: FloorPicture, rng: np.random.Generator) -> None:
         self.image = floor.image.copy()
@@ -51,24 +51,24 @@ class _Painter:
         self._half = np.array([xmax - xmin, ymax - ymin]) / 2
 
     def places(self, shares: Array) -> Array:
-        """Points (n, 2) in the map from shares of the floor, -1 to 1 from border to border."""
+        """Return points (n, 2) in the map; ``shares`` go from -1 to 1, from border to border."""
         points: Array = self._middle + shares * self._half
         return points
 
     def disc(self, centre: Array, radius: float) -> None:
-        """A round dark patch."""
+        """Paint a round dark patch."""
         size = self._fine(np.array([radius / self._floor.resolution]))
         cv2.circle(
             self.image, self._pixels(centre[None])[0], size[0], DARK, -1, cv2.LINE_AA, _SHIFT
         )
 
     def line(self, points: Array, width: float) -> None:
-        """A dark line through points (n, 2)."""
+        """Paint a dark line through points (n, 2)."""
         thick = max(1, round(width / self._floor.resolution))
         cv2.polylines(self.image, [self._pixels(points)], False, DARK, thick, cv2.LINE_AA, _SHIFT)
 
     def shape(self, outline: Array) -> None:
-        """A dark patch with an outline (n, 2)."""
+        """Paint a dark patch with an outline (n, 2)."""
         cv2.fillPoly(self.image, [self._pixels(outline)], DARK, cv2.LINE_AA, _SHIFT)
 
     def shade(self, point: Array, normal: Array) -> None:
@@ -91,15 +91,15 @@ class _Painter:
 
 
 def _discs(painter: _Painter) -> None:
-    """Dark discs between the tapes."""
+    """Paint dark discs between the tapes."""
     centres = painter.places(painter.rng.uniform(-0.56, 0.56, (DISCS, 2)))
     for centre, radius in zip(centres, painter.rng.uniform(*RADII, DISCS), strict=True):
         painter.disc(centre, radius)
 
 
 def _cable(painter: _Painter) -> None:
-    """A thin dark line that winds from one border to another, over the tape."""
-    # It takes long to import, and the floor is mostly clear.
+    """Paint a thin dark line that winds from one border to the opposite one, over the tape."""
+    # Imported only here: the import takes long, and most floors are clear.
     from scipy.interpolate import CubicSpline  # noqa: PLC0415
 
     across = np.linspace(-1, 1, 7)
@@ -112,14 +112,14 @@ def _cable(painter: _Painter) -> None:
 
 
 def _shadow(painter: _Painter) -> None:
-    """One side of the floor is in the shade."""
+    """Put one side of the floor in the shade."""
     angle = painter.rng.uniform(-np.pi, np.pi)
     point = painter.places(painter.rng.uniform(-0.3, 0.3, 2))
     painter.shade(point, np.array([np.cos(angle), np.sin(angle)]))
 
 
 def _shoes(painter: _Painter) -> None:
-    """Pairs of shoes of people around the field, their toes on or before the tape."""
+    """Paint pairs of shoes of people around the field, with the toes on or near the tape."""
     for _ in range(PAIRS_OF_SHOES):
         side = painter.rng.integers(4)
         toward = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[side]
@@ -130,7 +130,7 @@ def _shoes(painter: _Painter) -> None:
 
 
 def _shoe(toward: Array, beside: Array, foot: float) -> Array:
-    """Outline (n, 2) of one shoe behind its toes: an oval, fuller in front [m]."""
+    """Return the outline (n, 2) of one shoe behind its toes [m]: an oval that is wider in front."""
     turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     length, width = SHOE
     along = length / 2 * (np.cos(turn) - 1)
@@ -151,12 +151,12 @@ KINDS = ("none", *CLUTTER, "all")
 
 
 def cluttered(floor: FloorPicture, kind: str, rng: np.random.Generator) -> FloorPicture:
-    """A floor with things on it.
+    """Return a floor with clutter on it.
 
     Args:
-        floor: as it was drawn; it is not changed.
+        floor: the drawing of the floor; it is not changed.
         kind: one of ``KINDS``.
-        rng: decides where things lie.
+        rng: draws the positions of the things.
 
     Raises:
         ValueError: the kind is unknown.

@@ -1,4 +1,4 @@
-"""Wheel encoders: whole degrees of what the wheels turned, which is not quite what they rolled."""
+"""Wheel encoders: they count the angle that the wheels turned, with slip, in whole degrees."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from robot.geometry import Array
 from sim.imperfections import Imperfections
 
 VELOCITY_SPAN = 0.1
-"""Velocity is the difference over this time [s]: 1 degree then is 10 degrees/s, which is also the
-unit in which LEGO's motors tell their speed."""
+"""Time over which velocity is the difference of positions [s]. One degree then is 10 degrees/s,
+which is also the unit of speed of LEGO's motors."""
 
 
 class Encoders:
-    """Turns true joint positions into what a driver would report, with slip and counting.
+    """Turns true joint positions into those that a driver reports, with slip and quantization.
 
     Slip is a relative error of each wheel that drifts slowly, a first-order autoregressive process
-    in time: ``s' = a s + sd sqrt(1 - a^2) n`` with ``a = exp(-dt / slip_time)``. A wheel that rolls
-    a distance has turned by ``1 + s`` times the angle that belongs to it.
+    in time: ``s' = a s + sd sqrt(1 - a^2) n`` with ``a = exp(-dt / slip_time)``. When a wheel rolls
+    a distance, it turns by ``1 + s`` times the angle of that distance.
     """
 
     def __init__(
@@ -32,14 +32,14 @@ class Encoders:
         self._rng = rng
         self._step = math.radians(imperfections.encoder_step)
         self._phase = self._step * rng.random(count)
-        """How far each wheel stands into its first degree."""
+        """Position of each wheel within its first encoder step [rad]."""
         self._slip = imperfections.slip_sd * rng.standard_normal(count)
         self._slipped = np.zeros(count)
         self._past: deque[tuple[float, Array, Array]] = deque()
-        """Stamp, true positions and reported ones of the last readings."""
+        """Stamps, true positions and reported positions of the last readings."""
 
     def read(self, positions: Array, stamp: float) -> tuple[Array, Array]:
-        """Reported positions (j,) [rad] and velocities (j,) [rad/s] from true positions (j,) [rad].
+        """Return reported positions (j,) [rad] and velocities (j,) [rad/s] for true positions (j,).
 
         Raises:
             ValueError: the stamp [s] is not later than the last one.
@@ -48,7 +48,7 @@ class Encoders:
             self._slide(positions, stamp)
         reported = self._count(positions + self._slipped)
         self._past.append((stamp, positions.copy(), reported))
-        # Of the readings that are old enough, the newest one stays.
+        # Keep the newest reading that is at least ``VELOCITY_SPAN`` old, and all newer ones.
         while len(self._past) > 2 and self._past[1][0] <= stamp - VELOCITY_SPAN + 1e-9:
             self._past.popleft()
         earlier, _, before = self._past[0]
@@ -56,7 +56,7 @@ class Encoders:
         return reported.copy(), velocities
 
     def _slide(self, positions: Array, stamp: float) -> None:
-        """Let slip drift since the last reading, and add up what it makes of the turn since."""
+        """Update the slip since the last reading, and add the angle that the wheels slipped."""
         last_stamp, last_positions, _ = self._past[-1]
         if stamp <= last_stamp:
             raise ValueError(f"a reading at {stamp:g} s follows one at {last_stamp:g} s")

@@ -1,10 +1,10 @@
 """The camera's picture of the floor, by projection instead of by a general renderer.
 
-Every pixel looks at one place of the floor, and the lens does not change: so where each pixel (and
-each of several samples inside it) looks in the robot frame is worked out once, and a picture is
-one look-up in the drawing of the floor. Samples inside a pixel are spread over its height, where
-the floor is seen at a slant and would alias, and over the exposure time, which gives motion blur;
-rows are exposed one after the other, as a rolling shutter does.
+Each pixel sees one point of the floor, and the lens does not change. So the floor points of each
+pixel, and of several samples inside it, are computed once in the robot frame; a picture is then one
+look-up in the drawing of the floor. The samples of a pixel are spread over its height, because the
+floor is seen at a slant and would alias, and over the exposure time, which gives motion blur. Rows
+are exposed one after the other, as with a rolling shutter.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ from sim.clutter import KINDS, cluttered
 from sim.lighting import lit_unevenly, with_glare
 
 SAMPLES = (4, 8)
-"""Samples over the height of a pixel; rows that see the floor at a steeper slant take more."""
+"""Samples over the height of a pixel; rows whose pixels cover more floor use more."""
 
 FOOTPRINT_M = 0.0015
-"""Floor that one sample may stand for, along the view [m]."""
+"""Length of floor, along the view, that one sample should cover at most [m]."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ class FloorCamera:
         settings: CameraSettings,
         rng: np.random.Generator,
     ) -> None:
-        # Streams of their own: with or without clutter, noise is the same.
+        # Separate streams: noise is the same with and without clutter.
         for_clutter, for_light, for_glare = rng.spawn(3)
         littered = cluttered(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
         lit = lit_unevenly(littered, settings.uneven_light, for_light)
@@ -119,9 +119,9 @@ class FloorCamera:
         self._size = (view.lens.height, view.lens.width)
 
     def picture(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
-        """The grey picture (h, w) from a pose in the map, moving with a twist.
+        """Take a grey picture (h, w) at a pose in the map, while moving with a twist.
 
-        The pose holds at the middle of the exposure of the middle row.
+        The robot is at the pose in the middle of the exposure of the middle row.
         """
         affine = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, self._times)
         columns = np.empty(self._looks_at.shape[:2], dtype=np.float32)
@@ -145,7 +145,7 @@ class FloorCamera:
         picture = cv2.multiply(picture, self._light, dtype=cv2.CV_8U)
         if self._settings.noise > 0:
             height, width = self._size
-            # Noise comes from a table at a random place: drawing it anew costs 5 ms a picture.
+            # Noise is taken from a random position in a table: to draw it costs 5 ms a picture.
             row, column = self._rng.integers(0, _NOISE_MARGIN, 2)
             noise = self._noise[row : row + height, column : column + width]
             picture = cv2.add(picture, noise, dtype=cv2.CV_8U)
@@ -154,7 +154,7 @@ class FloorCamera:
 
 @dataclass(frozen=True, slots=True)
 class _Band:
-    """Rows of the picture, first to last (exclusive), with the same number of samples."""
+    """Rows of the picture, from first to last (exclusive), with the same number of samples."""
 
     first: int
     last: int
@@ -162,7 +162,7 @@ class _Band:
 
 
 def _bands(view: FloorView) -> list[_Band]:
-    """Cut the picture into bands so that no sample stands for too much floor."""
+    """Cut the picture into bands; rows whose pixels cover much floor use more samples."""
     height = view.lens.height
     middle = np.full(height + 1, (view.lens.width - 1) / 2)
     floor = view.floor_points(np.column_stack([middle, np.arange(height + 1) - 0.5]))
@@ -176,21 +176,24 @@ def _bands(view: FloorView) -> list[_Band]:
 def _samples(
     view: FloorView, bands: list[_Band], exposure: float
 ) -> tuple[NDArray[np.float32], Array]:
-    """Where samples look (s, w, 2) [m] in the robot frame, and when (s,) [s] about the stamp."""
+    """Return the samples' floor points (s, w, 2) [m] and times (s,) [s].
+
+    The points are in the robot frame; the times count from the picture's stamp.
+    """
     lens = view.lens
     rows, times = [], []
     for band in bands:
         part = (np.arange(band.samples) + 0.5) / band.samples - 0.5
         row = np.arange(band.first, band.last)[:, None]
         rows.append((row + part).ravel())
-        # Exposure times in another order than heights: else the two would add up along a slant.
+        # Exposure times have another order than heights: otherwise both add up along a slant.
         shuffled = part[_bit_reversed(band.samples)]
         row_time = lens.readout * (row / (lens.height - 1) - 0.5)
         times.append((row_time + exposure * shuffled).ravel())
     v = np.concatenate(rows)
     pixels = np.stack(np.broadcast_arrays(np.arange(lens.width), v[:, None]), axis=-1)
     floor = view.floor_points(pixels.reshape(-1, 2).astype(np.float64))
-    # Above the horizon there is no floor: look so far away that the border tone is seen.
+    # Above the horizon there is no floor: use a point so far away that it has the border's tone.
     floor = np.nan_to_num(floor, nan=1e6).reshape(len(v), lens.width, 2)
     return floor.astype(np.float32), np.concatenate(times)
 
@@ -203,9 +206,9 @@ def _bit_reversed(count: int) -> list[int]:
 def _sample_affines(
     pixel_from_map: Array, map_from_robot: Pose2, twist: Twist2, times: Array
 ) -> NDArray[np.float32]:
-    """(s, 2, 3): from the robot frame at the stamp to pixels of the floor picture, by time."""
+    """Return affines (s, 2, 3) from the robot frame at each time to pixels of the floor picture."""
     pixel = np.vstack([pixel_from_map, [0, 0, 1]])
-    # Between nine moments of one exposure the motion is straight to well under a micrometre.
+    # Between nine moments of a picture the motion is straight to well under a micrometre.
     knots = np.linspace(times.min(), times.max(), 9)
     moments = [map_from_robot @ twist.integrate(float(t)) for t in knots]
     affines = np.array([(pixel @ _homogeneous(pose))[:2].ravel() for pose in moments])
@@ -257,7 +260,7 @@ def _average(
 
 
 def _vignette(width: int, height: int, lost: float) -> NDArray[np.float32]:
-    """Light that is left (h, w): falls with the square of the distance from the middle."""
+    """Share of the light left (h, w); the loss grows with the squared distance from the middle."""
     x = np.linspace(-1, 1, width)
     y = np.linspace(-1, 1, height)[:, None]
     return (1 - lost * (x * x + y * y) / 2).astype(np.float32)

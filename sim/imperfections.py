@@ -1,4 +1,4 @@
-"""What real robots have and their description does not say: drawn once a run, by seed."""
+"""Imperfections of real robots that are not in their description; drawn once a run, by seed."""
 
 from __future__ import annotations
 
@@ -59,26 +59,26 @@ class Imperfections:
 
     @classmethod
     def none(cls) -> Imperfections:
-        """The robot as described, with exact encoders."""
+        """Return settings of a perfect robot: it is as described, with exact encoders."""
         return cls(wheel_radius_sd=0, track_sd=0, slip_sd=0, encoder_step=0)
 
     def of_robot(self, rng: np.random.Generator) -> np.random.Generator:
-        """What decides what one robot keeps: its own seed's generator, or that of the run."""
+        """Return the generator of a robot's permanent errors: from its own seed, or the run's."""
         return rng if self.robot < 0 else np.random.default_rng(self.robot)
 
 
 MOUNTING = 2**31
-"""Number of the stream that the camera's mounting is drawn from: no child has it by itself."""
+"""Number of the stream for the camera's mounting and lens; no spawned child gets this number."""
 
 LARGEST = 3.0
-"""Errors are drawn anew beyond this many standard deviations, so that no dimension turns absurd."""
+"""Errors beyond this many standard deviations are drawn again, so that no dimension is absurd."""
 
 
 def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator) -> RobotSpec:
-    """The true robot: with other wheel radii, another track, a camera mounted a little askew.
+    """Draw the true robot: other wheel radii, another track, a camera mounted a little askew.
 
-    Errors are normal, cut off at ``LARGEST`` standard deviations. A run is repeated by the same
-    seed; what is switched off does not change what the rest draws.
+    Errors are normal, cut off at ``LARGEST`` standard deviations. The same seed repeats a run; an
+    error that is switched off does not change the others.
     """
     rng = imperfections.of_robot(rng)
     errors = _cut_normal(rng, len(spec.joints) + 1)
@@ -94,7 +94,7 @@ def draw(spec: RobotSpec, imperfections: Imperfections, rng: np.random.Generator
 
 
 def _beside(rng: np.random.Generator) -> np.random.Generator:
-    """A stream of its own, which changes nothing of what the other one and its children draw."""
+    """Return a separate stream, which does not change the draws of ``rng`` and its children."""
     seed = rng.bit_generator.seed_seq
     assert isinstance(seed, np.random.SeedSequence)
     return np.random.default_rng(

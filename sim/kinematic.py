@@ -1,4 +1,4 @@
-"""A world without forces: wheels turn as told and never slip."""
+"""World without forces: wheels turn as commanded and never slip."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class KinematicWorld:
         self.place(start or Pose2())
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot at a pose in the map, standing; joint positions are kept."""
+        """Place the robot at a pose in the map, at rest; joint positions are kept."""
         check_pose(pose)
         self._pose = pose
         self._velocities = np.zeros(len(self._spec.joints))
 
     def step(self, velocities: Array) -> None:
-        """One step on, at commanded joint velocities (j,) [rad/s], limited to the motors'."""
+        """Advance one step at joint velocities (j,) [rad/s], clipped to the motors' limits."""
         self._velocities = np.array(limited(self._spec, velocities))
         turned = self._velocities * self.step_time
         self._positions += turned
@@ -57,8 +57,8 @@ class KinematicWorld:
 
     @property
     def tilt(self) -> float:
-        """Always level [rad]."""
+        """Tilt [rad]: always 0."""
         return 0.0
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: the world holds no resources."""

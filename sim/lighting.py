@@ -1,4 +1,4 @@
-"""Lamps over a floor: what lies farther from one is darker, and some shine in it."""
+"""Lamps above a floor: uneven light, and reflections."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ REFLECTION_SD = 0.06
 
 
 def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> FloorPicture:
-    """A floor under a lamp that hangs somewhere over it.
+    """Return a floor that is lit by one lamp above it.
 
-    Light falls with the square of the distance from below the lamp.
+    The loss of light grows with the square of the distance from the point below the lamp.
 
     Args:
-        floor: as it was drawn; it is not changed.
+        floor: the drawing of the floor; it is not changed.
         lost: share of the light that is lost at the farthest corner.
-        rng: decides where the lamp hangs.
+        rng: draws the position of the lamp.
     """
     if lost == 0:
         return floor
@@ -34,14 +34,14 @@ def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> 
 
 
 def with_glare(floor: FloorPicture, added: float, rng: np.random.Generator) -> FloorPicture:
-    """A floor that shines: reflections of lamps lie on it, on tape as well.
+    """Return a floor with reflections of lamps, on the tape as well.
 
-    They stay where they are while the robot moves, as of lamps that are far above the camera.
+    The reflections stay in place while the robot moves, as if the lamps were far above the camera.
 
     Args:
-        floor: as it was drawn; it is not changed.
-        added: grey levels that a reflection adds in its middle; what is too bright is white.
-        rng: decides where the reflections lie.
+        floor: the drawing of the floor; it is not changed.
+        added: grey levels that a reflection adds in its middle; the sum is limited to white.
+        rng: draws the positions of the reflections.
     """
     if added == 0:
         return floor

@@ -1,4 +1,4 @@
-"""Lets simulated time pass as fast as the clock on the wall."""
+"""Makes simulated time pass as fast as real time."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from collections import deque
 
 
 class RealTime:
-    """Waits until a simulated stamp is due; hand it to a simulated robot as ``wait``.
+    """Waits until a simulated stamp is due; pass it to a simulated robot as ``wait``.
 
-    The schedule is fixed, so waiting does not drift; after a stall it starts anew from there
-    instead of hurrying.
+    The schedule is fixed, so waiting does not drift. After a stall the schedule starts again at the
+    present time instead of catching up.
     """
 
     def __init__(self, longest_lag: float = 0.1) -> None:
         self.busy: deque[float] = deque(maxlen=5000)
-        """Time spent between two waits [s]: simulation and engine together."""
+        """Times spent between two waits [s]: simulation and engine together."""
         self._longest_lag = longest_lag
         self._zero: float | None = None
         self._went_on = 0.0

@@ -11,7 +11,7 @@ from sim.imperfections import Imperfections
 
 @dataclass(frozen=True)
 class SimSettings:
-    """The robot that is not there: its camera, the forces on it, and how it is not as drawn."""
+    """Settings of the simulated robot: its camera, its physics, and its imperfections."""
 
     camera: CameraSettings = CameraSettings()
     physics: BulletSettings = BulletSettings()

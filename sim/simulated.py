@@ -1,4 +1,4 @@
-"""A simulated robot: a world that moves, encoders that count and a camera that sees the floor."""
+"""Simulated robot: a world that moves, encoders that count and a camera that sees the floor."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ PERIOD = 0.02
 
 
 def no_wait(stamp: float) -> None:
-    """Let simulated time run as fast as it can."""
+    """Do not wait: simulated time runs as fast as it can."""
 
 
 class SimulatedRobot:
-    """Behind the same interface as a real one, and it can be put elsewhere."""
+    """Simulated robot with the interface of a real one; it can also be placed at a pose."""
 
     def __init__(
         self,
@@ -40,7 +40,7 @@ class SimulatedRobot:
         wait: Callable[[float], None] = no_wait,
         view: FloorView | None = None,
     ) -> None:
-        """Put it together; ``view`` is how its camera is truly mounted, if not as described."""
+        """Build the robot; ``view`` is its camera's true view, if it is not as described."""
         self.name = name
         self.spec = spec
         self._world = world
@@ -64,7 +64,7 @@ class SimulatedRobot:
         return self._tick * PERIOD
 
     def read(self) -> Reading:
-        """Advance by one period and tell what the sensors say."""
+        """Advance by one period and return what the sensors measure."""
         for step in range(self._steps):
             self._world.step(self._command)
             self._remember((step + 1) * self._world.step_time)
@@ -75,7 +75,7 @@ class SimulatedRobot:
         return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
     def write(self, velocities: Array) -> Array:
-        """Ask for joint velocities (j,) [rad/s]; returns them within the joints' limits."""
+        """Command joint velocities (j,) [rad/s]; return them clipped to the joints' limits."""
         if self._closed:
             return np.zeros_like(velocities)
         limits = np.array([joint.max_velocity for joint in self.spec.joints])
@@ -83,7 +83,7 @@ class SimulatedRobot:
         return self._command
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot at a pose in the map, standing; frames under way are lost."""
+        """Place the robot at a pose in the map, at rest; frames not yet delivered are lost."""
         self._world.place(pose)
         self._past.forget()
         self._remember()
@@ -101,7 +101,7 @@ class SimulatedRobot:
         self._past.remember(current, self._world.pose, self._world.twist)
 
     def _frame(self) -> Frame | None:
-        """The newest picture, if one has been exposed, read out and handed over by now."""
+        """Return the newest picture, if one has been exposed, read out and delivered by now."""
         exposed = self._exposures.newest(self.stamp - self._exposures.until_here)
         if exposed is None:
             return None

@@ -1,4 +1,4 @@
-"""What a simulated world offers: a body on wheels that can be stepped, put elsewhere and asked."""
+"""Interface of a simulated world: a robot on wheels that can be stepped, placed and measured."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from robot.geometry import Array, Pose2, Twist2
 
 
 class WorldError(ValueError):
-    """A simulated world was asked for something that cannot be."""
+    """A simulated world cannot do what was asked."""
 
 
 @runtime_checkable
 class World(Protocol):
-    """One robot on an endless level floor, in the map frame; it has no clock but its steps."""
+    """One robot on an endless level floor, in the map frame; time passes only in its steps."""
 
     @property
     def step_time(self) -> float:
@@ -23,7 +23,7 @@ class World(Protocol):
         ...
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot at a pose in the map, standing; joint positions are kept.
+        """Place the robot at a pose in the map, at rest; joint positions are kept.
 
         Raises:
             WorldError: the pose is not finite.
@@ -31,10 +31,10 @@ class World(Protocol):
         ...
 
     def step(self, velocities: Array) -> None:
-        """One step on, towards commanded joint velocities (j,) [rad/s], limited to the motors'.
+        """Advance one step towards joint velocities (j,) [rad/s], clipped to the motors' limits.
 
         Raises:
-            WorldError: another count of velocities, or not finite; nothing has moved then.
+            WorldError: the number of velocities is wrong, or one is not finite; nothing moves then.
         """
         ...
 
@@ -64,17 +64,17 @@ class World(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of everything; may be called twice, and nothing else after it."""
+        """Release all resources; may be called twice. Nothing else may be called afterwards."""
         ...
 
 
 def limited(spec: RobotSpec, velocities: Array) -> list[float]:
-    """Commanded joint velocities (j,) [rad/s], each brought within its motor's limit.
+    """Return commanded joint velocities (j,) [rad/s], each clipped to its motor's limit.
 
-    Plain numbers come back: for two of them numpy takes longer than the rest of a step.
+    The result is a plain list: for two numbers, numpy takes longer than the rest of a step.
 
     Raises:
-        WorldError: another count of velocities, or not finite.
+        WorldError: the number of velocities is wrong, or one is not finite.
     """
     if velocities.shape != (len(spec.joints),):
         names = ", ".join(joint.name for joint in spec.joints)
@@ -92,7 +92,7 @@ def check_pose(pose: Pose2) -> None:
     """Refuse a pose that is not finite.
 
     Raises:
-        WorldError: names the pose.
+        WorldError: the pose is not finite; names the pose.
     """
     if not pose.is_finite():
         raise WorldError(f"{pose} is not finite")

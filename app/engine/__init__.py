@@ -1,1 +1,1 @@
-"""What runs once a tick: robot, odometry, filter, who drives, and what everybody sees of it."""
+"""The work of one tick: robot, odometry, filter, driving and the published snapshot."""

@@ -1,4 +1,4 @@
-"""The filter's answer, which odometry carries on between pictures."""
+"""The filter's estimate, which odometry carries forward between pictures."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from robot.localization.estimate import Estimate
 
 @dataclass(frozen=True, slots=True)
 class Belief:
-    """The filter's answer, tied to the odometry that it was made at."""
+    """The filter's estimate, with the odometry at its stamp."""
 
     estimate: Estimate
     odom_from_robot: Pose2
     """Odometry at the estimate's stamp."""
 
     def pose(self, odom_from_robot: Pose2) -> Pose2:
-        """The estimate carried forward to a later odometry."""
+        """Return the estimated pose, carried forward to a later odometry pose."""
         return self.estimate.pose @ self.moved(odom_from_robot)
 
     def moved(self, odom_from_robot: Pose2) -> Pose2:
-        """The step since then by a later odometry."""
+        """Return the robot's motion from the estimate's stamp to a later odometry pose."""
         return self.odom_from_robot.inverse() @ odom_from_robot

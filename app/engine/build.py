@@ -1,4 +1,4 @@
-"""Puts the parts together: the only place that seeds, wires and starts."""
+"""Builds the program from its parts; the only module that seeds, connects and starts them."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ from sim.simulated import SimulatedRobot, no_wait
 
 @dataclass(frozen=True, slots=True)
 class Streams:
-    """Independent streams of chance: a change in the filter's does not change the robot's."""
+    """Independent random generators: what the filter draws does not change what the robot draws."""
 
     robot: np.random.Generator
     filter: np.random.Generator
 
     @classmethod
     def of(cls, seed: int) -> Streams:
-        """Those of a seed: whatever drives, follows or replays with it has the same luck."""
+        """Return the generators of a seed; drives and replays with this seed draw the same."""
         return cls(*np.random.default_rng(seed).spawn(2))
 
 
@@ -58,19 +58,21 @@ def build_program(
     scanner: LineScanner | None = None,
     entries: EntryField | None = None,
 ) -> Program:
-    """Build robot and engine; a real robot is at work from here on, so close it.
+    """Build robot and engine.
+
+    A real robot is active from here on, so the caller must close it.
 
     Args:
         config: everything that can be set.
-        wait: called with each stamp of a simulated robot; ``RealTime()`` keeps it to the clock.
-        robot: to be used instead of the one that the configuration names.
-        field: the same for the map.
-        scanner: the same for what finds tape in pictures.
-        entries: the field's table of distances, if it is there already.
+        wait: called with each stamp of a simulated robot; ``RealTime()`` makes it run in real time.
+        robot: used instead of the robot that the configuration names.
+        field: used instead of the map that the configuration names.
+        scanner: used instead of a new line scanner.
+        entries: the field's table of distances, if it exists already.
 
     Raises:
         ValueError: the field or the robot's description cannot be used.
-        BulletMissingError: the simulator was asked for and is not installed.
+        BulletMissingError: the configuration names the simulator, which is not installed.
     """
     config, _ = settle_robot(config)
     field = field or load_field(config.map, MAPS)
@@ -98,17 +100,17 @@ def build_engine(
     parameters: LocalizationParameters,
     entries: EntryField | None = None,
 ) -> Engine:
-    """An engine before its first tick; a replay makes another each time that it begins anew.
+    """Build an engine before its first tick; a replay builds a new one whenever it starts again.
 
     Args:
-        config: everything that can be set; a reset brings its parameters back.
-        robot: that is stepped.
+        config: everything that can be set; a reset restores its parameters.
+        robot: the robot that the engine steps.
         field: the map.
-        scanner: what finds tape in pictures.
-        own: models of the user's own.
+        scanner: finds tape in pictures.
+        own: the user's own models.
         begin: where filter and odometry start.
-        parameters: those that the filter begins with.
-        entries: the field's table of distances, if it is there already.
+        parameters: the filter's parameters at the start.
+        entries: the field's table of distances, if it exists already.
     """
     kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
     localization = Localization(
@@ -132,14 +134,14 @@ def build_engine(
 
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
-    """Where dead reckoning starts: where the robot is, as far as anybody knows."""
+    """Return the robot's pose at the start of dead reckoning, as far as it is known."""
     if isinstance(robot, Placeable):
         return begin.truth or field.start
     return begin.hypotheses[0].pose if begin.hypotheses else field.start
 
 
 def own_models(config: Config, field: Field) -> OwnModels:
-    """The models of the user's own that the configuration names."""
+    """Return the user's own models that the configuration names."""
     return OwnModels(
         field, sensor=config.sensor_model, motion=config.motion_model, folder=config.models
     )
@@ -152,7 +154,7 @@ def build_robot(
     rng: np.random.Generator,
     wait: Callable[[float], None],
 ) -> Robot:
-    """The robot that the configuration names."""
+    """Build the robot that the configuration names."""
     if config.robot == "buildhat":
         return BuildHat.open(spec, config.build_hat, config.camera)
     return build_simulated(config, spec, field, rng, wait)
@@ -165,7 +167,7 @@ def build_simulated(
     rng: np.random.Generator,
     wait: Callable[[float], None],
 ) -> SimulatedRobot:
-    """The simulated robot that the configuration names."""
+    """Build the simulated robot that the configuration names."""
     if config.robot == "sim":
         true = draw(spec, config.sim.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.sim.physics)
@@ -188,7 +190,11 @@ def build_simulated(
 
 
 def settle_robot(config: Config) -> tuple[Config, str | None]:
-    """Decide what ``auto`` stands for here, and why it is not the one with physics."""
+    """Replace the robot ``auto`` by an available one.
+
+    Returns the configuration with that robot; and why the simulator with physics is not available,
+    or None.
+    """
     if config.robot != "auto":
         return config, None
     try:

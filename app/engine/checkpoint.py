@@ -1,7 +1,7 @@
-"""Keeps the state of what runs, generators and all, so that it can go on from there again.
+"""Stores the state of a run, with its random generators, so that it can continue from there.
 
-What never changes is referred to, and not copied. Large arrays that are the same in several
-checkpoints are kept once.
+Objects that never change are referenced, not copied. Large arrays that are the same in several
+checkpoints are stored once.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan
 
 IMMUTABLE = (DifferentialDrive, EntryField, RayEvidence, ScanMatcher, Scan)
-"""Types of what is frozen and holds arrays that nobody writes to."""
+"""Types of frozen objects with arrays that nobody writes to; these objects are referenced."""
 
 LEFT_OUT = (LineScan,)
-"""Holds a picture; the next one brings a new one."""
+"""Types that are not stored. A line scan holds a picture; the next picture gives a new scan."""
 
 MODELS = "robot.localization.models."
-"""The models that come with the program are frozen, too."""
+"""Package of the program's own models: they are frozen, too."""
 
 LARGE = 1 << 15
-"""From this size on [bytes] an array is kept once, however many checkpoints have it."""
+"""An array of at least this size [bytes] is stored once for all checkpoints that have it."""
 
 
 class CheckpointError(TypeError):
-    """The state cannot be kept: something in it, as in a user's own model, cannot be copied."""
+    """The state cannot be stored: some object, for example in a user's model, cannot be copied."""
 
 
 class Block:
@@ -49,20 +49,20 @@ class Block:
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
-    """A state that was kept; it may be brought back any number of times."""
+    """A stored state, which can be restored any number of times."""
 
     content: bytes = field(repr=False)
     blocks: tuple[Block, ...] = field(repr=False)
     shared: tuple[object, ...] = field(repr=False)
-    """What is referred to."""
+    """Objects that are referenced, not copied."""
 
     @property
     def size(self) -> int:
-        """Bytes; blocks that other checkpoints share count here, too."""
+        """Size [bytes]; it includes blocks that other checkpoints share."""
         return len(self.content) + sum(len(block.content) for block in self.blocks)
 
     def restore(self) -> Any:
-        """A new copy of the state, as it was."""
+        """Return a new copy of the stored state."""
         buffers = [bytearray(block.content) for block in self.blocks]
         return _Unpickler(self, buffers).load()
 
@@ -71,29 +71,29 @@ class CheckpointWriter:
     """Makes checkpoints."""
 
     def __init__(self, unchanging: Iterable[object]) -> None:
-        """``unchanging`` are objects that are referred to besides those of immutable types."""
+        """``unchanging`` are objects to reference, besides those of immutable types."""
         self._unchanging = tuple(unchanging)
         self._ids = frozenset(map(id, self._unchanging))
         self._blocks: WeakValueDictionary[bytes, Block] = WeakValueDictionary()
 
     def keep(self, state: object) -> Checkpoint:
-        """Keep a state as it is now.
+        """Store a state as it is now.
 
         Raises:
-            CheckpointError: names what cannot be copied.
+            CheckpointError: some object cannot be copied; the message names it.
         """
         content = io.BytesIO()
         blocks: list[Block] = []
         pickler = _Pickler(content, self._ids, lambda buffer: self._take(buffer, blocks))
         try:
             pickler.dump(state)
-        # A user's own model may do anything when it is copied.
+        # A user's own model may raise anything when it is copied.
         except Exception as error:
             raise CheckpointError(f"the state cannot be kept: {error}") from error
         return Checkpoint(content.getvalue(), tuple(blocks), tuple(pickler.shared))
 
     def _take(self, buffer: pickle.PickleBuffer, blocks: list[Block]) -> bool:
-        """Whether an array goes with the rest, because it is small."""
+        """Return whether a small array is stored in the content; store a large one as a block."""
         raw = buffer.raw()
         if raw.nbytes < LARGE:
             return True
@@ -113,7 +113,7 @@ class _Pickler(pickle.Pickler):
         self._numbers: dict[int, int] = {}
 
     def persistent_id(self, obj: Any) -> int | None:
-        """The number of what is referred to; None for what is copied."""
+        """Return the number of a referenced object, -1 to leave it out, or None to copy it."""
         if isinstance(obj, LEFT_OUT):
             return -1
         if id(obj) not in self._unchanging and not _is_immutable(obj):
@@ -131,7 +131,7 @@ class _Unpickler(pickle.Unpickler):
         self._shared = checkpoint.shared
 
     def persistent_load(self, pid: Any) -> object:
-        """What a number refers to."""
+        """Return the object with this number; None for one that was left out."""
         return None if pid < 0 else self._shared[pid]
 
 

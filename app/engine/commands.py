@@ -40,22 +40,22 @@ from robot.geometry import Pose2, Twist2
 from robot.interface import Placeable
 
 MOST_WAITING = 1000
-"""Commands that may wait for the engine; a flood must not fill the memory of one that hangs."""
+"""Most commands that may wait: if the engine hangs, a flood of them must not fill the memory."""
 MOST_WAITING_SETS = 20
-"""A set of poses is not taken behind so many commands: it may be large."""
+"""A set of poses is refused if this many commands wait already: it may be large."""
 
 
 class Repeat(Enum):
-    """How a replay repeats a recorded command, and what a viewer's own does there."""
+    """How a replay repeats a recorded command, and how long a viewer's own command holds there."""
 
     NEVER = auto()
-    """It moved a robot that moves no more, or concerns the view."""
+    """Not repeated: a recording cannot be driven; or the filter does not need the command."""
     RECORDED = auto()
-    """It is carried out as recorded."""
+    """Carried out as recorded."""
     MOMENT = auto()
-    """The same; a viewer's own holds until somebody seeks."""
+    """Carried out as recorded; a viewer's own command holds until somebody seeks."""
     SETTING = auto()
-    """The same; a viewer's own holds for the whole replay, whatever was recorded."""
+    """Carried out as recorded, but a viewer's own command overrides it for the whole replay."""
 
 
 def _nothing(*_: object) -> None:
@@ -64,22 +64,24 @@ def _nothing(*_: object) -> None:
 
 @dataclass(frozen=True)
 class Rule:
-    """Of one type of command."""
+    """How commands of one type are checked, carried out and repeated."""
 
     apply: Callable[[Any, Controls, OdometryState], None] = _nothing
-    """Carries it out in the engine's thread."""
+    """Carries the command out, in the engine's thread."""
     repeat: Repeat = Repeat.NEVER
     check: Callable[[Any, Program], None] = _nothing
-    """Raises a CommandError where this robot or these parameters do not allow it."""
+    """Raises a CommandError if this robot or these parameters do not allow the command."""
     check_field: Callable[[Any, Field], None] = _nothing
-    """The same where the field does not, or the numbers make no sense."""
+    """Raises a CommandError if the field does not allow it, or the numbers make no sense."""
 
 
 def check(command: Command, program: Program) -> None:
-    """Refuse what this field, this robot or these parameters do not allow.
+    """Refuse a command that this field, this robot or these parameters do not allow.
+
+    A command is also refused if the engine has failed or too many commands wait.
 
     Raises:
-        CommandError: says why.
+        CommandError: the command is refused; the message says why.
     """
     engine, rule = program.engine, RULES[type(command)]
     if not isinstance(command, PingCommand):
@@ -94,7 +96,7 @@ def check(command: Command, program: Program) -> None:
 
 
 def apply(command: Command, controls: Controls, odometry: OdometryState) -> None:
-    """Carry out a command that was checked."""
+    """Carry out a checked command."""
     RULES[type(command)].apply(command, controls, odometry)
 
 
@@ -241,4 +243,5 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PingCommand: Rule(),
     }
 )
-"""``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never reach the engine."""
+"""Rules by command; ``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never reach the
+engine."""

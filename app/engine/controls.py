@@ -1,4 +1,4 @@
-"""Everything that a command may act on: the robot, its odometry and filter, and who drives."""
+"""Everything that a command may act on: robot, odometry, filter and driving."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robot.settings import SettingError
 
 @dataclass(frozen=True)
 class EngineState:
-    """What the next ticks depend on, besides the robot and who drives."""
+    """The state that the next ticks depend on, except for the robot and who drives."""
 
     odometry: Odometry
     localization: Localization
@@ -29,11 +29,11 @@ class EngineState:
     """Where dead reckoning began."""
     odom_from_scan: Pose2 | None = None
     picture_stamp: float | None = None
-    """Of the last picture [s]; the picture itself is not kept, as the next one replaces it."""
+    """Stamp of the last picture [s]; the picture is not stored, as the next one replaces it."""
 
 
 class Controls:
-    """Owned by the engine; one thread calls it."""
+    """Robot, odometry, filter and driving; the engine owns them and one thread calls them."""
 
     def __init__(
         self,
@@ -55,21 +55,21 @@ class Controls:
         self.odom_from_scan: Pose2 | None = None
         """Odometry at the stamp of the last picture that was used."""
         self.layers: frozenset[Layer] = LAYERS
-        """What the 3D view shows."""
+        """Visible layers of the 3D view."""
         self.problems = Problems()
         self.stamp = 0.0
-        """Of the last reading [s]."""
+        """Stamp of the last reading [s]."""
 
     @property
     def state(self) -> EngineState:
-        """What the next ticks depend on."""
+        """The state that the next ticks depend on."""
         stamp = None if self.frame is None else self.frame.stamp
         return EngineState(
             self.odometry, self.localization, self.map_from_odom, self.odom_from_scan, stamp
         )
 
     def restore(self, state: EngineState) -> None:
-        """Go on from another state."""
+        """Continue from another state."""
         self.odometry = state.odometry
         self.localization = state.localization
         self.map_from_odom = state.map_from_odom
@@ -78,11 +78,11 @@ class Controls:
         self.frame = None if stamp is None else Frame(stamp, np.zeros((1, 1), np.uint8))
 
     def report(self, topic: str, message: str | None) -> None:
-        """Say what is wrong with a topic, or None that nothing is."""
+        """Report what is wrong with a topic; None reports that nothing is."""
         self.problems.report(topic, self.stamp, message)
 
     def halt(self) -> None:
-        """Halt the motors for what may take long; the next step lets them go on."""
+        """Halt the motors before work that may take long; the next step drives them again."""
         self.robot.write(np.zeros(len(self.robot.spec.joints)))
 
     def stand_if_slow(self, wanted: LocalizationParameters) -> None:
@@ -92,13 +92,13 @@ class Controls:
             self.halt()
 
     def reload_own_models(self) -> None:
-        """Read the user's own models again when they were saved, with the motors at rest."""
+        """If the user saved a model file, halt the motors and load the models again."""
         if self.localization.own.saved(self.stamp):
             self.halt()
             self.localization.reload()
 
     def stand_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
-        """Stand still while the robot or a model of the user's own is broken, and say where."""
+        """Stop while the robot is not connected or a user's model is faulty; report all faults."""
         own = self.localization.own
         if not connected:
             self.driving.stop()
@@ -113,13 +113,13 @@ class Controls:
         self.report("models on offer", " ".join(own.complaints) or None)
 
     def set_parameters(self, values: dict[str, bool | float | str]) -> None:
-        """Change parameters and models by name; all or none."""
+        """Change parameters and models by name: all of them or none."""
         localization = self.localization
         choice = localization.own.choice
         try:
             wanted, own = changed_with_own(localization.parameters, choice, values)
         except SettingError as error:
-            # It was valid when it was sent; a model's file can vanish since.
+            # The change was valid when it was sent, but a model's file may have vanished since.
             self.report("settings", f"A change was not taken: {error}.")
             return
         self.report("settings", None)
@@ -129,15 +129,15 @@ class Controls:
         localization.choose(own, wanted)
 
     def reset(self) -> None:
-        """Parameters as configured, and the filter where it started."""
+        """Restore the configured parameters, and put the filter back to its start."""
         self.stand_if_slow(self.localization.configured)
         self.halt()
         self.localization.reset()
 
     def place(self, pose: Pose2, odometry: OdometryState) -> None:
-        """Put the robot elsewhere; in a replay it was put there then."""
+        """Put the robot elsewhere; in a replay, the recorded robot was already put there."""
         if isinstance(self.robot, Placeable):
             self.driving.stop()
             self.robot.place(pose)
-        # Dead reckoning goes on from the new place: the wheels did not turn on the way there.
+        # Dead reckoning continues from the new pose: the wheels did not turn on the way there.
         self.map_from_odom = pose @ odometry.odom_from_robot.inverse()

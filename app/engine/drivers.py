@@ -1,4 +1,4 @@
-"""Who drives the robot: what somebody drove does not go on when they are gone."""
+"""Notes who drives the robot, and stops it when the last driver leaves."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from app.messages.commands import Command, DriveCommand, FigureEightCommand, Sto
 
 
 class Drivers:
-    """Viewers and clients of all kinds; from any thread."""
+    """Viewers and other clients that drive the robot; any thread may call it."""
 
     def __init__(self, commands: CommandQueue, timeout: float) -> None:
         self._commands = commands
         self._timeout = timeout
         self._last: dict[Hashable, float] = {}
-        """When each that drives last said so, on the computer's clock [s]."""
+        """When each driver last sent a drive command, on the computer's clock [s]."""
         self._lock = threading.Lock()
 
     def took(self, who: Hashable, command: Command) -> None:
-        """Note whose command was put into the queue."""
+        """Note who put a command into the queue."""
         with self._lock:
             if isinstance(command, (DriveCommand, FigureEightCommand)):
                 self._last[who] = time.monotonic()
@@ -29,7 +29,7 @@ class Drivers:
                 self._last.clear()
 
     def leave(self, who: Hashable) -> None:
-        """Stop the robot if this one was driving it, and nobody else is."""
+        """Forget a viewer who leaves; stop the robot if only this viewer drove it."""
         with self._lock:
             drove = self._last.pop(who, None) is not None
             recent = time.monotonic() - self._timeout

@@ -1,4 +1,4 @@
-"""Who drives: a person, the figure-eight, or nobody; and until when."""
+"""Decides who drives (a person, the figure-eight or nobody) and until when."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Mode = Literal["idle", "drive", "figure_eight"]
 
 
 class Driving:
-    """One rule for all: what is not renewed within the time-out ends, and the robot stands."""
+    """Mode and twist of the drive; a command that is not renewed within the time-out ends."""
 
     def __init__(
         self, controller: DriveController, timeout: float, eight: FigureEight | None = None
@@ -25,12 +25,12 @@ class Driving:
         self._renewed = 0.0
 
     def drive(self, twist: Twist2, stamp: float) -> None:
-        """Drive as a person says."""
+        """Drive with the twist that a person commands."""
         self.mode = "drive"
         self._controller.command(twist, stamp)
 
     def figure_eight(self, stamp: float) -> None:
-        """Start the figure-eight, or let it go on."""
+        """Start the figure-eight, or renew it."""
         if self.mode != "figure_eight":
             self.mode = "figure_eight"
             self._began = stamp
@@ -42,7 +42,7 @@ class Driving:
         self._controller.stop()
 
     def update(self, stamp: float) -> Twist2:
-        """The twist to apply at a stamp [s]."""
+        """Return the twist to apply at a stamp [s]."""
         if self.mode == "figure_eight":
             if stamp - self._renewed >= self._timeout - 5e-7:
                 self.stop()

@@ -1,7 +1,8 @@
-"""The program on one screen: read, take commands, odometry, scan, filter, drive, publish.
+"""The steps of one tick: read, take commands, odometry, scan, filter, drive, publish.
 
-The engine has no thread and no clock of its own: a test, a benchmark, an evaluation and a replay
-call ``step`` directly, faster than real time; ``run`` is the loop around it.
+The engine has no thread and no clock of its own. Tests, benchmarks and evaluations call ``step``
+directly, faster than real time, and a replay calls ``advance``; ``run`` is the loop around
+``step``.
 """
 
 from __future__ import annotations
@@ -26,24 +27,24 @@ from robot.geometry import Twist2
 from robot.interface import Frame, Reading
 
 FRAME_OVERDUE = 0.5
-"""Without a new picture for so long [s] (or three usual periods), the camera has stalled."""
+"""Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
 
 LOADED = 500
-"""Ticks after which compiled code has been loaded: objects by the hundred thousand that live as
-long as the program. To go over them takes the garbage collector 0.1 s, in which nothing steps."""
+"""Ticks after which all compiled code is loaded: hundreds of thousands of objects that live as long
+as the program. The garbage collector takes 0.1 s to scan them, and the engine waits meanwhile."""
 
 Apply = Callable[[Command, Controls, OdometryState], None]
-"""Carries out a command that was checked."""
+"""Carries out a checked command."""
 
 
 class Engine:
     """Steps robot, odometry, filter and drive; one thread calls it."""
 
     def __init__(self, controls: Controls, apply: Apply) -> None:
-        """At the start.
+        """Make an engine before its first tick.
 
         Args:
-            controls: robot, odometry, filter and who drives.
+            controls: robot, odometry, filter and driving.
             apply: carries out a command; ``app.engine.commands`` has the table.
         """
         self.controls = controls
@@ -51,7 +52,7 @@ class Engine:
         self.every: Broadcast[Snapshot] = Broadcast()
         self.commands = CommandQueue()
         self.failure: str | None = None
-        """Why it stopped, if it failed."""
+        """Why the engine failed; None while it has not."""
         self._apply = apply
         self._meter = LoopMeter()
         self._applied: tuple[Reading, Twist2] | None = None
@@ -63,23 +64,24 @@ class Engine:
         return self.controls.localization
 
     def note(self, message: str) -> None:
-        """Put into the record what went wrong before the start."""
+        """Add a problem to the record at stamp 0, such as one from before the start."""
         self.controls.problems.note(0.0, message)
 
     def step(self) -> Snapshot:
-        """One tick: from the robot's next reading to what everybody sees.
+        """Run one tick: from the robot's next reading to the published snapshot.
 
         Raises:
             RobotError: the robot does not answer any more.
         """
         reading = self.controls.robot.read()
-        # Only then: most of a tick passes in it, and what comes meanwhile is for this tick.
+        # Take commands after the read: it waits for most of a tick, and commands that come
+        # meanwhile belong to this tick.
         snapshot = self._advance(reading, self.commands.take())
         self.publish(snapshot)
         return snapshot
 
     def advance(self, commands: tuple[Command, ...]) -> Snapshot:
-        """One tick with these commands; nobody sees it yet.
+        """Run one tick with these commands, without publishing it.
 
         Raises:
             RobotError: the robot does not answer any more; a recording is over.
@@ -87,7 +89,7 @@ class Engine:
         return self._advance(self.controls.robot.read(), commands)
 
     def linger(self, commands: tuple[Command, ...]) -> Snapshot:
-        """Take commands without any time going by; after the first tick."""
+        """Carry out commands between two ticks, while no time passes; needs a tick before."""
         assert self._applied is not None  # there was a tick
         reading, twist = self._applied
         self._meter.begin()
@@ -99,12 +101,12 @@ class Engine:
         return self._snapshot(reading, commands, odometry, twist)
 
     def publish(self, snapshot: Snapshot) -> None:
-        """Let everybody see a tick."""
+        """Publish the snapshot of a tick to all readers."""
         self.latest.put(snapshot)
         self.every.put(snapshot)
 
     def fail(self, message: str) -> None:
-        """Say that it is over, and why."""
+        """Publish that the engine has failed, and why."""
         self.failure = message
         last = self.latest.get()
         if last is None:
@@ -113,9 +115,10 @@ class Engine:
         self.latest.put(last.failed(self.controls.problems))
 
     def run(self, stop: threading.Event) -> None:
-        """Step until told to stop; the robot is closed whatever happens.
+        """Step until ``stop`` is set; close the robot whatever happens.
 
-        A failure is logged once and published: it never becomes a repeat of the last value.
+        A failure is logged once and published, so readers do not take the last snapshot for a
+        present one.
         """
         try:
             for count in itertools.count():
@@ -157,7 +160,7 @@ class Engine:
             self._measure(reading.frame)
         last = controls.frame.stamp if controls.frame else 0.0
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
-        # A fault says it better.
+        # A reported fault says more.
         silent = "The camera sends no pictures." if overdue and not reading.faults else None
         controls.report("camera", silent)
 
@@ -182,7 +185,8 @@ class Engine:
         controls, localization = self.controls, self.controls.localization
         problems, belief = controls.problems, localization.belief
         scan_pose = None
-        # Kept, not asked for by stamp: the odometry of a camera that stalls is forgotten in time.
+        # Use the stored odometry of the scan: if the camera stalls, the odometry's history no
+        # longer has that stamp.
         if belief is not None and controls.odom_from_scan is not None:
             scan_pose = belief.pose(controls.odom_from_scan)
         return Snapshot(

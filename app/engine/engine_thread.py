@@ -1,4 +1,4 @@
-"""The thread that the engine runs in; it alone owns the robot."""
+"""The thread of the engine, which alone owns the robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class EngineThread:
     def __init__(
         self, engine: Engine, run: Callable[[threading.Event], None] | None = None
     ) -> None:
-        """``run`` takes the place of the engine's own loop, as that of a replay."""
+        """``run`` replaces the engine's own loop, for example with the loop of a replay."""
         self.stopping = threading.Event()
         self._thread = threading.Thread(
             target=run or engine.run, args=(self.stopping,), name="engine", daemon=True
@@ -30,15 +30,15 @@ class EngineThread:
 
     @property
     def ident(self) -> int | None:
-        """By which Python knows it; None before the start."""
+        """Python's identifier of the thread; None before the start."""
         return self._thread.ident
 
     def start(self) -> None:
-        """Begin."""
+        """Start the loop."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End; the robot is stopped and closed on the way."""
+        """End the loop, which stops and closes the robot."""
         self.stopping.set()
         self._thread.join(JOIN_S)
         if self._thread.is_alive():

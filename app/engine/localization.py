@@ -1,4 +1,4 @@
-"""Camera picture to estimate: scanner and filter together, with parameters that may change live."""
+"""Turns camera pictures into estimates by scanner and filter; parameters may change live."""
 
 from __future__ import annotations
 
@@ -44,32 +44,32 @@ class Localization:
         start: tuple[Hypothesis, ...] = (),
         configured: LocalizationParameters | None = None,
     ) -> None:
-        """Begin at the start.
+        """Make the filter and put it at the start.
 
         Args:
-            scanner: what finds tape in pictures.
+            scanner: finds tape in pictures.
             field: the map.
-            parameters: of models and filter.
-            rng: of the filter alone.
-            own: models of the user's own; by default none.
-            entries: the table of distances; by default it is made of the field, which takes up to
-                seconds.
-            start: where the filter starts, and what ``reset`` brings back; none is the field's
-                start with the filter's own spread.
-            configured: the parameters that ``reset`` brings back; by default these.
+            parameters: parameters of models and filter.
+            rng: random generator of the filter alone.
+            own: the user's own models; by default none.
+            entries: the table of distances; by default it is made from the field, which takes up
+                to some seconds.
+            start: where the filter starts, and where ``reset`` puts it; empty is the field's start
+                with the filter's own spread.
+            configured: the parameters that ``reset`` restores; by default ``parameters``.
         """
         self.scanner = scanner
         self.own = own or OwnModels(field)
-        """Models in files of the user's own."""
+        """The user's own models."""
         self.own.load(parameters)
         self.parameters = parameters
         self.paused = False
         self.belief: Belief | None = None
         self.line_scan: LineScan | None = None
         self.configured = configured or parameters
-        """Those that ``reset`` brings back."""
+        """The parameters that ``reset`` restores."""
         self.seconds = 0.0
-        """Time of a processor that the last scan took in the filter [s]."""
+        """Processor time of the filter's last update [s]."""
         self._start = start
         self._field = field
         self._rng = rng
@@ -89,38 +89,38 @@ class Localization:
 
     @property
     def entries(self) -> EntryField:
-        """The table of distances that the models look things up in."""
+        """The table of distances that the models use."""
         assert self._entries is not None
         return self._entries
 
     @property
     def cloud(self) -> Cloud:
-        """The particles as last weighed."""
+        """The particles with their newest weights."""
         return self._localizer.filter.cloud
 
     @property
     def integrity(self) -> Integrity:
-        """What is claimed of the newest estimate, at the stamp of its scan."""
+        """State, bounds and alerts of the newest estimate, at the stamp of its scan."""
         return self._localizer.integrity
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
-        """What is claimed of the pose that ``belief`` has now: odometry adds its errors."""
+        """Return the integrity of the estimate carried forward: odometry adds its errors."""
         return carried_on(
             self.integrity, self.belief.moved(odom_from_robot) if self.belief else Pose2()
         )
 
     @property
     def updates(self) -> int:
-        """Measurements since the cloud was last made anew."""
+        """Measurement updates since the filter last started again."""
         return self._localizer.updates
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with a model of the user's own; the filter pauses until it is mended."""
+        """What is wrong with a user's own model; the filter pauses until it is fixed."""
         return self.own.fault
 
     def note(self, odom_from_robot: Pose2) -> None:
-        """Where the wheels say that the robot is now, when it may be told its pose."""
+        """Note the present odometry pose, before commands that may set the filter's pose."""
         self._localizer.now = odom_from_robot
 
     def measure(self, frame: Frame, odometry: OdometryState) -> None:
@@ -131,7 +131,7 @@ class Localization:
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
         if self.fault or (self.paused and not self._once):
-            # A cloud that has not moved is an answer of before, tied to the odometry of then.
+            # If the cloud has not moved, keep the earlier estimate and its odometry.
             if self._localizer.predict(pose) or self.belief is None:
                 self._believe(self._localizer.estimate(scan.stamp), pose)
             return
@@ -156,22 +156,22 @@ class Localization:
         self.belief = None
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Tell the filter where the robot may be."""
+        """Start the filter from weighted poses."""
         self._localizer.set_cloud(cloud)
         self.belief = None
 
     def scatter(self) -> None:
-        """The robot may be anywhere on the field."""
+        """Start the filter scattered: the robot may be anywhere on the field."""
         self._localizer.scatter()
         self.belief = None
 
     def update_once(self) -> None:
-        """Let the next picture count, even paused or standing."""
+        """Update with the next picture, even if the filter is paused or the robot stands."""
         self._once = True
         self._localizer.force_update()
 
     def reset(self) -> None:
-        """Parameters and models as configured, and the cloud where it started."""
+        """Restore the configured parameters and models, and start the filter again."""
         if self.own.reset():
             self.own.load(self.configured)
         self.use(self.configured)
@@ -179,7 +179,7 @@ class Localization:
         self._begin()
 
     def _begin(self) -> None:
-        """Put the cloud where it starts."""
+        """Put the filter at its start."""
         if not self._start:
             self.set_pose(self._field.start, None, None)
         elif len(self._start) == 1:
@@ -189,7 +189,7 @@ class Localization:
             self.belief = None
 
     def is_slow_to_use(self, parameters: LocalizationParameters) -> bool:
-        """Whether other parameters take up to some seconds, for a new table of distances."""
+        """Return whether parameters need a new table of distances, which may take some seconds."""
         wanted, made = parameters.sensor, self._entries
         return made is None or (made.wanted_resolution, made.max_distance) != (
             wanted.field_resolution,
@@ -197,19 +197,19 @@ class Localization:
         )
 
     def choose(self, choice: OwnChoice, parameters: LocalizationParameters) -> None:
-        """Go on with other models of the user's own and other parameters; the cloud stays."""
+        """Change the user's own models and the parameters; the filter keeps its belief."""
         if self.own.choose(choice):
             self.own.load(parameters)
         self.use(parameters)
 
     def reload(self) -> None:
-        """Read the user's own models anew; what they say of the next picture counts."""
+        """Load the user's own models again, and update the filter with the next picture."""
         self.own.load(self.parameters)
         self.use(self.parameters)
         self._localizer.force_update()
 
     def use(self, parameters: LocalizationParameters) -> None:
-        """Go on with other parameters; the cloud stays."""
+        """Change the parameters; the filter keeps its belief."""
         if parameters != self.parameters:
             self.own.rebuild(parameters)
         other = parameters.filter.filter != self.parameters.filter.filter
@@ -217,7 +217,7 @@ class Localization:
         setup = self._setup()
         if other:
             self._localizer.filter = going_on(make_filter(setup, self._rng), self._localizer.filter)
-            # What the other one said is not what this one says, who may know less.
+            # The new filter may know less than the old one, so drop the old estimate.
             self.belief = None
             self._localizer.force_update()
         else:

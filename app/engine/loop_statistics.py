@@ -1,4 +1,4 @@
-"""Measures how the engine keeps up."""
+"""Measures the rate and the delays of the engine's loop."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ class LoopMeter:
         self._frame_stamp: float | None = None
 
     def begin(self) -> None:
-        """The robot has answered: work begins."""
+        """Note that the robot has answered and the work of a tick begins."""
         clock = time.perf_counter()
         if self._begun:
             self._period = _smooth(self._period, clock - self._begun)
         self._begun = clock
 
     def frame(self, stamp: float) -> None:
-        """A picture came, exposed at a stamp [s]."""
+        """Note a picture that was exposed at a stamp [s]."""
         if self._frame_stamp is not None and stamp > self._frame_stamp:
             self.frame_period = _smooth(self.frame_period, stamp - self._frame_stamp)
         self._frame_stamp = stamp
 
     def end(self, stamp: float) -> LoopStatistics:
-        """The work of this tick is done; its figures at the robot's time [s]."""
+        """Note the end of a tick's work, and return its figures at the robot's time [s]."""
         self._work = _smooth(self._work, time.perf_counter() - self._begun)
         seen = self._frame_stamp
         return LoopStatistics(

@@ -1,4 +1,4 @@
-"""The filter's parameters changed while it runs: by name alone, as the page has them."""
+"""Changes the filter's parameters while it runs, by bare names as the page uses them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robot.settings import SettingError, describe
 def changed_with_own(
     parameters: LocalizationParameters, choice: OwnChoice, values: Mapping[str, Any]
 ) -> tuple[LocalizationParameters, OwnChoice]:
-    """As ``changed``, where models may also be of the user's own, as ``my_model.py:MyModel``.
+    """Do as ``changed``, but accept the user's own models, too (``my_model.py:MyModel``).
 
     Raises:
         SettingError: a name is unknown, or a value out of range or of the wrong type.
@@ -27,7 +27,7 @@ def changed_with_own(
 def changed(
     parameters: LocalizationParameters, values: Mapping[str, Any]
 ) -> LocalizationParameters:
-    """Parameters with some values replaced, by name; all or none.
+    """Return the parameters with some values replaced by name: all of them or none.
 
     Raises:
         SettingError: a name is unknown, or a value out of range or of the wrong type.
@@ -45,5 +45,5 @@ def changed(
 
 
 def _whole(value: Any) -> Any:
-    """A whole number as an int: what a page sends does not tell 3.0 from 3."""
+    """Return a whole number as an int: values from a page do not distinguish 3.0 from 3."""
     return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -15,11 +15,11 @@ class HypothesisError(ValueError):
 
 
 def covariance_of(command: SetPoseCommand) -> Array | None:
-    """The covariance (3, 3) [m, m, rad] that a pose is told with; None if it is without.
+    """Return the covariance (3, 3) [m, m, rad] in a pose command; None if it has none.
 
     Raises:
-        HypothesisError: standard deviations are told as well.
-        CovarianceError: it is none.
+        HypothesisError: the command also has standard deviations.
+        CovarianceError: the numbers are not a valid covariance.
     """
     if command.covariance is None:
         return None
@@ -29,10 +29,10 @@ def covariance_of(command: SetPoseCommand) -> Array | None:
 
 
 def cloud_of(command: SetParticlesCommand) -> Cloud:
-    """The given poses, with weights that sum to one.
+    """Return the poses of a command, with weights that sum to one.
 
     Raises:
-        HypothesisError: there are not as many weights as poses, or they are all zero.
+        HypothesisError: the numbers of weights and poses differ, or all weights are zero.
     """
     poses = np.array(command.poses, dtype=np.float64)
     poses[:, 2] = wrap_angle(poses[:, 2])

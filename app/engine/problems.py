@@ -1,4 +1,4 @@
-"""What is wrong now, in plain words, and a record of what was."""
+"""Present problems in plain words, and a record of past ones."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ class Problems:
     """Problems by topic; a topic has at most one at a time."""
 
     def __init__(self, level: int = logging.WARNING) -> None:
-        """``level`` is that of the log's entries."""
+        """``level`` is the level of the log's entries."""
         self._level = level
         self._now: dict[str, str] = {}
         self.record: tuple[Problem, ...] = ()
-        """The last hundred, newest last."""
+        """The last hundred problems, newest last."""
         self.count = 0
         """Problems since the start."""
 
     def report(self, topic: str, stamp: float, message: str | None) -> None:
-        """Say what is wrong with a topic, or None that nothing is; logged when it changes."""
+        """Report what is wrong with a topic, or None if nothing is; log it when it begins."""
         if message is None:
             self._now.pop(topic, None)
         elif self._now.get(topic) != message:
@@ -41,7 +41,7 @@ class Problems:
             self._now[topic] = message
 
     def report_all(self, topic: str, stamp: float, messages: Sequence[str]) -> None:
-        """Say everything that is wrong with a topic; each message is logged when it comes."""
+        """Report everything that is wrong with a topic; log each message when it begins."""
         wrong = {f"{topic}: {message}": message for message in messages}
         for over in [
             item for item in self._now if item.startswith(f"{topic}: ") and item not in wrong
@@ -51,7 +51,7 @@ class Problems:
             self.report(each, stamp, message)
 
     def note(self, stamp: float, message: str) -> None:
-        """Put into the record what went wrong and is over."""
+        """Add a problem to the record and the log."""
         self.count += 1
         self.record = (*self.record, Problem(stamp, message))[-KEPT:]
         LOG.log(self._level, "%.2f s: %s", stamp, message)

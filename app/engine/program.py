@@ -17,7 +17,7 @@ from robot.scanning.line_scanner import LineScanner
 
 @dataclass(frozen=True)
 class Program:
-    """The parts that others need to see."""
+    """The parts of a program that other modules use."""
 
     engine: Engine
     robot: Robot
@@ -25,9 +25,9 @@ class Program:
     scanner: LineScanner
     config: Config
     pose_file: Path
-    """Where the pose is kept for the next start."""
+    """The file that keeps the pose for the next start."""
     given: OwnChoice
-    """Models of the user's own at the start."""
+    """The user's own models at the start."""
     loop: Callable[[threading.Event], None] | None = None
-    """Runs until the event is set, in place of the engine's own loop, if the robot is a recording;
-    then nobody can drive it."""
+    """The loop of a replay, which runs until the event is set; None uses the engine's own loop. A
+    replay cannot be driven."""

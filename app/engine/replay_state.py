@@ -1,4 +1,4 @@
-"""Where a replay stands: what the page shows of it."""
+"""The state of a replay, as the page shows it."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from robot.geometry import Pose2
 
 @dataclass(frozen=True, slots=True)
 class ReplayState:
-    """At one tick."""
+    """State of a replay at one tick."""
 
     file: str
     """Name of the recording."""
     position_s: float
-    """From its beginning [s]."""
+    """Time since the recording's beginning [s]."""
     duration_s: float
     speed: float
     """Seconds of the recording in one second."""
     paused: bool
     catching_up: float | None
-    """Share of the way to where somebody wanted to be; None when it is there."""
+    """Share of the way to the requested time, 0 to 1; None when the replay is there."""
     estimate_then: Pose2 | None
-    """What was estimated then, carried forward to the tick by the wheels."""
+    """The recorded estimate, carried forward to the tick by odometry."""

@@ -21,12 +21,12 @@ from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan
 
 LAYERS: frozenset[Layer] = frozenset(get_args(Layer))
-"""Everything that the 3D view can show."""
+"""All layers of the 3D view."""
 
 
 @dataclass(frozen=True, slots=True)
 class LoopStatistics:
-    """How the engine keeps up; smoothed over about a second."""
+    """Rates and delays of the engine, smoothed over about a second."""
 
     step_hz: float
     step_ms: float
@@ -38,7 +38,7 @@ class LoopStatistics:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """One tick."""
+    """Everything that one tick shows."""
 
     stamp: float
     """The robot's clock [s]."""
@@ -47,26 +47,26 @@ class Snapshot:
     reading: Reading = field(repr=False)
     """What the robot answered in this tick."""
     commands: tuple[Command, ...]
-    """Taken in this tick, in their order."""
+    """Commands taken in this tick, in order."""
     truth: Pose2 | None
     odometry: Pose2
-    """Dead reckoning since the start or the last place, in the map."""
+    """Dead reckoning since the start or the last ``place`` command, in the map."""
     odom_from_robot: Pose2
-    """Dead reckoning alone: it never jumps."""
+    """Dead reckoning in the frame ``odom``: it never jumps."""
     pose: Pose2 | None
     """The estimate, carried forward to the stamp; None before the first measurement."""
     estimate: Estimate | None
-    """The filter's newest answer, at its own stamp."""
+    """The filter's newest estimate, at its own stamp."""
     integrity: Integrity
-    """What is claimed of it."""
+    """State, bounds and alerts of ``pose``."""
     twist: Twist2
-    """As applied."""
+    """The applied velocity."""
     mode: Mode
     cloud: Cloud = field(repr=False)
     frame: Frame | None
     """The newest picture."""
     line_scan: LineScan | None = field(repr=False)
-    """What was found in it."""
+    """What the scanner found in the last picture that was used."""
     odom_from_scan: Pose2 | None
     """Odometry at the scan's stamp."""
     scan_pose: Pose2 | None
@@ -75,9 +75,9 @@ class Snapshot:
     updates: int
     parameters: LocalizationParameters = field(repr=False)
     own: OwnChoice = field(repr=False)
-    """Models in files of the user's own: in use and on offer."""
+    """The user's own models in use and on offer."""
     fault: str | None
-    """What is wrong with them, with file and line; the robot stands still meanwhile."""
+    """What is wrong with these models, with file and line; the robot stands still meanwhile."""
     loop: LoopStatistics
     connected: bool
     battery_v: float | None
@@ -85,12 +85,12 @@ class Snapshot:
     problem_count: int
     record: tuple[Problem, ...] = field(repr=False)
     layers: frozenset[Layer]
-    """What the 3D view shows."""
+    """Visible layers of the 3D view."""
     replay: ReplayState | None = None
-    """Where a replay stands; None of a robot."""
+    """State of the replay; None if this is not a replay."""
 
     def failed(self, problems: Problems) -> Snapshot:
-        """The same place, with the engine at an end: nothing moves and nothing answers."""
+        """Return this snapshot for a failed engine: the robot stands and does not answer."""
         return replace(
             self,
             published=time.monotonic(),
@@ -103,7 +103,7 @@ class Snapshot:
         )
 
     def hypotheses(self) -> list[tuple[Pose2, float, Array]]:
-        """Where the robot may be now: pose, weight and covariance of each, heaviest first."""
+        """Return pose now, weight and covariance of each hypothesis, heaviest first."""
         if self.estimate is None or self.pose is None:
             return []
         moved = self.estimate.pose.inverse() @ self.pose

@@ -1,6 +1,6 @@
-"""What crosses the wire: telemetry out, commands in; told apart by ``type``.
+"""Messages of the wire: telemetry out, commands in; ``type`` tells them apart.
 
-Metres, seconds and radians; the map frame unless said otherwise; theta from +x, anticlockwise.
-Unknown keys, NaN and infinities are refused. ``frontend/messages.d.ts`` is made from these by
-``python -m app.messages.typescript``.
+Metres, seconds and radians; the map frame unless stated otherwise; theta from +x, anticlockwise.
+Unknown keys, NaN and infinities are refused. ``python -m app.messages.typescript`` makes
+``frontend/messages.d.ts`` from these messages.
 """

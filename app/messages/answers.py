@@ -1,4 +1,4 @@
-"""Answers over HTTP."""
+"""Messages that answer HTTP requests."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from app.messages.telemetry import PoseMessage
 
 
 class HealthMessage(Message):
-    """Whether the program does its job."""
+    """Whether the program works."""
 
     status: Literal["ok", "degraded", "failed"]
     detail: str
@@ -65,26 +65,26 @@ class ProfileMessage(Message):
     grey: list[float]
     """Brightness, 0 to 255."""
     response: list[float]
-    """Answer of the edge kernel, in grey levels; negative where it gets darker."""
+    """Response of the edge kernel, in grey levels; negative where it gets darker."""
     threshold: float
     entry: float | None
     """Distance of the entry edge [m]."""
     exit: float | None
     width: float | None
-    """Measured across the line [m]."""
+    """Width measured across the line [m]."""
     counted: bool
     why: str
-    """Why it counted or not, in plain words."""
+    """Why the ray counted or not, in plain words."""
 
 
 class ProblemMessage(Message):
-    """One entry of the record of errors."""
+    """One entry of the record of problems."""
 
     stamp: float
     message: str
 
 
 class ProblemsMessage(Message):
-    """The record of errors, newest last; at most the last hundred."""
+    """The record of problems, newest last; at most the last hundred."""
 
     problems: list[ProblemMessage]

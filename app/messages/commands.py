@@ -1,4 +1,4 @@
-"""What may be asked of the robot and of the filter, and how it is answered."""
+"""Commands to the robot and the filter, and their answers."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 from app.messages.message import Layer, Message, Metres, Radians
 
 LONGEST_ID = 200
-"""It is repeated in the answer [characters]."""
+"""Longest id of a command [characters]; the answer repeats it."""
 
 MOST_POSES = 20_000
-"""That a filter can be started from."""
+"""Most poses from which a filter can be started."""
 
 
 def _short(name: int | str | None) -> int | str | None:
@@ -22,7 +22,7 @@ def _short(name: int | str | None) -> int | str | None:
 
 
 class CommandMessage(Message):
-    """What all commands share; a number must be one, not a text or a truth value that could be."""
+    """Base of all commands; a number must be a number, not a text or a truth value."""
 
     model_config = ConfigDict(strict=True)
 
@@ -31,7 +31,7 @@ class CommandMessage(Message):
 
 
 class DriveCommand(CommandMessage):
-    """Drive; holds for 0.5 s, so it is renewed. Beyond the limits it is limited."""
+    """Drive; holds for 0.5 s unless renewed. Velocities beyond the limits are reduced to them."""
 
     type: Literal["drive"]
     v: Annotated[float, Field(ge=-10, le=10)]
@@ -45,7 +45,7 @@ class StopCommand(CommandMessage):
 
 
 class FigureEightCommand(CommandMessage):
-    """Drive the open-loop figure-eight; holds for 0.5 s like drive, and goes on when renewed."""
+    """Drive the open-loop figure-eight; holds for 0.5 s like drive, and continues if renewed."""
 
     type: Literal["figure_eight"]
 
@@ -65,17 +65,17 @@ class SetPoseCommand(CommandMessage):
 
 
 class SetParticlesCommand(CommandMessage):
-    """Start the filter from given poses: the robot is at one of them, or near."""
+    """Start the filter from given poses: the robot is at or near one of them."""
 
     type: Literal["set_particles"]
     poses: Annotated[
         list[tuple[Metres, Metres, Radians]], Field(min_length=1, max_length=MOST_POSES)
     ]
-    """x, y, theta of each."""
+    """x, y, theta of each pose."""
     weights: Annotated[list[Annotated[float, Field(ge=0)]], Field(max_length=MOST_POSES)] | None = (
         None
     )
-    """How likely each is, in any measure; all alike without."""
+    """How likely each pose is, on any scale; null is equally likely."""
 
 
 class ScatterCommand(CommandMessage):
@@ -85,7 +85,7 @@ class ScatterCommand(CommandMessage):
 
 
 class PlaceCommand(CommandMessage):
-    """Put the simulated robot itself elsewhere; the filter is not told."""
+    """Put the simulated robot itself elsewhere, without telling the filter."""
 
     type: Literal["place"]
     x: Metres
@@ -94,7 +94,7 @@ class PlaceCommand(CommandMessage):
 
 
 class PauseCommand(CommandMessage):
-    """Stop updating the filter by measurements; odometry goes on moving the cloud."""
+    """Stop updating the filter by measurements; odometry still moves the cloud."""
 
     type: Literal["pause"]
 
@@ -106,19 +106,19 @@ class ResumeCommand(CommandMessage):
 
 
 class UpdateCommand(CommandMessage):
-    """One measurement update with the next frame, even paused or standing still."""
+    """Update once with the next frame, even if the filter is paused or the robot stands still."""
 
     type: Literal["update"]
 
 
 class ResetCommand(CommandMessage):
-    """The filter's parameters as configured at the start, and the cloud at the start pose."""
+    """Restore the filter's configured parameters, and put the cloud at the start pose."""
 
     type: Literal["reset"]
 
 
 class SetParametersCommand(CommandMessage):
-    """Change parameters of the filter; all or none, names as ``/api/parameters`` lists them."""
+    """Change parameters of the filter: all or none; ``/api/parameters`` lists their names."""
 
     type: Literal["set_parameters"]
     values: Annotated[dict[str, float | str | bool], Field(min_length=1, max_length=64)]
@@ -133,27 +133,27 @@ class ShowCommand(CommandMessage):
 
 
 class RecordCommand(CommandMessage):
-    """Begin a recording, or end the one that runs."""
+    """Start a recording, or end the running one."""
 
     type: Literal["record"]
     on: bool
 
 
 class ReplayCommand(CommandMessage):
-    """Change how a recording is replayed; what is left out stays."""
+    """Change how a recording is replayed; what is left out stays as it is."""
 
     type: Literal["replay"]
     paused: bool | None = None
     speed: Annotated[float, Field(ge=0.05, le=50)] | None = None
-    """Seconds of the recording a second."""
+    """Seconds of the recording per second."""
     position_s: Annotated[float, Field(ge=0)] | None = None
-    """Go to a time since the beginning of the recording."""
+    """Go to this time since the recording's beginning."""
     step: Annotated[int, Field(ge=-1000, le=1000)] | None = None
-    """Go so many pictures on, or back, and pause."""
+    """Go this many pictures forward (or back, if negative), and pause."""
 
 
 class PingCommand(CommandMessage):
-    """Do nothing; the answer's stamp lines up the clocks."""
+    """Do nothing; the answer's stamp serves to align the clocks."""
 
     type: Literal["ping"]
 
@@ -181,12 +181,12 @@ COMMAND: TypeAdapter[Command] = TypeAdapter(Command)
 
 
 class AckMessage(Message):
-    """The command was taken."""
+    """The command was accepted."""
 
     type: Literal["ack"] = "ack"
     id: int | str | None
     stamp: float | None
-    """The robot's clock when the answer was written, to line up the clocks [s]."""
+    """The robot's clock when the answer was written, to align the clocks [s]."""
 
 
 class ErrorMessage(Message):

@@ -1,4 +1,4 @@
-"""What all messages share."""
+"""Base class and common types of all messages."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
 
 
 class Message(BaseModel):
-    """What all messages share: frozen, finite, and no key that is not listed."""
+    """Base of all messages: frozen, with finite numbers, and without unknown keys."""
 
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True

@@ -1,4 +1,4 @@
-"""Commands out of JSON texts, and what is wrong with a text that is none."""
+"""Reads commands from JSON texts, and says what is wrong with an invalid text."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from pydantic import ValidationError
 from app.messages.commands import COMMAND, Command
 
 LONGEST = 2_000_000
-"""A longer text is no command [characters]; 20,000 poses with weights are shorter."""
+"""Longest command [characters]; 20,000 poses with weights are shorter."""
 
 
 class CommandError(ValueError):
-    """A command cannot be carried out; the message says why, and what could."""
+    """A command cannot be carried out; the message says why, and what is allowed."""
 
 
 def parse(text: str) -> Command:
-    """The command in a JSON text.
+    """Return the command in a JSON text.
 
     Raises:
-        CommandError: the text is no command; names what is wrong and what is valid.
+        CommandError: the text is not a command; the message says what is wrong and what is valid.
     """
     if len(text) > LONGEST:
         raise CommandError(f"a command has at most {LONGEST} characters; this has {len(text)}")
@@ -29,7 +29,7 @@ def parse(text: str) -> Command:
 
 
 def in_words(error: ValidationError) -> str:
-    """The first mistake, and where it is."""
+    """Return the first mistake and where it is, in words."""
     first = error.errors(include_url=False, include_input=False)[0]
     path = ".".join(str(part) for part in first["loc"])
     return f"{path}: {first['msg']}" if path else first["msg"]

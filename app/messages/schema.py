@@ -1,4 +1,4 @@
-"""The JSON schema of every message, for the frontend's types."""
+"""The JSON schema of every message, for the frontend's types and the page of documentation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from app.messages.telemetry import TelemetryMessage
 
 
 def schema() -> dict[str, Any]:
-    """The JSON schema of every message, for the frontend's types."""
+    """Return the JSON schema of every message."""
     adapters: list[Any] = [
         TelemetryMessage, Command, AckMessage, ErrorMessage, HealthMessage, FieldMessage,
         ParameterMessage, ProfileMessage, ProblemsMessage,

@@ -1,4 +1,4 @@
-"""What one tick shows."""
+"""Messages of telemetry: everything that one tick shows."""
 
 from __future__ import annotations
 
@@ -40,34 +40,35 @@ class HypothesisMessage(PoseMessage):
 
 
 class ParticlesMessage(Message):
-    """The cloud."""
+    """The cloud of particles, and the hypotheses."""
 
     count: int
     effective: float
     """Effective sample size, 1 to count."""
     hypotheses: list[HypothesisMessage]
-    """Where the robot may be, heaviest first; none while nothing can be said."""
+    """Where the robot may be, heaviest first; empty while nothing is known."""
     extent: list[float]
-    """xmin, ymin, xmax, ymax [m] that the bytes of ``cloud`` span."""
+    """xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span."""
     cloud: str
-    """base64 of 8 bytes a particle, little-endian: uint16 x, uint16 y over the extent (0 to 65535),
-    int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most 2,000."""
+    """base64 of 8 bytes per particle, little-endian: uint16 x, uint16 y over the extent (0 to
+    65535), int16 theta (pi is 32768), uint8 weight (255 is the heaviest), uint8 zero. At most 2,000
+    particles."""
 
 
 class ScanMessage(Message):
-    """The newest scan, and where it was found in the picture."""
+    """The newest scan, and where its edges are in the picture."""
 
     stamp: float
     """Exposure of the frame it comes from [s]."""
     bearings: list[float]
     ranges: list[float | None]
-    """[m]; no return is null."""
+    """[m]; null is no return."""
     robot_from_scan: PoseMessage
     """Where the rays start, in the robot frame."""
     robot: PoseMessage | None
     """The estimate at the scan's stamp, to draw the scan from."""
     entry_px: list[tuple[float, float] | None]
-    """Pixel (u, v) where the ray enters the tape, a ray each; null where none counted."""
+    """Pixel (u, v) where each ray enters the tape; null for a ray that did not count."""
     exit_px: list[tuple[float, float] | None]
     tape_width: float | None
     """Median width measured over the rays that counted [m]."""
@@ -83,7 +84,7 @@ class RobotMessage(Message):
 
 
 class LoopMessage(Message):
-    """How the engine keeps up."""
+    """Rates and delays of the engine."""
 
     step_hz: float
     step_ms: float
@@ -94,57 +95,58 @@ class LoopMessage(Message):
 
 
 class FilterMessage(Message):
-    """What the filter does."""
+    """State of the filter."""
 
     paused: bool
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
     broken: str | None
-    """What is wrong with a model in a file of the user's own, with file and line; the robot stands
-    still and the filter pauses until it is mended."""
+    """What is wrong with a user's own model, with file and line; the robot stands still and the
+    filter pauses until it is fixed."""
 
 
 class IntegrityMessage(Message):
-    """What is claimed of the estimate."""
+    """How far the estimate can be relied on."""
 
     state: State
-    """certain: one place within a narrow bound; approximate: one, within a wide bound; ambiguous:
-    several places look alike; searching: no place stands out; lost: one did that fits no more."""
+    """certain: one place, with a narrow bound; approximate: one place, with a wide bound or none;
+    ambiguous: several places look alike; searching: no place stands out; lost: the place that was
+    known does not fit any more."""
     radius: float | None
-    """The robot is within this distance of the estimate [m], in 99.9 % of pictures; null where
-    nothing is claimed."""
+    """The robot is within this distance of the estimate [m], in 99.9 % of pictures; null if nothing
+    is claimed."""
     heading_bound: float | None
-    """Its heading is within this angle of the estimate's [rad]; null where nothing is claimed."""
+    """Its heading is within this angle of the estimate's [rad]; null if nothing is claimed."""
     alerts: list[str]
-    """Reasons for doubt in plain words, the likeliest first; empty when there is none."""
+    """Reasons for doubt in plain words, the likeliest first; empty if there are none."""
 
 
 class RecordingMessage(Message):
-    """What is being recorded, or was until it ended by itself."""
+    """The running recording, or the last one."""
 
     file: str
-    """Its name; ``/api/recordings`` has it."""
+    """Name of the recording; ``/api/recordings`` lists it."""
     running: bool
     duration_s: float
     size_bytes: int
     message: str | None
-    """Why it ended by itself, or what is missing in it; null when all is well."""
+    """Why the recording ended by itself, or what is missing in it; null when all is well."""
 
 
 class ReplayMessage(Message):
-    """Where in a recording the program is."""
+    """State of a replay."""
 
     file: str
     position_s: float
-    """Since its beginning."""
+    """Time since the recording's beginning."""
     duration_s: float
     speed: float
-    """Seconds of the recording a second."""
+    """Seconds of the recording per second."""
     paused: bool
     catching_up: float | None
-    """How far it is on its way to a place that was asked for, 0 to 1; null when it is there."""
+    """Share of the way to the requested time, 0 to 1; null when the replay is there."""
     estimate_then: PoseMessage | None
-    """What was estimated when it was recorded."""
+    """The recorded estimate."""
 
 
 class TelemetryMessage(Message):
@@ -156,7 +158,7 @@ class TelemetryMessage(Message):
     map: str
     truth: PoseMessage | None
     odometry: PoseMessage | None
-    """Dead reckoning since the start (or the last place), in the map."""
+    """Dead reckoning since the start (or the last ``place`` command), in the map."""
     estimate: EstimateMessage | None
     integrity: IntegrityMessage
     twist: TwistMessage
@@ -172,6 +174,6 @@ class TelemetryMessage(Message):
     """Problems since the start; ``/api/problems`` lists them."""
     recording: RecordingMessage | None = None
     replay: ReplayMessage | None = None
-    """Null with a robot that is there now."""
+    """Null if this is not a replay."""
     hidden_layers: list[Layer] | None = None
-    """Layers of the 3D view that are switched off, for all viewers; null where there is none."""
+    """Layers of the 3D view that are switched off for all viewers; null if there is no 3D view."""

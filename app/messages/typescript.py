@@ -28,14 +28,14 @@ PRIMITIVES = {
 
 
 class SchemaError(ValueError):
-    """The schema holds something that has no TypeScript form here."""
+    """The schema has a form that this module cannot write as TypeScript."""
 
 
 def type_of(node: Mapping[str, Any]) -> str:
-    """The TypeScript type of one schema node, on one line.
+    """Return the TypeScript type of one schema node, on one line.
 
     Raises:
-        SchemaError: names the node and the forms that are known.
+        SchemaError: the form is unknown; the message names the node and the known forms.
     """
     if "$ref" in node:
         return str(node["$ref"]).rsplit("/", 1)[-1]
@@ -71,7 +71,7 @@ def _array(node: Mapping[str, Any]) -> str:
 
 
 def interface(name: str, node: Mapping[str, Any]) -> str:
-    """One message as an exported interface with its descriptions, or one list of words as a type.
+    """Return a message as an exported interface with descriptions, or a list of words as a type.
 
     Keys with a default may be absent, except the constant ``type`` that tells messages apart.
     """
@@ -100,7 +100,7 @@ def _comment(text: str | None, indent: str) -> list[str]:
 
 
 def render(definitions: Mapping[str, Mapping[str, Any]]) -> str:
-    """The whole file; ``Command`` is the union of all that is called a command."""
+    """Return the whole file; ``Command`` is the union of all messages named ``...Command``."""
     commands = [name for name in sorted(definitions) if name.endswith("Command")]
     union = "export type Command =\n" + "\n".join(f"  | {name}" for name in commands) + ";\n"
     interfaces = [interface(name, definitions[name]) for name in sorted(definitions)]
@@ -108,7 +108,7 @@ def render(definitions: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Write the file, or with ``--check`` only compare it; 1 when it is stale."""
+    """Write the file, or with ``--check`` only compare it; return 1 when it is stale."""
     parser = argparse.ArgumentParser(prog="python -m app.messages.typescript", description=__doc__)
     parser.add_argument("--check", action="store_true", help="fail when the file is stale")
     parser.add_argument("--target", type=Path, default=TARGET, help="default: %(default)s")

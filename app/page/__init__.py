@@ -1,1 +1,1 @@
-"""The page's other side: HTTP, sockets, who may talk, and what is said."""
+"""The server behind the page: HTTP, websockets, access control and messages."""

@@ -1,9 +1,10 @@
-"""Who may talk to the robot: pages of this server, by an address that is really this one.
+"""Access control: only pages of this server, under its own address, may talk to the robot.
 
-Pages of other places are let in by a setting only, each by its origin.
+A setting can let in pages of other origins.
 
-A page of another site could otherwise send commands from the user's own browser (its Origin tells),
-or point a name of its own at this machine and be of the same origin (its Host tells).
+Without this check, a page of another site could send commands from the user's own browser; its
+Origin header shows that. Or it could point its own host name at this machine and so be of the same
+origin; its Host header shows that.
 """
 
 from __future__ import annotations
@@ -22,18 +23,20 @@ class SameOriginOnly:
     """Refuses requests and sockets whose Host or Origin is not this server's."""
 
     def __init__(self, app: ASGIApp, names: frozenset[str], origins: tuple[str, ...] = ()) -> None:
-        """Args:
+        """Guard an application.
 
-        app: what is guarded.
-        names: of this server.
-        origins: of other places, as ``http://localhost:5500``; ``null`` is that of files.
+        Args:
+            app: the application to guard.
+            names: host names of this server.
+            origins: other origins to let in, such as ``http://localhost:5500``; files have the
+                origin ``null``.
         """
         self._app = app
         self._names = names
         self._origins = frozenset(origin.rstrip("/").lower() for origin in origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass on, or refuse."""
+        """Pass a request on, or refuse it."""
         if scope["type"] in ("http", "websocket"):
             complaint = self._complaint(Headers(scope=scope))
             if complaint is not None:
@@ -58,20 +61,20 @@ class SameOriginOnly:
     def _is_ours(self, host: str) -> bool:
         try:
             name = urlsplit(f"//{host}").hostname or ""
-        except ValueError:  # brackets that are no IPv6 address
+        except ValueError:  # brackets without an IPv6 address
             return False
-        # A page cannot choose which number stands in its address, only which name.
+        # Another site can point a host name at this machine, but it cannot choose an IP address.
         return name.lower() in self._names or _is_address(name)
 
 
 def own_names(host: str) -> frozenset[str]:
-    """The names of this machine, and the one that it was told to listen on."""
+    """Return the names of this machine, and the configured host."""
     machine = socket.gethostname().lower()
     return frozenset({"localhost", host.lower(), machine, f"{machine}.local"})
 
 
 def _place(origin: str) -> str:
-    """Host and port of an origin; empty if it is none."""
+    """Return host and port of an origin; empty if it is not valid."""
     try:
         return urlsplit(origin).netloc.lower()
     except ValueError:

@@ -1,4 +1,4 @@
-"""What people open."""
+"""The address of the page."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import socket
 
 
 def address_of(listening: socket.socket) -> str:
-    """The page's address, of a socket that listens."""
+    """Return the page's address on a listening socket."""
     host, port = listening.getsockname()[:2]
     if host in ("0.0.0.0", "::"):
-        host = socket.gethostname()  # nobody can open "all addresses"
+        host = socket.gethostname()  # a browser cannot open "all addresses"
     shown = f"[{host}]" if ":" in host else host
     return f"http://{shown}:{port}"

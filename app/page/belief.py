@@ -1,4 +1,4 @@
-"""What the filter believes, for the wire: estimate, what is claimed of it, hypotheses, cloud."""
+"""Messages of the filter's belief: estimate, integrity, hypotheses and cloud."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from robot.localization.filter import Cloud
 from robot.localization.integrity import Integrity
 
 MOST_PARTICLES = 2000
-"""More are not sent: a map view shows no difference."""
+"""Most particles that are sent: more make no difference in a map view."""
 
 
 def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
-    """The estimate, carried forward to the snapshot's stamp."""
+    """Return the estimate, carried forward to the snapshot's stamp."""
     if snapshot.pose is None or snapshot.estimate is None:
         return None
     pose = snapshot.pose
@@ -34,7 +34,7 @@ def estimate_message(snapshot: Snapshot) -> EstimateMessage | None:
 
 
 def integrity_message(claimed: Integrity) -> IntegrityMessage:
-    """What is claimed; a bound that holds of any pose claims nothing, and is null."""
+    """Return state, bounds and alerts; a bound that holds for any pose is null."""
     return IntegrityMessage(
         state=claimed.state,
         radius=claimed.radius if math.isfinite(claimed.radius) else None,
@@ -44,7 +44,7 @@ def integrity_message(claimed: Integrity) -> IntegrityMessage:
 
 
 def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
-    """Cloud and hypotheses; the latter carried forward to the snapshot's stamp."""
+    """Return the cloud, and the hypotheses carried forward to the snapshot's stamp."""
     estimate, cloud = snapshot.estimate, snapshot.cloud
     return ParticlesMessage(
         count=len(cloud.weights),
@@ -61,7 +61,7 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
 
 
 def filter_message(snapshot: Snapshot) -> FilterMessage:
-    """What the filter does."""
+    """Return the state of the filter."""
     return FilterMessage(
         paused=snapshot.paused,
         updates=snapshot.updates,
@@ -70,7 +70,7 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
 
 
 def packed(cloud: Cloud, extent: Extent) -> str:
-    """The cloud as ``ParticlesMessage.cloud`` says."""
+    """Pack the cloud as ``ParticlesMessage.cloud`` describes."""
     step = max(1, math.ceil(len(cloud.weights) / MOST_PARTICLES))
     poses, weights = cloud.poses[::step], cloud.weights[::step]
     xmin, ymin, xmax, ymax = extent
@@ -80,6 +80,6 @@ def packed(cloud: Cloud, extent: Extent) -> str:
     )
     cells["x"], cells["y"] = np.rint(np.clip(part, 0, 1) * 65535).T
     cells["t"] = np.rint(np.clip(poses[:, 2] * (32768 / math.pi), -32768, 32767))
-    # Nothing, or nothing but zeros, has no heaviest.
+    # An empty cloud, or one whose weights are all zero, has no heaviest particle.
     cells["w"] = np.rint(weights * (255 / max(weights.max(initial=0.0), 1e-300)))
     return base64.b64encode(cells.tobytes()).decode("ascii")

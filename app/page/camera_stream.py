@@ -1,4 +1,4 @@
-"""The camera's pictures for people: one JPEG, a stream of them, and a stream that tells stamps."""
+"""Camera pictures for people: one JPEG, a stream of JPEGs, and a stream of JPEGs with stamps."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from robot.interface import Frame
 QUALITY = 75
 BOUNDARY = "frame"
 LONGEST_WAIT_S = 0.2
-"""Between two looks at whether the program ends [s]."""
+"""Longest time between two checks whether the program ends [s]."""
 
 
 class CameraStream:
-    """Encodes each picture once, however many look at it."""
+    """Encodes each picture once for all viewers."""
 
     def __init__(self, latest: Latest[Snapshot], stopping: threading.Event) -> None:
         self._latest = latest
@@ -32,7 +32,7 @@ class CameraStream:
         self._lock = anyio.Lock()
 
     async def jpeg(self, frame: Frame) -> bytes:
-        """The picture as JPEG."""
+        """Return the picture as JPEG."""
         async with self._lock:
             if self._encoded is None or self._encoded[0] is not frame:
                 data = await anyio.to_thread.run_sync(_encode, frame)
@@ -40,7 +40,7 @@ class CameraStream:
             return self._encoded[1]
 
     async def picture(self) -> Response:
-        """One picture, or 503 before the first."""
+        """Return the newest picture, or status 503 before the first."""
         latest = self._latest.get()
         if latest is None or latest.frame is None:
             return Response("The camera has sent no picture yet.", status_code=503)
@@ -48,7 +48,7 @@ class CameraStream:
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
     def motion_jpeg(self) -> Response:
-        """Pictures as they come, the way browsers show in an ``<img>``."""
+        """Return a stream of pictures in the form that browsers show in an ``<img>``."""
         return StreamingResponse(
             self._parts(),
             media_type=f"multipart/x-mixed-replace; boundary={BOUNDARY}",
@@ -56,7 +56,7 @@ class CameraStream:
         )
 
     async def serve(self, socket: WebSocket) -> None:
-        """Messages of 8 bytes stamp (little-endian float64, seconds) and a JPEG; newest wins."""
+        """Send each newest picture: 8 bytes of stamp (little-endian float64 [s]) and a JPEG."""
         await socket.accept()
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._send, socket)
@@ -68,7 +68,7 @@ class CameraStream:
             async for frame in self._frames():
                 await socket.send_bytes(struct.pack("<d", frame.stamp) + await self.jpeg(frame))
         except (WebSocketDisconnect, RuntimeError):
-            # Gone between two pictures; starlette raises a RuntimeError after the close.
+            # The viewer left between two pictures; starlette raises a RuntimeError after the close.
             return
 
     async def _frames(self) -> AsyncIterator[Frame]:
@@ -76,7 +76,7 @@ class CameraStream:
             shown = None
             while not self._stopping.is_set():
                 frame = None
-                # Not for ever: a stream that waits would hold up the end of the program.
+                # The wait is limited: a waiting stream would delay the end of the program.
                 with anyio.move_on_after(LONGEST_WAIT_S):
                     frame = (await subscription.next()).frame
                 if frame is not None and frame is not shown:

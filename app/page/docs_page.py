@@ -1,4 +1,4 @@
-"""``/docs``: the interface as one plain page, made here, so that it is there without internet."""
+"""``/docs``: the interface as one plain page, made here, so that it works without internet."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STYLE = (
 
 
 def docs_page(openapi: dict[str, Any]) -> str:
-    """The page: addresses from the OpenAPI description, and every message with its fields."""
+    """Return the page: addresses from the OpenAPI description, and all messages with fields."""
     title = escape(str(openapi["info"]["title"]))
     parts = [
         f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{title}: interface</title>',
@@ -58,7 +58,7 @@ def _message(name: str, model: dict[str, Any]) -> str:
 
 
 def _kind(about: dict[str, Any]) -> str:
-    """A JSON schema in words."""
+    """Return a JSON schema in words."""
     if "$ref" in about:
         return str(about["$ref"]).rpartition("/")[2]
     if "const" in about or "enum" in about:

@@ -28,7 +28,7 @@ from app.recordings.replay.opening import ReplayProgram
 
 
 class Live:
-    """All viewers of one program."""
+    """Serves all viewers of one program."""
 
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self.program = program
@@ -37,8 +37,8 @@ class Live:
         self._written: tuple[Snapshot, str] | None = None
 
     def text(self, snapshot: Snapshot) -> str:
-        """The telemetry of a snapshot as JSON; written once, however many viewers there are."""
-        # Kept in one variable: other threads ask, too, perhaps for another snapshot.
+        """Return the telemetry of a snapshot as JSON; it is written once for all viewers."""
+        # Read the attribute only once: another thread may replace it by another snapshot's.
         written = self._written
         if written is None or written[0] is not snapshot:
             text = self._writer.message(snapshot).model_dump_json()
@@ -46,7 +46,7 @@ class Live:
         return written[1]
 
     async def serve(self, socket: WebSocket) -> None:
-        """Talk to one viewer until it leaves; then nothing that it drove goes on."""
+        """Serve one viewer until it leaves; then stop the robot if only this viewer drove it."""
         await socket.accept()
         viewer = _Viewer(self, socket)
         try:
@@ -66,18 +66,18 @@ class _Viewer:
         self._outgoing = WebsocketWriter(socket)
 
     async def send_telemetry(self) -> None:
-        """Send the newest snapshot whenever the last one has gone out."""
+        """Send the newest snapshot as soon as the last one is sent."""
         with self._engine.latest.subscribe() as subscription:
             while await self._outgoing.send(self._live.text(await subscription.next())):
                 pass
 
     async def take_commands(self) -> None:
-        """Answer each command, until the viewer is gone."""
+        """Answer each command until the viewer is gone."""
         while True:
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
-            # A binary message has no text; an empty one is refused as no JSON.
+            # A binary message has no text; an empty text is refused, as it is not JSON.
             if not await self._outgoing.send(self._answer(message.get("text") or "")):
                 return
 
@@ -91,17 +91,17 @@ class _Viewer:
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
     def _take(self, command: Command) -> None:
-        """Hand a command to whom it concerns.
+        """Pass a command to recorder, replay or engine.
 
         Raises:
-            ValueError: it cannot be carried out; says why.
+            ValueError: the command cannot be carried out; the message says why.
         """
         outlets = self._live.outlets
         if isinstance(command, RecordCommand):
             outlets.record(command.on)
         elif isinstance(command, ReplayCommand):
             program = self._live.program
-            assert isinstance(program, ReplayProgram)  # it was checked
+            assert isinstance(program, ReplayProgram)  # ``check`` made sure of it
             program.replay.asked.ask(
                 command.paused, command.speed, command.position_s, command.step
             )
@@ -110,17 +110,17 @@ class _Viewer:
             outlets.drivers.took(self, command)
 
     def _robot_time(self) -> float | None:
-        """The robot's clock now: the newest stamp and the time since it was published."""
+        """Return the robot's clock now: the newest stamp plus the time since its publication."""
         latest = self._engine.latest.get()
         return None if latest is None else latest.stamp + time.monotonic() - latest.published
 
 
 def _id_of(text: str) -> int | str | None:
-    """The id of a refused command, as far as it can be read."""
+    """Return the id of a refused command; None if it cannot be read."""
     try:
         content: Any = json.loads(text)
         result = content.get("id") if isinstance(content, dict) else None
-        # Half a surrogate pair is valid JSON, but no text that could be sent back.
+        # Half a surrogate pair is valid JSON, but it cannot be encoded and sent back.
         str(result).encode()
     except (ValueError, RecursionError):
         return None

@@ -1,4 +1,4 @@
-"""Everything besides the page that the robot is seen through: recordings, ROS 2, Foxglove."""
+"""Outputs of the program besides the page: recordings, ROS 2 and Foxglove."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from app.ros2.source import TopicSource
 
 
 class LiveRoute(Protocol):
-    """A way out that runs for as long as the program."""
+    """An output that runs as long as the program."""
 
     @property
     def failure(self) -> str | None:
-        """What is wrong with it now."""
+        """What is wrong with the output now; None if nothing is."""
         ...
 
     def start(self) -> None:
-        """Begin; raises what says why it cannot."""
+        """Start; an error says why this is not possible."""
         ...
 
     def close(self) -> None:
@@ -35,7 +35,7 @@ class LiveRoute(Protocol):
 
 
 class Outlets:
-    """What one program has of them; the settings say which run."""
+    """All outputs of one program; the settings say which of them run."""
 
     def __init__(self, program: Program) -> None:
         config = program.config
@@ -61,10 +61,10 @@ class Outlets:
             yield FoxgloveRoute(self.publisher, self.inbox, settings, host)
 
     def start(self) -> None:
-        """Begin with all that is asked for.
+        """Start all outputs that the settings ask for.
 
         Raises:
-            RuntimeError, OSError: one of them cannot be had here; says what to do.
+            RuntimeError, OSError: an output is not available; the message says what to do.
         """
         try:
             for route in self._routes:
@@ -76,10 +76,10 @@ class Outlets:
             raise
 
     def record(self, enabled: bool) -> None:
-        """Begin a recording, or end the one that runs.
+        """Start a recording, or end the running one.
 
         Raises:
-            RecordingError: one runs already, or there can be none.
+            RecordingError: a recording runs already, or none can be made.
         """
         if enabled:
             self.recorder.start()
@@ -93,7 +93,7 @@ class Outlets:
         return [words for words in (*given, self.publisher.failure) if words is not None]
 
     def close(self) -> None:
-        """End all, and wait until what is recorded is written; may be called twice."""
+        """End all outputs, and wait until the recording is written; may be called twice."""
         self.recorder.close()
         for route in self._routes:
             route.close()

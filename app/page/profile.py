@@ -1,4 +1,4 @@
-"""Why a ray counted, or did not: what the scanner saw along it."""
+"""What the scanner saw along a ray, and why the ray counted or not."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from robot.scanning.tape_edges import Verdict
 
 
 def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessage:
-    """What was seen along one ray of a picture.
+    """Return what the scanner saw along one ray of a picture.
 
     Raises:
         IndexError: there is no such ray.

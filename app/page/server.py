@@ -45,11 +45,11 @@ from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
 
 STALE_S = 2.0
-"""Without a tick for so long [s], the engine is said to hang."""
+"""After this time without a tick [s], the engine is reported as degraded."""
 
 
 def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
-    """The application around a program; the engine's thread runs while the application does."""
+    """Make the application of a program; the engine's thread runs as long as the application."""
     view = View(program.field, program.robot.spec, program.engine.latest)
     keeper = PoseKeeper(
         program.pose_file,
@@ -72,7 +72,7 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
             keeper.save()
             view.close()
 
-    # FastAPI's own page of documentation fetches its scripts from the internet.
+    # FastAPI's own documentation page fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     config = program.config
     names, origins = own_names(config.host), config.allowed_origins
@@ -90,7 +90,7 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
 def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
     def index() -> FileResponse:
-        # A page of another site must not hold ours in a frame and lead clicks and keys to it.
+        # A page of another site must not show ours in a frame and direct clicks and keys to it.
         framing = "frame-ancestors 'self'"
         headers = {"Cache-Control": "no-cache", "Content-Security-Policy": framing}
         return FileResponse(FRONTEND / "index.html", headers=headers)
@@ -103,7 +103,7 @@ def _add_page(app: FastAPI) -> None:
 
 
 class _Revalidated(StaticFiles):
-    """Files that a browser keeps but asks about, so that a new version shows at once."""
+    """Files that a browser caches but checks each time, so that a new version shows at once."""
 
     def file_response(
         self,
@@ -117,7 +117,7 @@ class _Revalidated(StaticFiles):
         part = scope["method"] != "GET" or "range" in Headers(scope=scope)
         if not isinstance(response, FileResponse) or part:
             return response
-        # Ours are small: to open, read and close one on another thread takes longer than to do it.
+        # Our files are small: reading one in another thread takes longer than reading it here.
         del response.headers["content-length"]
         return Response(Path(full_path).read_bytes(), status_code, response.headers)
 
@@ -135,7 +135,7 @@ def _add_state(
 
     @app.get("/api/health")
     def health(response: Response) -> HealthMessage:
-        """Whether the program does its job; 503 when it has failed."""
+        """Whether the program works; 503 when it has failed."""
         status, detail = _health(program, thread, followers, outlets)
         if status == "failed":
             response.status_code = 503
@@ -260,7 +260,7 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
 
 
 def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
-    # roslibpy's Ros(host, port) cannot be told a path.
+    # roslibpy's Ros(host, port) takes no path.
     @app.websocket("/")
     @app.websocket("/rosbridge")
     async def follow_topics(socket: WebSocket) -> None:

@@ -1,4 +1,4 @@
-"""Runs the web application on a socket, until told to stop."""
+"""Runs the web application on a socket until it is stopped."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ HAND_OVER_S = 0.001
 
 
 class PortError(OSError):
-    """The port cannot be listened on; the message says what to do."""
+    """The program cannot listen on the port; the message says what to do."""
 
 
 def listen(host: str, port: int) -> socket.socket:
-    """A socket that listens.
+    """Return a listening socket.
 
     Raises:
         PortError: the address is not of this machine, or the port is taken or not allowed.
@@ -34,12 +34,12 @@ def listen(host: str, port: int) -> socket.socket:
         result = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
         family, kind, protocol, _, address = result[0]
         with ExitStack() as unless_it_listens:
-            # Only where the protocol is said does asyncio send each part at once; else the second
+            # asyncio sends each part at once only if the protocol is given. Otherwise the second
             # part of an answer waits until the first is acknowledged: 40 ms.
             listening = socket.socket(family, kind, protocol)
             unless_it_listens.callback(listening.close)
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            # What waits in a large buffer is old by the time that a slow viewer gets it.
+            # Data in a large buffer is old when a slow viewer gets it.
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
             listening.bind(address)
             listening.listen(128)
@@ -62,7 +62,7 @@ class Server:
             create_app(program, self._thread, self._outlets),
             log_level="warning",
             ws="websockets-sansio",
-            # Compression costs ten times the rest on arrays of particles, and gains little.
+            # Compressing arrays of particles costs ten times the rest, and gains little.
             ws_per_message_deflate=False,
             ws_max_size=2 * 1024 * 1024,
             ws_ping_interval=5,
@@ -82,23 +82,23 @@ class Server:
             self._outlets.close()
 
     def stop(self) -> None:
-        """Ask the server to end; from any thread, and from a signal's handler.
+        """Ask the server to end, from any thread or from a signal handler.
 
-        So it takes no lock: a second signal would wait for ever for what the first one holds.
+        It takes no lock: a second signal would wait forever for a lock that the first one holds.
         """
         self._uvicorn.should_exit = True
 
 
 def serve(program: Program, listening: socket.socket) -> None:
-    """Serve until SIGINT or SIGTERM; the motors are stopped first, then the viewers are told."""
+    """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next."""
     try:
         server = Server(program)
-        # Until uvicorn listens to signals, and when it raises them again at its end.
+        # These handle signals before uvicorn does, and when it raises them again at its end.
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda number, frame: server.stop())
         server.run([listening])
     finally:
-        # The engine has done so, unless it never began.
+        # The engine has closed the robot already, unless it never started.
         program.robot.close()
 
 
@@ -108,7 +108,7 @@ class _StopsTheRobotFirst(uvicorn.Server):
         self._thread = thread
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        # Within a tenth of a second ``shutdown`` follows. A second signal asks for the same.
+        # ``shutdown`` follows within a tenth of a second. A second signal does the same.
         self.should_exit = True
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:

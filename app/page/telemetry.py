@@ -1,4 +1,4 @@
-"""From a snapshot to the messages that describe it."""
+"""Turns a snapshot into the messages that describe it."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ from robot.settings import Setting, describe
 
 
 class TelemetryWriter:
-    """Knows what does not change: the field, the robot and the scanner; and who records."""
+    """Writes telemetry; it knows field, robot and scanner, which do not change, and the outputs."""
 
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self._field = program.field
@@ -47,7 +47,7 @@ class TelemetryWriter:
         self._outlets = outlets
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
-        """The telemetry of one tick."""
+        """Return the telemetry of one tick."""
         return TelemetryMessage(
             stamp=snapshot.stamp,
             map=self._field.name,
@@ -127,12 +127,12 @@ def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
 
 
 def pose_message(pose: Pose2 | None) -> PoseMessage | None:
-    """A pose for the wire."""
+    """Return a pose as a message; None stays None."""
     return None if pose is None else PoseMessage(x=pose.x, y=pose.y, theta=pose.theta)
 
 
 def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Array) -> FieldMessage:
-    """What a view needs once; ``limits`` (2,) are the greatest v [m/s] and omega [rad/s]."""
+    """Return what a view needs once; ``limits`` (2,) are the greatest v [m/s], omega [rad/s]."""
     lines = scanner.table.lines(9).round(1).tolist()
     return FieldMessage(
         name=field.name,
@@ -154,13 +154,13 @@ def parameter_messages(
     own: OwnChoice,
     given: OwnChoice,
 ) -> list[ParameterMessage]:
-    """Every parameter of the filter, with its meaning; models of the user's own are choices, too.
+    """Return each parameter of the filter with its meaning; the user's models are choices, too.
 
     Args:
-        localization_parameters: the parameters that hold.
-        default: those of the start.
-        own: models of the user's own, in use and on offer.
-        given: those of the start.
+        localization_parameters: the present parameters.
+        default: the parameters at the start.
+        own: the user's own models, in use and on offer.
+        given: the user's own models at the start.
     """
     result = []
     models = {

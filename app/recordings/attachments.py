@@ -1,12 +1,12 @@
-"""What a replay needs besides the messages: settings, map, robot, models and versions.
+"""The attachments that a replay needs besides messages: settings, map, robot, models, versions.
 
-The names of the attachments are paths in a folder in which everything finds its neighbours:
+The names of the attachments are paths in one folder, so that references between the files work:
 
-    settings.toml             all settings, as they were when the recording began
-    map/square.svg            or a ROS map: the YAML file and its picture
-    robot/robot.urdf          and the lens file that it names
-    models/my_model.py        models of the user's own that were in use
-    versions.json             of the program and of what it computes with
+    settings.toml             all settings at the start of the recording
+    map/square.svg            the map; or a ROS map: the YAML file and its picture
+    robot/robot.urdf          the robot, and the lens file that it names
+    models/my_model.py        the user's own models that were in use
+    versions.json             versions of the program and its libraries
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ class Attachment:
     """A file within a recording."""
 
     name: str
-    """A path in the folder of all of them."""
+    """A path in the folder of all attachments."""
     data: bytes = field(repr=False)
 
     @property
     def media_type(self) -> str:
-        """By its ending."""
+        """The media type, by the suffix of the name."""
         return MEDIA_TYPES.get(Path(self.name).suffix.lower(), "application/octet-stream")
 
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a recording begins with."""
+    """The facts and files at the beginning of a recording."""
 
     facts: dict[str, str]
-    """What is worth knowing at a glance."""
+    """The most important facts, by name."""
     attachments: tuple[Attachment, ...] = ()

@@ -1,4 +1,4 @@
-"""Gathers what a recording begins with, from a program."""
+"""Collects the contents at the beginning of a recording from a program."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from robot.fields.map_files import read_map_yaml
 
 
 def contents_of(program: Program) -> Contents:
-    """What a recording of a program begins with.
+    """Return the facts and files at the beginning of a program's recording.
 
     Raises:
-        OSError, ValueError: a file is not there any more.
+        OSError, ValueError: a file is missing or unreadable by now.
     """
     latest = program.engine.latest.get()
     config = program.config
@@ -39,7 +39,7 @@ def contents_of(program: Program) -> Contents:
         "map": program.field.name,
         "map_file": map_files[0].name if map_files else "",
         "seed": str(config.seed),
-        # Else the filter knew something already, and a replay begins with what it said first.
+        # If false, the filter already had an estimate: a replay begins with the first recorded one.
         "from_start": "true" if latest is None else "false",
         "version": known["brickpose"],
         "code": known["code"],
@@ -55,7 +55,7 @@ def contents_of(program: Program) -> Contents:
 
 
 def _replayed(program: Program, folder: str) -> list[Attachment]:
-    """What a recording that is replayed brought with it; the map's file is the first."""
+    """Return attachments of the recording that is replayed, the map's file first."""
     if not isinstance(program.robot, RecordedRobot):
         return []
     reader = program.robot.reader
@@ -67,7 +67,7 @@ def _replayed(program: Program, folder: str) -> list[Attachment]:
 
 
 def _map_files(name: str) -> Iterator[Attachment]:
-    """The map's file first, then what it names."""
+    """Yield the map's file first, then the picture that it names."""
     path = Path(name)
     if path.name == name and not path.suffix:
         path = MAPS / f"{name}.svg"

@@ -1,4 +1,4 @@
-"""``/api/recording_contents``: what a recording that is made elsewhere begins with."""
+"""``/api/recording_contents``: facts and files for a recording that is made elsewhere."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class AttachmentMessage(Message):
 
     name: str
     data: str
-    """In base64."""
+    """The content in base64."""
 
 
 class ContentsMessage(Message):
@@ -26,10 +26,10 @@ class ContentsMessage(Message):
     attachments: list[AttachmentMessage]
 
     def contents(self) -> Contents:
-        """As a recording has them.
+        """Decode the message.
 
         Raises:
-            ValueError: a file is no base64.
+            ValueError: a file is not valid base64.
         """
         files = tuple(
             Attachment(attachment.name, base64.b64decode(attachment.data, validate=True))
@@ -39,7 +39,7 @@ class ContentsMessage(Message):
 
 
 def contents_router(contents: Callable[[], Contents]) -> APIRouter:
-    """Tells what is in a recording besides messages, so that one made elsewhere can be replayed."""
+    """Serve a recording's facts and files, so that a recording made elsewhere can be replayed."""
     router = APIRouter()
 
     @router.get("/api/recording_contents")

@@ -1,4 +1,4 @@
-"""A robot on another machine, or in another program, as its rosbridge shows it."""
+"""A robot on another machine or in another program, reached by its rosbridge."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from robot.settings import SettingError
 
 ANSWER_S = 10.0
 LARGEST = 64_000_000
-"""A message of a topic is smaller [bytes]."""
+"""Largest message [bytes]; those of topics are smaller."""
 
 QUEUE = 10_000
-"""Messages that may wait there while we are slow."""
+"""Most messages that may wait at the robot while this program is slow."""
 
 _NO_MESSAGE = (
     cbor2.CBORError, EOFError, RecursionError, ValueError, KeyError, TypeError, AttributeError,
 )  # fmt: skip
-"""What looking into anything for a message may end in."""
+"""Exceptions that decoding arbitrary data may raise."""
 
 
 class DistantRobotError(RuntimeError):
-    """It does not answer, or not as rosbridge does; the message says what would."""
+    """The robot does not answer as rosbridge does, or not at all; says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """One message, as it came."""
+    """One received message."""
 
     topic: str
     log_time_ns: int
@@ -51,11 +51,11 @@ class DistantRobot:
         """Connect.
 
         Args:
-            address: ``host``, ``host:port``, or a whole one of http or ws.
+            address: ``host``, ``host:port``, or a whole URL of http or ws.
 
         Raises:
-            SettingError: the address is none.
-            DistantRobotError: nobody answers there.
+            SettingError: the address is invalid.
+            DistantRobotError: no rosbridge answers there.
         """
         self.place = place_of(address)
         try:
@@ -69,10 +69,10 @@ class DistantRobot:
             ) from error
 
     def topics(self) -> dict[str, str]:
-        """The type of each topic by its name.
+        """Return the type of each topic by its name.
 
         Raises:
-            DistantRobotError: the answer is none.
+            DistantRobotError: there is no valid answer.
         """
         request = {"op": "call_service", "service": "/rosapi/topics", "id": "topics"}
         self._socket.send(json.dumps(request))
@@ -83,10 +83,12 @@ class DistantRobot:
             raise DistantRobotError(f"{self.place} does not tell its topics: {error}") from error
 
     def contents(self) -> Contents:
-        """What its recordings begin with; nothing if it is a robot of another kind.
+        """Return the facts and files for its recordings.
+
+        They are empty if the robot does not serve them: only BrickPose does.
 
         Raises:
-            DistantRobotError: the answer is none.
+            DistantRobotError: the answer is invalid.
         """
         try:
             with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
@@ -98,7 +100,7 @@ class DistantRobot:
             raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
 
     def follow(self, topic: str, type_name: str, period: float) -> None:
-        """Ask for all messages of a topic, at most one in so many seconds."""
+        """Ask for all messages of a topic, at most one per period [s]."""
         self._socket.send(
             json.dumps(
                 {
@@ -109,16 +111,16 @@ class DistantRobot:
                     "compression": "cbor-raw",
                     "queue_length": QUEUE,
                     "throttle_rate": round(1000 * period),
-                    "every": True,  # of ours; others do not know it
+                    "every": True,  # an addition of BrickPose, unknown to others
                 }
             )
         )
 
     def receive(self, timeout: float) -> Received | None:
-        """The next message; None if none comes within the time [s].
+        """Return the next message; None if none comes within the timeout [s].
 
         Raises:
-            DistantRobotError: the connection is lost, or what comes is no message.
+            DistantRobotError: the connection is lost, or the data are not a message.
         """
         try:
             data = self._socket.recv(timeout=timeout)
@@ -132,7 +134,7 @@ class DistantRobot:
             raise DistantRobotError(f"{self.place} sent what is no message: {error}") from error
 
     def close(self) -> None:
-        """Leave."""
+        """Close the connection."""
         self._socket.close()
 
     def _answer(self, request_id: str) -> dict[str, Any]:
@@ -163,10 +165,10 @@ def _received(data: str | bytes) -> Received | None:
 
 
 def place_of(address: str) -> str:
-    """Host and port of an address; the port is 8080 if none is told.
+    """Return host and port of an address; without a port, it is 8080.
 
     Raises:
-        SettingError: it is none.
+        SettingError: the address is invalid.
     """
     whole = address if "//" in address else f"//{address}"
     try:

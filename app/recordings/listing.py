@@ -14,10 +14,10 @@ from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
-"""Of a recording: nothing that could lead out of the folder."""
+"""Valid names of recordings: none of them can lead out of the folder."""
 
 LARGEST_METADATA = 1_000_000
-"""A larger file is none of ours [bytes]."""
+"""Largest ``metadata.yaml`` [bytes]; BrickPose writes no larger one."""
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
@@ -30,15 +30,15 @@ class Listed:
     file: Path
     size_bytes: int
     duration_s: float | None
-    """As far as ``metadata.yaml`` tells; None if it does not."""
+    """Duration in ``metadata.yaml``; None if it is unknown."""
     unfinished: bool
-    """Being made, or cut off."""
+    """Whether it is still being recorded, or was cut off."""
     changed: float
-    """When it was written last [s since 1970]."""
+    """When it was last written [s since 1970]."""
 
 
 def listed(parent: Path) -> list[Listed]:
-    """All recordings in a folder, newest first; none if there is no such folder."""
+    """Return all recordings in a folder, newest first; none if there is no such folder."""
     if not parent.is_dir():
         return []
     result = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
@@ -46,10 +46,10 @@ def listed(parent: Path) -> list[Listed]:
 
 
 def find(parent: Path, name: str) -> Listed:
-    """A recording by its name.
+    """Return a recording by its name.
 
     Raises:
-        RecordingError: there is none; lists some that are.
+        RecordingError: there is no such recording; lists some that exist.
     """
     result = _look(parent / name) if NAME.fullmatch(name) else None
     if result is None:
@@ -59,7 +59,7 @@ def find(parent: Path, name: str) -> Listed:
 
 
 def _look(folder: Path) -> Listed | None:
-    """The recording in a folder; a link is none, for it could lead anywhere."""
+    """Return the recording in a folder; None for a link, which could lead anywhere."""
     path = folder / f"{folder.name}_0.mcap"
     try:
         if folder.is_symlink() or path.is_symlink() or not path.is_file():
@@ -69,7 +69,7 @@ def _look(folder: Path) -> Listed | None:
             file.seek(max(0, status.st_size - len(MAGIC)))
             unfinished = status.st_size <= len(MAGIC) or file.read() != MAGIC
     except OSError:
-        return None  # deleted meanwhile, or another user's
+        return None  # it was deleted meanwhile, or belongs to another user
     duration = _duration(folder / METADATA_FILE)
     return Listed(folder.name, path, status.st_size, duration, unfinished, status.st_mtime)
 

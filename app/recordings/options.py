@@ -51,7 +51,7 @@ def _record(parsed: argparse.Namespace) -> int:
     seconds = given.get("seconds")
     if seconds is not None and not 0 < seconds < float("inf"):
         raise SettingError(f"--seconds is {seconds:g}; valid is more than 0")
-    # Imported here, so that a wrong argument is answered at once.
+    # Imported here, so that a wrong argument is reported at once.
     from app.recordings.remote import record  # noqa: PLC0415
 
     record(parsed.address, parsed.out, seconds, given.get("topics", ()))

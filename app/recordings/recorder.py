@@ -17,7 +17,7 @@ from app.settings.recording import RecordingSettings
 
 
 class Recorder:
-    """One recording at a time; any thread."""
+    """Makes one recording at a time; for any thread."""
 
     def __init__(
         self,
@@ -26,13 +26,14 @@ class Recorder:
         contents: Callable[[], Contents],
         today: Callable[[], datetime],
     ) -> None:
-        """Nothing is recorded before ``start``.
+        """Prepare to record; nothing is recorded before ``start``.
 
         Args:
             publisher: where messages come from.
             settings: where recordings go, and how much is in them.
-            contents: what each begins with; asked in the recording's own thread.
-            today: date and time on the wall; recordings are called by it.
+            contents: returns the facts and files for the beginning of each recording; called in
+                the recording's own thread.
+            today: returns the date and time of the wall clock, for the names of recordings.
         """
         self.settings = settings
         self._publisher = publisher
@@ -42,10 +43,10 @@ class Recorder:
         self._lock = threading.Lock()
 
     def start(self, parent: Path | None = None) -> Path:
-        """Begin a recording; its folder, which is made in ``parent`` or where the settings say.
+        """Start a recording; return its folder, in ``parent`` or where the settings say.
 
         Raises:
-            RecordingError: one runs already, or there can be no folder.
+            RecordingError: a recording already runs, or the folder cannot be made.
         """
         parent = parent or self.settings.path()
         with self._lock:
@@ -75,12 +76,12 @@ class Recorder:
 
     @property
     def folder(self) -> Path | None:
-        """Of the last recording."""
+        """Folder of the last recording; None before the first."""
         return self._run.folder if self._run else None
 
     @property
     def failure(self) -> str | None:
-        """Why the last recording ended by itself."""
+        """Why the last recording ended by itself; None if it did not."""
         return self._run.failure if self._run else None
 
     @property

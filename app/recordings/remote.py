@@ -1,4 +1,4 @@
-"""``brickpose record``: records a program that runs, into a file here."""
+"""``brickpose record``: records a running program into a file on this machine."""
 
 from __future__ import annotations
 
@@ -23,41 +23,42 @@ from app.settings.recording import RecordingSettings
 from robot.settings import SettingError
 
 LOOK_S = 0.2
-"""Between two looks at whether to end, while nothing comes [s]."""
+"""Interval of checking whether to end, while nothing comes [s]."""
 
 PROGRESS_S = 0.5
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What is recorded of a topic."""
+    """How a topic is recorded."""
 
     name: str
-    """In the recording: without the robot's namespace, if it is one of ours."""
+    """Its name in the recording; without the robot's namespace if it is a topic of BrickPose."""
     type: str
     quality: Quality
     period: float
-    """Between two messages, at least [s]."""
+    """Least time between two messages [s]."""
 
 
 Kinds = dict[str, Kind]
-"""By the topic's name there."""
+"""By the topic's name at the robot."""
 
 
 def record(
     address: str, out: Path, seconds: float | None = None, names: Sequence[str] = ()
 ) -> Path:
-    """Record until Ctrl-C, or for a time; returns the recording's folder.
+    """Record until Ctrl-C or for a time; return the recording's folder.
 
     Args:
-        address: of the program.
-        out: the recording becomes a folder in this one.
-        seconds: how long [s]; None is until Ctrl-C.
-        names: of topics; none is all.
+        address: the program's address.
+        out: the folder in which the recording's folder is made.
+        seconds: how long to record [s]; None means until Ctrl-C.
+        names: the topics' names; empty for all topics.
 
     Raises:
-        DistantRobotError: it does not answer, or was lost; what came before is kept.
-        SettingError: the address is none, or a topic is not there; lists those that are.
+        DistantRobotError: the robot does not answer, or the connection is lost; what was received
+            before is kept.
+        SettingError: the address is invalid, or a topic does not exist; lists those that do.
         OSError: the file cannot be written; what was written before remains.
     """
     with closing(DistantRobot(address)) as robot, _interrupts() as stop:
@@ -96,7 +97,7 @@ def _record(robot: DistantRobot, file: RecordingFile, kinds: Kinds, until: _Unti
 
 
 def _chosen(types: dict[str, str], names: Sequence[str]) -> Kinds:
-    """What is recorded: what was asked for, of the types that we know."""
+    """Return the topics to record: the requested ones (all by default) of known types."""
     wanted = [name if name.startswith("/") else f"/{name}" for name in names]
     for name in wanted:
         if name not in types:
@@ -121,7 +122,7 @@ def _kind(name: str, type_name: str) -> Kind:
 
 
 def stamp_ns(received: Received, type_name: str) -> int:
-    """When a message's content is of: its header's stamp, or when it was sent."""
+    """Return the time of a message's content: its header's stamp, or when it was sent."""
     fields = message_class(type_name).__annotations__
     first = next(iter(fields.values()), "")
     if str(first).endswith("std_msgs__msg__Header") and len(received.cdr) >= 12:
@@ -147,7 +148,10 @@ def _kept(file: RecordingFile) -> str:
 
 @contextmanager
 def _interrupts() -> Iterator[threading.Event]:
-    """Set by Ctrl-C and SIGTERM: a file must not be left in the middle of a message."""
+    """Yield an event that Ctrl-C and SIGTERM set.
+
+    They interrupt nothing: the file must not be left in the middle of a message.
+    """
     stop = threading.Event()
     numbers = (signal.SIGINT, signal.SIGTERM)
     before = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
@@ -168,7 +172,7 @@ class _Until:
 
 
 class _Progress:
-    """On a terminal: how much there is."""
+    """Shows on a terminal how much is recorded."""
 
     def __init__(self, file: RecordingFile) -> None:
         self._file = file

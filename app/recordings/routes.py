@@ -1,4 +1,4 @@
-"""``/api/recordings``: what was recorded, to look at and to take away."""
+"""``/api/recordings``: lists recordings and serves their files."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from app.recordings.listing import Listed, find, listed
 
 MEDIA_TYPE = "application/octet-stream"
 BLOCK = 1 << 20
-"""Read at once of a file that is still written [bytes]."""
+"""Block size for reading a file that is still being written [bytes]."""
 
 
 class RecordingEntry(Message):
     """One recording."""
 
     name: str
-    """``/api/recordings/NAME`` is the file."""
+    """``/api/recordings/NAME`` serves the file."""
     size_bytes: int
     duration_s: float | None
-    """As far as is known."""
+    """Null if it is unknown."""
     unfinished: bool
-    """Being made, or cut off by a full disk or the end of the program; it can be read."""
+    """Still being recorded, or cut off by a full disk or the end of the program; it can be read."""
 
 
 def recordings_router(folder: Callable[[], Path]) -> APIRouter:
-    """Lists and hands out the recordings of the folder that is asked for at each request."""
+    """List and serve the recordings of a folder; ``folder`` is called at each request."""
     router = APIRouter()
 
     @router.get("/api/recordings")
@@ -48,7 +48,7 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
 
     @router.get("/api/recordings/{name}", response_class=Response)
     def recording(name: str) -> Response:
-        """A recording as one MCAP file; of one that is being made, what there is of it."""
+        """A recording as one MCAP file; of an unfinished one, what is written so far."""
         try:
             result = find(folder(), name)
         except RecordingError as error:
@@ -61,7 +61,7 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
 
 
 def _so_far(result: Listed) -> Response:
-    """What was written until now: a length that is told must not change meanwhile."""
+    """Send what is written so far: the announced length must not change meanwhile."""
     headers = {
         "Content-Length": str(result.size_bytes),
         "Content-Disposition": f'attachment; filename="{result.name}.mcap"',

@@ -1,4 +1,4 @@
-"""One recording while it is made: a route for messages, and the thread that writes them."""
+"""One running recording: a route for messages, and the thread that writes them."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from app.ros2.topic import Topic
 from app.settings.recording import RecordingSettings
 
 MOST_WAITING = 2000
-"""Messages: about ten seconds of them, while the disk does not answer."""
+"""Most messages that wait while the disk does not answer: about ten seconds of them."""
 
 PERIOD_S = 0.15
-"""Between two looks at what waits: each message of its own would cost a change of threads."""
+"""Interval of writing [s]: writing each message on its own would cost a change of threads."""
 
 JOIN_S = 5.0
 
@@ -30,11 +30,11 @@ FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class RecordingRun(Route):
-    """From the button to the finished file; the thread ends with it."""
+    """A recording from its start to the finished file, with which its thread ends."""
 
     name = "recording"
     patience = PERIOD_S
-    """While nobody else listens, ticks may come several at a time."""
+    """Without other routes, several ticks may come at a time."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class RecordingRun(Route):
         """Begin to record into a new folder."""
         self.folder = folder
         self.failure: str | None = None
-        """Why it ended by itself."""
+        """Why it ended by itself; None if it did not."""
         self.duration = 0.0
         self.size = 0
         self._publisher = publisher
@@ -63,12 +63,12 @@ class RecordingRun(Route):
 
     @property
     def running(self) -> bool:
-        """Until the file is finished."""
+        """Whether the file is not finished yet."""
         return self._thread.is_alive()
 
     @property
     def missing(self) -> str | None:
-        """What is not in it, in words."""
+        """What is missing in the recording, in words; None if nothing is."""
         parts = [f"{name} is not recorded: {why}." for name, why in dict(self._unfit).items()]
         ticks = max(0, self._publisher.lost - self._ticks_lost_before)
         if self._lost or ticks:
@@ -79,18 +79,18 @@ class RecordingRun(Route):
         return " ".join(parts) or None
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """All topics, each at its rate."""
+        """Whether the topic is due at its rate; all topics that can be encoded are recorded."""
         return topic.name not in self._unfit and self._pace.due(topic, stamp)
 
     def take(self, published: Published) -> None:
-        """Leave a message for the thread; one that finds no room is lost, and counted."""
+        """Leave a message for the thread; if there is no room, it is lost and counted."""
         if len(self._waiting) < MOST_WAITING:
             self._waiting.append(published)
         else:
             self._lost += 1
 
     def stop(self) -> None:
-        """Ask it to finish; from any thread."""
+        """Ask the recording to finish; from any thread."""
         self._stop.set()
 
     def join(self) -> None:
@@ -133,7 +133,7 @@ class RecordingRun(Route):
 
     def _write_waiting(self, file: RecordingFile) -> None:
         if not self._waiting:
-            file.flush()  # the robot has stopped answering: what there is may be what matters
+            file.flush()  # the robot has stopped answering: the last messages may matter most
         while self._waiting:
             self._write(file, self._waiting.popleft())
         self.size, self.duration = file.size, file.duration

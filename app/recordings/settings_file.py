@@ -1,4 +1,4 @@
-"""All settings as the text of a configuration file."""
+"""Writes all settings as the text of a configuration file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def as_toml(group: Any) -> str:
-    """A tree of dataclasses of settings as TOML; ``load_config`` makes the same tree of it."""
+    """Write a tree of settings dataclasses as TOML; ``load_config`` reads the same tree from it."""
     return "\n".join(_lines(group, ())) + "\n"
 
 
@@ -32,6 +32,6 @@ def _value(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        # The escapes of JSON are those of TOML, but for the last control character.
+        # JSON escapes like TOML, except for the last control character (DEL).
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)

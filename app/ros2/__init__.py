@@ -1,1 +1,1 @@
-"""A standard ROS 2 robot without ROS: one list of topics, one of commands, several routes."""
+"""A standard ROS 2 robot without ROS: a list of topics, a list of commands, several routes."""

@@ -1,4 +1,4 @@
-"""From the robot's clock to ROS time."""
+"""Converts the robot's clock to ROS time."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ import time
 from app.engine.snapshot import Snapshot
 
 JUMPED_NS = 200_000_000
-"""Wall clock and robot apart by more mean that one of them was set."""
+"""If the offset between wall clock and robot clock changes by more, one of them was set."""
 
 OLD_S = 1.0
-"""Nobody has looked at the clocks for so long: one may have been set meanwhile."""
+"""After this time without a check of the clocks, one of them may have been set unnoticed."""
 
 
 class RosClock:
-    """Nanoseconds since 1970 at the robot's stamps.
+    """Converts the robot's stamps to nanoseconds since 1970.
 
-    The difference between the two clocks is taken once, so that what is stamped keeps its
-    distances. It is taken anew when they have come apart: a Pi without a battery learns the date
+    The offset between the two clocks is measured once, so that the intervals between stamps are
+    kept. It is measured again when the clocks have diverged: a Pi without a battery gets the date
     from the network minutes after its start, and a replay jumps.
     """
 
@@ -26,14 +26,14 @@ class RosClock:
         self._offset: int | None = None
         self._holders = 0
         self._followed = 0.0
-        """When that was, on the computer's monotonic clock [s]."""
+        """When the clocks were last checked, on the computer's monotonic clock [s]."""
         self._lock = threading.Lock()
 
     def follow(self, snapshot: Snapshot) -> None:
-        """Look whether the clocks still agree; called with each tick."""
+        """Check whether the clocks still agree; called at each tick."""
         looked = time.monotonic()
         age = looked - snapshot.published
-        current = time.time_ns() - round(age * 1e9)  # the wall clock when it was published
+        current = time.time_ns() - round(age * 1e9)  # wall clock when the snapshot was made
         offset = current - round(snapshot.stamp * 1e9)
         with self._lock:
             self._followed = looked
@@ -46,14 +46,14 @@ class RosClock:
         return round(stamp * 1e9) + (self._offset or 0)
 
     def age(self, time_ns: int) -> float:
-        """How long ago a ROS time was by the wall clock [s]."""
+        """Age of a ROS time by the wall clock [s]."""
         return (time.time_ns() - time_ns) / 1e9
 
     def hold(self) -> None:
-        """Keep the difference, whatever happens: what is recorded has one time.
+        """Keep the offset until ``let_go``, so that a recording has one time base.
 
-        One that nobody has looked at lately is taken once more, with the next tick: the clock may
-        have been set since the last recording.
+        If nobody held the offset and it was not checked for ``OLD_S``, the next tick measures it
+        again: the clock may have been set since the last recording.
         """
         with self._lock:
             if not self._holders and time.monotonic() - self._followed > OLD_S:
@@ -61,6 +61,6 @@ class RosClock:
             self._holders += 1
 
     def let_go(self) -> None:
-        """Follow the clocks again."""
+        """End one ``hold``; after the last one, the offset follows the clocks again."""
         with self._lock:
             self._holders -= 1

@@ -1,4 +1,4 @@
-"""Where the robot's links are on each other: what robot_state_publisher would tell."""
+"""Transforms between the robot's links, as robot_state_publisher would publish them."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ Quaternion = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Link:
-    """One link on its parent."""
+    """One link, with its pose relative to its parent."""
 
     parent: str
     child: str
     place: Vector
-    """[m] in the parent's frame."""
+    """Position in the parent's frame [m]."""
     turn: Quaternion = (0.0, 0.0, 0.0, 1.0)
-    """Of a wheel: at position zero."""
+    """Rotation relative to the parent; of a wheel, at joint position zero."""
     axis: Vector = (0.0, 0.0, 0.0)
-    """Unit vector that a wheel turns about, in its own frame."""
+    """Rotation axis of a wheel: a unit vector in the wheel's own frame."""
 
     def inverse(self) -> Link:
-        """The parent on the child."""
+        """Return the inverse: the parent, relative to the child."""
         x, y, z, w = self.turn
         moved = Rotation.from_quat(self.turn).inv().apply(self.place)
         back = (-float(moved[0]), -float(moved[1]), -float(moved[2]))
         return Link(self.child, self.parent, back, (-x, -y, -z, w))
 
     def turned(self, angle: float) -> Quaternion:
-        """The turn of a wheel at a position [rad]: the product of two quaternions."""
+        """Rotation of a wheel at a joint position [rad]: the product of two quaternions."""
         x, y, z, w = self.turn
         sine, cosine = math.sin(angle / 2), math.cos(angle / 2)
         a, b, c = (sine * axi for axi in self.axis)
@@ -60,14 +60,19 @@ class Links:
     wheels: tuple[Link, ...]
     """In the order of the joints."""
     camera: str
-    """The frame that the camera's pictures are in."""
+    """The frame of the camera's pictures."""
 
     @classmethod
     def of(cls, spec: RobotSpec, settings: Ros2Settings, scan_x: float) -> Links:
-        """From the robot's description; scans start so far in front of the robot's origin [m].
+        """Return the links of a robot description.
+
+        Args:
+            spec: the robot description.
+            settings: the names of the frames.
+            scan_x: how far in front of the robot's origin scans start [m].
 
         Raises:
-            SettingError: with these names, a frame would have two parents or be elsewhere.
+            SettingError: with these names, a frame would have two parents or a wrong position.
         """
         model = read_model(spec.urdf)
         joints = {joint.name: joint for joint in model.robot.joints}
@@ -78,7 +83,7 @@ class Links:
             _check_new(settings.scan_frame_id, {base, *model.link_map})
             fixed.append(Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0)))
         frame = root.find("ros2_control/sensor/param[@name='frame']")
-        assert frame is not None  # a robot without a camera has no RobotSpec
+        assert frame is not None  # every RobotSpec has a camera
         return cls(
             tuple(fixed),
             tuple(_link(joints[joint.name]) for joint in spec.joints),
@@ -87,7 +92,7 @@ class Links:
 
 
 def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link]:
-    """The fixed links with the robot's frame at the top, as each frame has one parent."""
+    """Put the robot's frame at the top of the fixed links, because a frame has one parent."""
     if base == root:
         return fixed
     if base not in names:
@@ -103,7 +108,7 @@ def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link
 
 
 def _upright(link: Link) -> Link:
-    """A link straight above its parent, as high."""
+    """The link moved straight above its parent, at the same height and without rotation."""
     return Link(link.parent, link.child, (0.0, 0.0, link.place[2]), axis=link.axis)
 
 
@@ -116,7 +121,7 @@ def _check_new(scan: str, names: set[str]) -> None:
 
 
 def _link(joint: Any) -> Link:
-    """Of a joint as yourdfpy has it."""
+    """Convert a joint from yourdfpy."""
     origin = np.eye(4) if joint.origin is None else joint.origin
     x, y, z = origin[:3, 3].astype(float).tolist()
     qx, qy, qz, qw = Rotation.from_matrix(origin[:3, :3]).as_quat().tolist()

@@ -1,7 +1,7 @@
-"""ROS 2's message types, as rosbags knows them from their definitions; no ROS is needed.
+"""ROS 2 message types, which rosbags reads from their definitions; no ROS is needed.
 
-A message is an instance of the class that ``message_class`` gives; numbers in arrays are numpy's.
-The types are read at the first use, which takes 0.2 s.
+A message is an instance of the class that ``message_class`` returns. Arrays of numbers are NumPy
+arrays. The types are read at the first use, which takes 0.2 s.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ MORE = {
     "nav2_msgs/msg/Particle": "geometry_msgs/Pose pose\nfloat64 weight\n",
     "nav2_msgs/msg/ParticleCloud": "std_msgs/Header header\nnav2_msgs/Particle[] particles\n",
 }
-"""Of nav2 (Jazzy), which rosbags does not have."""
+"""Message types of nav2 (Jazzy), which rosbags does not have."""
 
 MORE_SERVICES = {
     "std_srvs/srv/Empty": "---\n",
@@ -27,13 +27,13 @@ MORE_SERVICES = {
 
 
 class MessageError(ValueError):
-    """No message of its type; says what is wrong and what is valid."""
+    """A message, type or request is invalid; says what is wrong and what is valid."""
 
 
 @cache
 def typestore() -> Typestore:
-    """Every type that is known."""
-    # Read when the first message is made: most programs never make one.
+    """The store of all known types."""
+    # Imported when the first message is made: most programs never make one.
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore  # noqa: PLC0415
 
     store = get_typestore(Stores.ROS2_JAZZY)
@@ -41,7 +41,7 @@ def typestore() -> Typestore:
         store.register(get_types_from_msg(text, name))
     for name, text in MORE_SERVICES.items():
         for half, fields in zip(("Request", "Response"), text.split("---\n"), strict=True):
-            # Not by the name that rosbags would give: it takes everything for a message.
+            # Replace the name that rosbags gives: it names every type as a message.
             (described,) = get_types_from_msg(fields, name).values()
             store.register({f"{name}_{half}": described})
     return store
@@ -64,12 +64,12 @@ def message_class(type_name: str) -> type[Any]:
 
 
 def new(type_name: str, **fields: Any) -> Message:
-    """A message with all its fields."""
+    """Make a message from all its fields."""
     return message_class(type_name)(**fields)
 
 
 def to_cdr(message: Message, type_name: str) -> bytes:
-    """XCDR1, little endian, with the 4 bytes before it that tell so.
+    """Encode a message as XCDR1, little endian, with its encapsulation header of 4 bytes.
 
     Raises:
         MessageError: the type is unknown, or a field does not fit it.
@@ -77,32 +77,32 @@ def to_cdr(message: Message, type_name: str) -> bytes:
     message_class(type_name)
     try:
         return bytes(typestore().serialize_cdr(message, type_name))
-    except Exception as error:  # rosbags raises whatever its generated code meets
+    except Exception as error:  # rosbags' generated code may raise any exception
         raise MessageError(f"no {type_name}: {error}") from error
 
 
 def from_cdr(data: bytes | memoryview, type_name: str) -> Message:
-    """The message in such bytes.
+    """Decode a message from CDR with its encapsulation header.
 
     Raises:
-        MessageError: the type is unknown, or the bytes are none of it.
+        MessageError: the type is unknown, or the bytes are not a message of it.
     """
     message_class(type_name)
     try:
         return typestore().deserialize_cdr(data, type_name)
-    except Exception as error:  # damaged bytes make rosbags raise anything
+    except Exception as error:  # rosbags may raise any exception if bytes are damaged
         raise MessageError(f"{len(data)} bytes are no {type_name}: {error}") from error
 
 
 @cache
 def definition(type_name: str) -> str:
-    """The type's definition with those of all types in it, as MCAP's ``ros2msg`` wants it."""
+    """The definitions of a type and of all types in it, in MCAP's schema encoding ``ros2msg``."""
     message_class(type_name)
     return typestore().generate_msgdef(type_name, ros_version=2)[0]
 
 
 @cache
 def type_hash(type_name: str) -> str:
-    """The hash ``RIHS01_...`` by which ROS 2 (from Iron) tells whether types are the same."""
+    """The hash ``RIHS01_...`` by which ROS 2 (from Iron on) compares types."""
     message_class(type_name)
     return str(typestore().hash_rihs01(type_name))

@@ -1,4 +1,4 @@
-"""One message on its way to all who want it; made once."""
+"""One published message, made once for all routes that want it."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from app.ros2.topic import UNCHANGING, Topic
 
 
 class Published:
-    """A message as an object and as bytes, each made when it is first asked for; any thread."""
+    """A message as an object and as bytes; converted at the first use, from any thread."""
 
     def __init__(self, topic: Topic, stamp: float, source: TopicSource, snapshot: Snapshot) -> None:
         self.topic = topic
         self.stamp = stamp
-        """Of the content, on the robot's clock [s]."""
+        """Stamp of the content, on the robot's clock [s]."""
         self.log_time_ns = source.clock.ns(snapshot.stamp)
-        """The tick that published it, in ROS time."""
+        """Time of the tick that published it, in ROS time."""
         self.time_ns = self.log_time_ns if stamp == UNCHANGING else source.clock.ns(stamp)
-        """Of the content, in ROS time."""
+        """Time of the content, in ROS time; that of the tick if the content never changes."""
         self._made = topic.make(source, snapshot)
         self._lock = threading.RLock()
 
@@ -34,7 +34,7 @@ class Published:
 
     @cached_property
     def message(self) -> Message:
-        """As rosbags has it."""
+        """The message as an object of rosbags."""
         with self._lock:
             made = self._made
             return from_cdr(made, self.topic.type) if isinstance(made, bytes) else made

@@ -16,23 +16,23 @@ from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
 
 MOST_WAITING = 500
-"""Ticks: ten seconds and less, in which this thread got no time at all."""
+"""Most ticks that wait: at most ten seconds of them, if this thread gets no time at all."""
 
 LOOK_S = 0.2
-"""Between two looks at whether to end, while there are no ticks [s]."""
+"""Interval of checking whether to end, while there are no ticks [s]."""
 
 JOIN_S = 2.0
 SHOWN_S = 60.0
-"""A failure is shown so long: a client that is gone concerns nobody for ever [s]."""
+"""How long a failure is shown [s]: that of a client that has left soon becomes irrelevant."""
 
 
 class TopicPublisher:
-    """A thread of its own, so that no message is made in the engine's; it runs while routes are."""
+    """Makes messages in its own thread, not in the engine's. The thread runs while routes exist."""
 
     def __init__(self, source: TopicSource, every: Broadcast[Snapshot]) -> None:
         self.source = source
         self.lost = 0
-        """Ticks that came while too many waited already."""
+        """Ticks that were dropped because too many waited already."""
         self._failure: tuple[float, str] | None = None
         self._every = every
         self._routes: tuple[Route, ...] = ()
@@ -40,7 +40,7 @@ class TopicPublisher:
         self._thread: threading.Thread | None = None
 
     def add(self, route: Route) -> None:
-        """Let a route have what it wants, from the next tick on."""
+        """Add a route; it gets messages from the next tick on."""
         with self._lock:
             self._routes = (*self._routes, route)
             if self._thread is None:
@@ -48,19 +48,19 @@ class TopicPublisher:
                 self._thread.start()
 
     def remove(self, route: Route) -> None:
-        """Let it have nothing more; the thread ends after the last route."""
+        """Remove a route; the thread ends after the last one."""
         with self._lock:
             self._routes = tuple(item for item in self._routes if item is not route)
 
     @property
     def failure(self) -> str | None:
-        """Which route or topic failed lately, and why."""
+        """Which route or topic failed in the last ``SHOWN_S`` seconds, and why."""
         if self._failure is None or time.monotonic() - self._failure[0] > SHOWN_S:
             return None
         return self._failure[1]
 
     def close(self) -> None:
-        """Let all routes go, and wait for the thread."""
+        """Remove all routes, and wait for the thread to end."""
         with self._lock:
             self._routes = ()
             thread = self._thread
@@ -80,18 +80,21 @@ class TopicPublisher:
                         self.publish(topic, snapshot)
                     self._flush()
                     snapshot = feed.get(0.0)
-                # Ticks that are taken several at a time cost two thirds of those taken one by one.
+                # Taking several ticks at a time costs two thirds of taking them one by one.
                 time.sleep(min((route.patience for route in self._routes), default=0.0))
 
     def _goes_on(self) -> bool:
-        """Whether there are routes. It decides itself: two threads must never ask one route."""
+        """Whether there are routes; if there are none, clear ``_thread``.
+
+        Both happen under one lock: two threads must never ask the same route.
+        """
         with self._lock:
             if not self._routes:
                 self._thread = None
             return bool(self._routes)
 
     def publish(self, topic: Topic, snapshot: Snapshot) -> None:
-        """Hand a topic's message of a tick to all routes that want it now."""
+        """Make a topic's message of a tick, and hand it to all routes that want it now."""
         try:
             stamp = topic.stamp(snapshot)
             takers = (
@@ -107,7 +110,7 @@ class TopicPublisher:
             try:
                 route.take(published)
             except MessageError as error:
-                self._complain(topic.name, error)  # one topic, not the route
+                self._complain(topic.name, error)  # only the topic fails, not the route
             except Exception as error:
                 self._end(route, error)
 

@@ -1,4 +1,4 @@
-"""Where messages go: DDS, rosbridge, Foxglove, a recording."""
+"""Destinations of messages: DDS, rosbridge, Foxglove, a recording."""
 
 from __future__ import annotations
 
@@ -9,39 +9,42 @@ from app.ros2.published import Published
 from app.ros2.topic import Topic
 
 SLACK = 0.001
-"""Ticks come a little early or late; what is nearly due is due [s]."""
+"""Tolerance for content that is nearly due, as ticks come a little early or late [s]."""
 
 
 class Route(ABC):
-    """One way out. An exception ends this route alone, and is shown."""
+    """One destination of messages. An exception ends only this route, and is shown."""
 
     name: str
-    """In messages to people."""
+    """The route's name in messages to people."""
     patience: float = 0.0
-    """How long messages may wait for a route [s]. While all have some, ticks are taken several at a
-    time, which costs less."""
+    """How long messages may wait for this route [s]. While all routes have patience, several ticks
+    are taken at a time, which costs less."""
 
     @abstractmethod
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """Whether it takes a message of that content; asked at each tick, and yes is a promise.
+        """Whether the route takes a message of this content; asked at each tick.
+
+        After True, the route has to take the message.
 
         Args:
-            topic: one of the list.
-            stamp: of the content, on the robot's clock [s].
+            topic: one of ``TOPICS``.
+            stamp: stamp of the content, on the robot's clock [s].
         """
 
     @abstractmethod
     def take(self, published: Published) -> None:
-        """Have a message, in the topics' thread; must not wait for anything."""
+        """Take a message, in the topics' thread; must not wait for anything."""
 
     def flush(self) -> None:  # noqa: B027 most have nothing to do
-        """Pass on what was taken: there is nothing more in this tick. Must not wait either."""
+        """Pass the taken messages on; called at the end of a tick. Must not wait either."""
 
 
 class Pace:
-    """Each topic's new content, and not too often.
+    """Selects the new content of each topic, at a limited rate.
 
-    A new pace has had nothing yet, so what never changes is due at once: who comes late is told.
+    A new pace has no history, so content that never changes is due at once. That way, late
+    subscribers get it.
     """
 
     def __init__(self, period: Callable[[Topic], float]) -> None:
@@ -50,9 +53,9 @@ class Pace:
         self._due: dict[Topic, float] = {}
 
     def due(self, topic: Topic, stamp: float) -> bool:
-        """Whether this content is new and its time has come; if so, it is counted as taken.
+        """Return whether this content is new and due; if so, count it as taken.
 
-        A stamp that jumps back (a replay, a robot that began anew) starts afresh.
+        If the stamp jumps back (a replay, a restarted robot), the content is due.
         """
         last = self._last.get(topic)
         if stamp == last:
@@ -62,7 +65,8 @@ class Pace:
         if last is not None and last < stamp < due - SLACK:
             return False
         self._last[topic] = stamp
-        # Kept in step with the clock, so that a rate that ticks do not divide is met on average.
+        # Count from the last due time, not from the stamp, so that the mean rate is right even if
+        # the period is no multiple of the tick.
         late = last is None or stamp < last or stamp - due > period
         self._due[topic] = (stamp if late else due) + period
         return True

@@ -1,4 +1,4 @@
-"""What the makers of messages need besides a snapshot: all that does not change."""
+"""The constant data that messages are made from, besides the snapshot."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from robot.scanning.line_scanner import LineScanner
 
 @dataclass(frozen=True)
 class TopicSource:
-    """One robot on one field, seen with some settings."""
+    """One robot on one field, with the settings of its topics."""
 
     robot_name: str
     spec: RobotSpec
@@ -28,12 +28,12 @@ class TopicSource:
     drive: DifferentialDrive
     settings: Ros2Settings
     timeout: float
-    """A drive command holds for so long [s]."""
+    """How long a drive command holds [s]."""
     clock: RosClock
 
     @classmethod
     def of(cls, program: Program) -> TopicSource:
-        """Of a program."""
+        """Return the source for a program."""
         spec, config = program.robot.spec, program.config
         return cls(
             program.robot.name,
@@ -48,10 +48,10 @@ class TopicSource:
 
     @cached_property
     def links(self) -> Links:
-        """Where the robot's links are."""
+        """The robot's links."""
         return Links.of(self.spec, self.settings, self.scanner.settings.centre_x)
 
     @cached_property
     def range_min(self) -> float:
-        """The nearest place that a ray can see [m]."""
+        """The shortest distance at which any ray can see [m]."""
         return float(np.nanmin(self.scanner.table.limits[:, 0]))

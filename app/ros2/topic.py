@@ -11,7 +11,7 @@ from app.ros2.message_types import Message
 from app.ros2.source import TopicSource
 
 UNCHANGING = -math.inf
-"""The stamp of what never changes."""
+"""The stamp of content that never changes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +19,9 @@ class Quality:
     """Quality of service, as a publisher offers it (REP-2003; nav2)."""
 
     reliable: bool = True
-    """A subscriber may still ask for best effort; the other way round they would not match."""
+    """It also matches subscribers that ask for best effort; the other way round does not match."""
     latched: bool = False
-    """Who comes later gets the last message: transient local."""
+    """Late subscribers get the last message (transient local)."""
     depth: int = 10
 
 
@@ -30,19 +30,19 @@ LATCHED = Quality(latched=True, depth=1)
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """One line of the list of topics."""
+    """One entry of the list of topics."""
 
     name: str
-    """Without slash, as ``camera/camera_info``."""
+    """Without a leading slash, as ``camera/camera_info``."""
     type: str
     """As ``sensor_msgs/msg/LaserScan``."""
     stamp: Callable[[Snapshot], float | None]
-    """When its content is of, on the robot's clock [s]; None while there is nothing to tell. The
-    same stamp is the same content."""
+    """Stamp of the content, on the robot's clock [s]; None while there is no content. The same
+    stamp means the same content."""
     make: Callable[[TopicSource, Snapshot], Message | bytes]
-    """The message, or its CDR where that is quicker to make."""
+    """Makes the message, or its CDR where that is faster."""
     rate: str | None = None
-    """The setting that limits how often live routes get it; None is as it comes."""
+    """The setting that limits its rate on live routes; None for no limit."""
     quality: Quality = Quality()
     live: bool = True
-    """False: only recorded, because elsewhere others publish it."""
+    """False: only recorded, because on live routes others publish it."""

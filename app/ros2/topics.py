@@ -1,4 +1,4 @@
-"""The one list of topics; names, types and frames as nav2, diff_drive_controller and RViz want."""
+"""The list of all topics; names, types and frames follow nav2, diff_drive_controller and RViz."""
 
 from __future__ import annotations
 
@@ -110,10 +110,10 @@ TOPICS: tuple[Topic, ...] = (
 
 
 def topic(name: str) -> Topic:
-    """A topic by its name.
+    """Return a topic by its name.
 
     Raises:
-        KeyError: there is none; lists those that are.
+        KeyError: there is no such topic; lists the valid names.
     """
     for each in TOPICS:
         if each.name == name:

@@ -1,1 +1,1 @@
-"""Everything that can be set, conditions by name, and what made a result."""
+"""Settings, named conditions, and the provenance of a result."""

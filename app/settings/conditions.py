@@ -1,7 +1,7 @@
-"""Conditions by name: what is worse than usual with a simulated robot, its camera or its floor.
+"""Named conditions: what is worse than usual in a simulated robot, its camera or its floor.
 
-Each is a table of settings by their path (docs/configuration.md). A condition only makes worse:
-where the configuration is worse already, it stays.
+Each condition is a table of settings by their path (docs/configuration.md). A condition only makes
+a setting worse: if the configuration's value is already worse, that value stays.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Preset = Mapping[str, Any]
 
 
 def _late(seconds: float) -> Preset:
-    # Handed over later, too: a picture is not stamped with a time that has not come.
+    # The picture is also delivered later: its stamp must not lie in the future.
     return {"sim.camera.stamp_error": seconds, "sim.camera.delay": 0.005 + seconds}
 
 
@@ -70,32 +70,32 @@ CONDITIONS: Mapping[str, Preset] = MappingProxyType(
         },
     }
 )
-"""What each sets. ``as-real`` stands where a robot would that nobody has calibrated; ``hand-built``
-where one would that was put together by hand at the first try."""
+"""The settings of each condition. ``as-real`` is a robot that nobody has calibrated; ``hand-built``
+is a robot assembled by hand at the first try."""
 
 LESS_IS_WORSE = ("sim.camera.light", "sim.camera.frame_rate")
 
 
 def condition_names() -> str:
-    """All of them, as messages and help list them."""
+    """Return all condition names, as messages and help list them."""
     return ", ".join(CONDITIONS)
 
 
 def require_condition(name: str) -> None:
-    """Refuse a name that is none.
+    """Refuse an unknown condition name.
 
     Raises:
-        SettingError: lists those that are valid.
+        SettingError: the name is unknown; lists the valid names.
     """
     if name not in CONDITIONS:
         raise SettingError(f"no condition {name!r}; valid are {condition_names()}")
 
 
 def require_effect(robot: str, name: str) -> None:
-    """Refuse a condition of wheels or mounting for a robot that is always as drawn.
+    """Refuse a condition of wheels or camera mounting for the kinematic robot, which is perfect.
 
     Raises:
-        SettingError: lists those that are valid.
+        SettingError: the condition has no effect on the robot; lists the valid names.
     """
     valid = [
         each
@@ -110,11 +110,11 @@ def require_effect(robot: str, name: str) -> None:
 
 
 def in_condition(config: Config, name: str) -> Config:
-    """A configuration under a condition.
+    """Return a configuration with a condition applied.
 
     Raises:
-        SettingError: there is no such condition, or the robot does not have it; lists those that
-            are valid.
+        SettingError: the condition is unknown or has no effect on the robot; lists the valid
+            names.
     """
     require_condition(name)
     require_effect(config.robot, name)

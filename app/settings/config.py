@@ -1,6 +1,6 @@
 """The program's configuration: one tree of frozen values, filled from TOML and the command line.
 
-Nobody imports a settings object: what is needed is passed as an argument.
+No module imports a settings object: settings are passed as arguments.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ FRONTEND = ROOT / "frontend"
 ROBOTS = ("sim", "kinematic", "buildhat")
 
 UNKNOWN = "unexpected_keyword_argument"
-"""How pydantic calls a name that is no field."""
+"""Pydantic's error type for a name that is not a field."""
 
 T = TypeVar("T", bound="DataclassInstance")
 
@@ -80,10 +80,10 @@ class Config:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file.
+    """Return the tables of a TOML file.
 
     Raises:
-        SettingError: it cannot be read or is no TOML.
+        SettingError: the file cannot be read or is not TOML.
     """
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
@@ -94,7 +94,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:
-    """The settings in a table and the tables in it, as ``with_settings`` names them."""
+    """Return the settings in a table and its subtables, by their path as in ``with_settings``."""
     result: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, dict):
@@ -108,8 +108,8 @@ def load_config(path: Path) -> Config:
     """Read a TOML file.
 
     Raises:
-        SettingError: the file is missing or no TOML, or a key is misspelt or out of range; the
-            message has the key's path and what is valid.
+        SettingError: the file is missing or is not TOML, or a key is misspelt or out of range; the
+            message names the key's path and what is valid.
     """
     content = read_toml(path)
     try:
@@ -119,13 +119,13 @@ def load_config(path: Path) -> Config:
 
 
 def from_table(group: type[T], table: Mapping[str, Any]) -> T:
-    """A dataclass from a table of a TOML file, and its tables likewise.
+    """Build a dataclass, and the dataclasses nested in it, from a table of a TOML file.
 
     Raises:
         SettingError: a key is unknown, of the wrong type or out of range.
     """
-    # As JSON, whose strict types are TOML's: tables, lists, an int for a float. What it does not
-    # have (a date) no setting is, so that it is refused as null is.
+    # Validate as JSON: its strict types are TOML's (tables, lists, an int for a float). JSON has no
+    # dates, and no setting is a date: a date becomes null, which is refused.
     text = json.dumps(table, default=lambda _: None)
     try:
         result: T = _adapter(group).validate_json(text, strict=True, extra="forbid")
@@ -135,7 +135,7 @@ def from_table(group: type[T], table: Mapping[str, Any]) -> T:
 
 
 def with_settings(group: T, settings: Mapping[str, Any]) -> T:
-    """A dataclass with some settings replaced, named by their path as ``table.table.name``.
+    """Return a dataclass with some settings replaced; their paths are as ``table.table.name``.
 
     Raises:
         SettingError: a setting is unknown, of the wrong type or out of range.
@@ -144,10 +144,10 @@ def with_settings(group: T, settings: Mapping[str, Any]) -> T:
 
 
 def as_table(settings: Mapping[str, Any], table: dict[str, Any]) -> dict[str, Any]:
-    """A table with settings by their path put into it; what ``by_path`` takes apart.
+    """Put settings, given by their path, into a table and return it; the inverse of ``by_path``.
 
     Raises:
-        SettingError: a path leads through a setting.
+        SettingError: a path uses a setting as a table.
     """
     for path, value in settings.items():
         *tables, name = path.split(".")
@@ -167,7 +167,7 @@ def _adapter(group: type[Any]) -> TypeAdapter[Any]:
 
 
 def _refuse(group: type[Any], table: Mapping[str, Any], error: ValidationError) -> NoReturn:
-    """Say in our words what is wrong first: a misspelt name before all else."""
+    """Raise a SettingError for the first error, in our words; unknown names come before others."""
     fault = min(error.errors(include_url=False), key=lambda fault: fault["type"] != UNKNOWN)
     kind, place, path = fault["type"], fault["loc"], _path(fault["loc"])
     if kind == UNKNOWN and group is Config and path in NEW_NAMES:
@@ -185,7 +185,7 @@ def _refuse(group: type[Any], table: Mapping[str, Any], error: ValidationError) 
 
 
 def _path(place: tuple[int | str, ...]) -> str:
-    """As in ``table.table.name`` or ``name[0]``; what is in a table is named "" there."""
+    """Format a location as ``table.table.name`` or ``name[0]``; a last part "" gives ``table.``."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in place)[1:]
 
 
@@ -200,7 +200,7 @@ def _type_at(group: Any, place: tuple[int | str, ...]) -> Any:
 
 
 def _valid(wanted: Any, path: str) -> str:
-    """A type, as messages name it."""
+    """Return the name of a type, as messages use it."""
     if dataclasses.is_dataclass(wanted):
         return f"a table, as in [{path}]"
     return "a list" if get_args(wanted) else f"a {wanted.__name__}"

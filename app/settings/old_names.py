@@ -1,4 +1,6 @@
-"""Names that settings had before: refused with the new one, and read in recordings."""
+"""Old names of settings: refused in a configuration (the error gives the new name), but accepted
+in a recording.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +19,11 @@ NEW_NAMES: Mapping[str, str] = MappingProxyType(
         **{f"camera.{name}": f"sim.camera.{name}" for name in describe(CameraSettings)},
     }
 )
-"""Settings and tables by their path of before."""
+"""New paths of settings and tables, by their old paths."""
 
 
 def new_name(path: str) -> str:
-    """A setting's path of today, by that of before; most are the same."""
+    """Return the present path of a setting, given its old path; most are the same."""
     if path in NEW_NAMES:
         return NEW_NAMES[path]
     table, dot, name = path.partition(".")

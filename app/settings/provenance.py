@@ -1,4 +1,4 @@
-"""What made a result: code, libraries and settings."""
+"""Provenance of a result: code, libraries and settings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SOURCES = ("robot", "sim", "app")
 
 @functools.cache
 def code_version() -> str:
-    """A short digest of all that decides what a run does: sources, descriptions, maps' drawings."""
+    """Return a short digest of the files that decide a run: sources, descriptions and maps."""
     digest = hashlib.sha256()
     for folder in (*SOURCES, "maps"):
         for path in sorted((ROOT / folder).rglob("*")):
@@ -28,7 +28,7 @@ def code_version() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Of the program and of what it computes with."""
+    """Return the versions of Python, the program, its libraries for computation, and its code."""
     result = {"python": platform.python_version(), "brickpose": metadata.version("brickpose")}
     for name in LIBRARIES:
         try:
@@ -39,7 +39,7 @@ def versions() -> dict[str, str]:
 
 
 def settings_of(group: Any, path: str = "") -> dict[str, Any]:
-    """All settings of a tree of dataclasses, by their path as in a TOML file."""
+    """Return all settings of a tree of dataclasses, by their path as in a TOML file."""
     result: dict[str, Any] = {}
     for field in dataclasses.fields(group):
         value = getattr(group, field.name)
@@ -51,7 +51,7 @@ def settings_of(group: Any, path: str = "") -> dict[str, Any]:
 
 
 def changed_settings(config: Config) -> dict[str, Any]:
-    """Those that are not as they are by default, but for which robot, where it is served and so."""
+    """Return the settings that differ from their defaults, except robot, host, port and seed."""
     default = settings_of(Config())
     elsewhere = ("robot", "host", "port", "seed")
     return {

@@ -9,7 +9,7 @@ from pathlib import Path
 from robot.settings import check_settings, setting
 
 EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
-"""What the robot answered and what it was told: a replay needs all of it."""
+"""Topics that are recorded at every tick: the robot's answers and commands. A replay needs all."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,11 @@ class RecordingSettings:
         check_settings(self)
 
     def period(self, topic: str, rate: str | None) -> float:
-        """Seconds between two messages of a topic; 0 is as they come.
+        """Return the least time between two messages of a topic [s]; 0: record every message.
 
         Args:
             topic: its name, without slash and namespace.
-            rate: the setting that limits it; None does not.
+            rate: the name of the setting that limits its rate; None: no limit.
         """
         if rate is None or topic in EVERY_TICK:
             return 0.0
@@ -44,7 +44,7 @@ class RecordingSettings:
         return 1.0 / frequency if frequency else 0.0
 
     def path(self) -> Path:
-        """Where recordings are made."""
+        """Return the folder for new recordings."""
         if self.folder:
             return Path(self.folder).absolute()
         data = os.environ.get("XDG_DATA_HOME", "")

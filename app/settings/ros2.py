@@ -1,4 +1,4 @@
-"""How the robot is seen from ROS 2."""
+"""Settings of the robot's topics in ROS 2."""
 
 from __future__ import annotations
 
@@ -52,10 +52,14 @@ class Ros2Settings:
         check_settings(self)
 
     def full_name(self, topic: str) -> str:
-        """A topic's name with slash and namespace, as ``/robot1/scan``."""
+        """Return a topic's name with slash and namespace, as ``/robot1/scan``."""
         parts = [part for part in (*self.namespace.split("/"), topic) if part]
         return "/" + "/".join(parts)
 
     def period(self, rate: str | None) -> float:
-        """Seconds between two messages of a rate by its setting's name; 0 is as they come."""
+        """Return the least time between two messages [s]; 0: no limit.
+
+        Args:
+            rate: the name of the setting that limits the rate; None: no limit.
+        """
         return 0.0 if rate is None else 1.0 / getattr(self, rate)

@@ -34,11 +34,11 @@ class InitialPose:
 
     @property
     def pose(self) -> Pose2:
-        """In the map."""
+        """Start pose in the map."""
         return Pose2(self.x, self.y, self.theta)
 
     def matrix(self) -> Array:
-        """Covariance (3, 3) [m, m, rad]."""
+        """Return the covariance (3, 3) of x, y and theta [m², m rad, rad²]."""
         if self.covariance:
             return covariance_from(self.covariance)
         return np.diag(np.square([self.sd_xy, self.sd_xy, self.sd_theta]))

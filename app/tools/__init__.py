@@ -1,1 +1,1 @@
-"""Programs beside the dashboard: doctor, emulated Build HAT, replays from the command line."""
+"""Programs besides the dashboard: doctor, emulated Build HAT, replays from the command line."""

@@ -30,7 +30,7 @@ min_particles = 1000
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the whole page."""
     return HEAD + "".join(_tables(Config(), "")) + "\n"
 
 

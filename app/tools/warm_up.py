@@ -1,7 +1,7 @@
-"""Compiles what is compiled, so that the first start is quick: ``python -m app.tools.warm_up``.
+"""Compiles the numba functions, so that the first start is quick: ``python -m app.tools.warm_up``.
 
-The compiler works by the types of arguments, and the filters and models call its results with
-many. So a robot is driven with each of them once, as people will.
+Numba compiles a function for each combination of argument types, and the filters and models use
+many combinations. So this program drives a robot once with each of them, as users do.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from app.messages.commands import (
 from app.settings.config import Config
 
 SEARCH_TICKS = 150
-"""Until the hypotheses have a short map, and have looked for places twice."""
+"""Enough for the hypotheses to collect a short map, and to search for places twice."""
 TICKS = 8
 """A few pictures."""
 FIRST_USES: tuple[dict[str, Any], ...] = (
@@ -33,11 +33,11 @@ FIRST_USES: tuple[dict[str, Any], ...] = (
     {"robot_model_type": "velocity"},
     {"robot_model_type": "stationary"},
 )
-"""Parameters that bring in what was not used before, one after another."""
+"""Parameter changes, one after another; each brings in code that was not used before."""
 
 
 def drive(program: Program, ticks: int, *first: Command) -> Snapshot:
-    """Drive the figure-eight, after some commands."""
+    """Send some commands, then drive the figure-eight; return the last snapshot."""
     for command in first:
         program.engine.commands.put(command)
     for _ in range(ticks):
@@ -47,7 +47,7 @@ def drive(program: Program, ticks: int, *first: Command) -> Snapshot:
 
 
 def where(snapshot: Snapshot) -> SetPoseCommand:
-    """Tells the filter the truth, for some of a model is asked only by a narrow cloud."""
+    """Return a command that sets the filter to the truth: some code runs only in a narrow cloud."""
     pose = snapshot.truth or snapshot.odometry
     return SetPoseCommand(
         type="set_pose", x=pose.x, y=pose.y, theta=pose.theta, sd_xy=0.002, sd_theta=0.01
@@ -55,7 +55,7 @@ def where(snapshot: Snapshot) -> SetPoseCommand:
 
 
 def warm_up() -> None:
-    """Use all that is compiled at its first use."""
+    """Run everything that is compiled at its first use."""
     program = build_program(Config(robot="kinematic"))
     drive(program, TICKS)
     snapshot = drive(program, SEARCH_TICKS, ScatterCommand(type="scatter"))
@@ -64,7 +64,7 @@ def warm_up() -> None:
         drive(program, TICKS, change, where(snapshot))
         snapshot = drive(program, TICKS, ScatterCommand(type="scatter"))
     if snapshot.line_scan is not None:
-        _ = snapshot.line_scan.response  # the page asks for it when a ray is looked at
+        _ = snapshot.line_scan.response  # the page asks for it when the user looks at a ray
     program.robot.close()
 
 

@@ -12,7 +12,7 @@ const MOST_POINTS = 16;
 /** Radius of a mark [CSS px]. */
 const RING = 2.8;
 
-/** A ray with no more points than its bend by the lens needs. @param {Point[]} ray */
+/** Drop points of a ray, but keep enough for its bend by the lens. @param {Point[]} ray */
 export function thin(ray) {
   const stride = Math.max(1, Math.ceil((ray.length - 1) / MOST_POINTS));
   return ray.filter((_, i) => i % stride === 0 || i === ray.length - 1);
@@ -51,7 +51,7 @@ function gap(a, b, u, v) {
 }
 
 /**
- * Rays up to where they hit, a ring where each enters the tape and a bar where it leaves.
+ * Draw rays up to their hits, a ring where each enters the tape and a bar where it leaves.
  * @param {CanvasRenderingContext2D} context @param {Placement} placement
  * @param {Point[][]} rays @param {ScanMessage} scan @param {number | null} selected
  */
@@ -126,7 +126,7 @@ function drawExits(context, scan, pixel) {
 }
 
 /**
- * A line with a rim, so that it shows on tape and on floor.
+ * Draw a line with a rim, so that it is visible on tape and on floor.
  * @param {CanvasRenderingContext2D} context
  * @param {Path2D} path
  * @param {number} pixel

@@ -4,17 +4,17 @@
 /** @typedef {{picture: Picture, scan: ScanMessage | null}} Pair */
 
 const KEPT_PICTURES = 15;
-/** More, as a busy page skips pictures but reads every scan. */
+/** More than pictures, as a busy page skips pictures but reads every scan. */
 const KEPT_SCANS = 60;
-/** How long a picture waits for its scan [ms], while scans do come. */
+/** How long a picture waits for its scan [ms], as long as scans come. */
 const PATIENCE_MS = 16;
 const SCANS_COME_MS = 500;
 
 /**
- * Brings each picture together with the scan of the same exposure.
+ * Pairs each picture with the scan of the same exposure.
  *
- * Both come on sockets of their own, in either order. A picture whose scan is missing is shown bare
- * rather than with the edges of another one.
+ * Pictures and scans come on separate sockets, in either order. A picture whose scan is missing is
+ * shown without a scan, not with the scan of another picture.
  */
 export class Pairing {
   /** @type {Map<number, ScanMessage>} */
@@ -25,7 +25,7 @@ export class Pairing {
   /** @type {Pair | null} */
   shown = null;
 
-  /** @param {ScanMessage} scan @returns {boolean} whether it is a new one */
+  /** @param {ScanMessage} scan @returns {boolean} whether the scan is new */
   addScan(scan) {
     if (this.#scans.has(scan.stamp)) return false;
     this.#scans.set(scan.stamp, scan);
@@ -65,7 +65,7 @@ export class Pairing {
     return this.shown;
   }
 
-  /** Let go of the oldest pictures. @param {number} count */
+  /** Drop the oldest pictures. @param {number} count */
   #drop(count) {
     for (const picture of this.#pictures.splice(0, count)) {
       picture.bitmap.close();

@@ -13,7 +13,7 @@ import { CameraStream } from "./stream.js";
 /** @typedef {import("./overlay.js").Point} Point */
 /** @typedef {import("./pairing.js").Pair} Pair */
 
-/** The live picture, what the scanner found in it, and one ray looked at closely. */
+/** The live picture, what the scanner found in it, and the profile of one ray. */
 export class CameraPanel {
   #pairing = new Pairing();
   #hint = find("camera-hint", HTMLElement);
@@ -28,7 +28,7 @@ export class CameraPanel {
 
   /**
    * @param {DrawLoop} loop
-   * @param {(stamp: number) => void} drawn told when a new picture is on the screen
+   * @param {(stamp: number) => void} drawn called when a new picture is on the screen
    */
   constructor(loop, drawn) {
     this.drawn = drawn;
@@ -63,7 +63,7 @@ export class CameraPanel {
     this.refresh();
   }
 
-  /** What the camera shows, for those who do not see it; written now and then. */
+  /** Describe the camera's picture in words for screen readers; called now and then. */
   describe() {
     const missing = this.#drawn ? "" : "No picture yet. ";
     setText(this.#text, `${missing}${this.#hint.textContent}. Arrow keys choose a ray.`);
@@ -97,7 +97,7 @@ export class CameraPanel {
     }
   }
 
-  /** @param {{width: number, height: number}} picture the whole of it, in the middle */
+  /** @param {{width: number, height: number}} picture shown as a whole, in the middle */
   #placement({ width, height }) {
     const scale = Math.min(this.surface.width / width, this.surface.height / height);
     const left = (this.surface.width - width * scale) / 2;

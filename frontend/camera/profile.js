@@ -11,7 +11,7 @@ import { getJson } from "../wire/http.js";
 
 const EVERY_MS = 250;
 
-/** One ray looked at closely: brightness, the edge kernel's answer, and why it counted or not. */
+/** Profile of one ray: brightness, the edge kernel's response, and why the ray counted or not. */
 export class RayProfile {
   #box = find("profile", HTMLElement);
   #title = find("profile-title", HTMLElement);
@@ -21,7 +21,7 @@ export class RayProfile {
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
   #asking = false;
-  /** @type {number | null} the ray that is looked at */
+  /** @type {number | null} the ray that is shown */
   ray = null;
   /** How many rays there are. */
   count = 0;

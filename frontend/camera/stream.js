@@ -11,7 +11,7 @@ const HEADER_BYTES = 8;
  * @property {number} arrived by performance.now() [ms]
  */
 
-/** The camera's pictures as they come; decodes only the newest, so that a slow machine skips. */
+/** The camera's pictures; only the newest one is decoded, so a slow machine skips pictures. */
 export class CameraStream {
   /** @type {WebSocket | null} */
   #socket = null;
@@ -21,13 +21,13 @@ export class CameraStream {
   /** @type {ArrayBuffer | null} */
   #next = null;
 
-  /** @param {string} path @param {(picture: Picture) => void} listener who owns the bitmap then */
+  /** @param {string} path @param {(picture: Picture) => void} listener then owns the bitmap */
   constructor(path, listener) {
     this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
     this.listener = listener;
   }
 
-  /** Stream while somebody looks, and not else. @param {boolean} wanted */
+  /** Stream only while somebody looks. @param {boolean} wanted */
   want(wanted) {
     if (wanted === this.#wanted) return;
     this.#wanted = wanted;

@@ -4,13 +4,13 @@ import { shape } from "./joystick.js";
 /** @typedef {import("./lease.js").Drive} Drive */
 
 const POLL_MS = 50;
-/** Worn sticks do not come back to zero. */
+/** Dead zone of the stick: worn sticks do not come back to zero. */
 const DEAD = 0.15;
-/** A and B of the standard layout. */
+/** Buttons A and B of the standard layout. */
 const FIGURE_EIGHT_BUTTON = 0;
 const STOP_BUTTON = 1;
 
-/** The left stick drives, B stops, A drives the figure-eight. Browsers only tell it by polling. */
+/** The left stick drives, B stops, A drives the figure-eight. Browsers must be polled for it. */
 export class GamepadInput {
   /** @type {ReturnType<typeof setInterval> | undefined} */
   #timer;
@@ -18,7 +18,7 @@ export class GamepadInput {
   /** @type {boolean[]} */
   #pressed = [];
 
-  /** @param {Drive} drive @param {(name: string | null) => void} told which pad is there */
+  /** @param {Drive} drive @param {(name: string | null) => void} told gets the gamepad's name */
   constructor(drive, told) {
     this.drive = drive;
     this.told = told;
@@ -48,7 +48,7 @@ export class GamepadInput {
       Math.abs(axis) < DEAD ? 0 : shape(axis),
     );
     const held = forward !== 0 || turn !== 0;
-    // After a stop the stick must come back to the middle before it drives again.
+    // After a stop, the stick must return to the centre before it drives again.
     if (!held) this.#armed = true;
     this.drive.hold("gamepad", held && this.#armed ? { forward, turn } : null);
   }

@@ -1,7 +1,7 @@
 // @ts-check
 /** @typedef {import("./lease.js").Drive} Drive */
 
-/** The middle part that means standing still. */
+/** Dead zone in the middle, where the robot stands still. */
 const DEAD = 0.1;
 
 /** The on-screen stick, for a finger, a pen or a mouse; it also shows what the keys do. */
@@ -22,7 +22,7 @@ export class Joystick {
     base.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
-  /** Put the knob where all inputs together are. */
+  /** Move the knob to the sum of all inputs. */
   show() {
     const { forward, turn } = this.drive.stick;
     const long = Math.max(1, Math.hypot(forward, turn));
@@ -64,7 +64,7 @@ export class Joystick {
   }
 }
 
-/** Nothing in the middle, full at the rim. @param {number} share @returns {number} -1 to 1 */
+/** Zero in the dead zone, full at the rim. @param {number} share @returns {number} -1 to 1 */
 export function shape(share) {
   const size = Math.min(1, Math.abs(share));
   return size < DEAD ? 0 : (Math.sign(share) * (size - DEAD)) / (1 - DEAD);

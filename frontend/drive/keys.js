@@ -17,7 +17,7 @@ const KEYS = {
 };
 const TEXT_TYPES = ["text", "number", "search", "email", "url", "tel", "password"];
 
-/** Driving by keyboard: several keys combine, space stops, and text that is typed is left alone. */
+/** Driving by keyboard: several keys combine, space stops, and typing text does not drive. */
 export class Keys {
   /** @type {Set<string>} */
   #held = new Set();
@@ -29,7 +29,7 @@ export class Keys {
     this.listen(window);
   }
 
-  /** Also hear the keys of another window, such as the 3D view's frame. @param {Window} target */
+  /** Take keys from another window, too, such as the 3D view's frame. @param {Window} target */
   listen(target) {
     target.addEventListener("keydown", (event) => this.#down(event), { capture: true });
     target.addEventListener("keyup", (event) => this.#up(event), { capture: true });
@@ -47,7 +47,7 @@ export class Keys {
       return;
     if (ownsKey(event.target, event.code)) return;
     take(event);
-    // A key that still repeats after a stop must be pressed anew.
+    // A key that still repeats after a stop must be pressed again.
     if (event.repeat) return;
     this.#held.add(event.code);
     this.#apply();
@@ -71,13 +71,13 @@ export class Keys {
   }
 }
 
-/** Neither the page nor the 3D view's own camera keys shall act on it too. @param {Event} event */
+/** Keep an event from the page and the 3D view's camera keys. @param {Event} event */
 export function take(event) {
   event.preventDefault();
   event.stopPropagation();
 }
 
-/** @param {EventTarget | null} target of any window, so no instanceof */
+/** @param {EventTarget | null} target may be of another window, so instanceof would fail */
 export function typesText(target) {
   const element = /** @type {HTMLInputElement | null} */ (target);
   if (element?.isContentEditable || element?.tagName === "TEXTAREA") return true;
@@ -85,7 +85,7 @@ export function typesText(target) {
 }
 
 /**
- * Whether the focused element has a use of its own for the key.
+ * Whether the focused element uses the key itself.
  * @param {EventTarget | null} target
  * @param {string} code
  */

@@ -2,18 +2,18 @@
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {{forward: number, turn: number}} Stick each from -1 to 1; turning left is positive */
 
-/** A drive command holds for 0.5 s on the robot; so often it is renewed [ms]. */
+/** Interval between renewals of a drive command [ms], which holds for 0.5 s on the robot. */
 const RENEW_MS = 50;
-/** A stick that moves is told at once, but not oftener than this [ms]. */
+/** Shortest interval between commands [ms]; else a moving stick is sent at once. */
 const SOONEST_MS = 25;
 const FIGURE_EIGHT_MS = 100;
-/** Turning at full stick [rad/s] for each m/s of the chosen speed. */
+/** Turning speed at full stick [rad/s] for each m/s of the chosen speed. */
 const TURN_PER_SPEED = 8;
 
 /**
- * What people want of the wheels, from all inputs together, renewed while they want it.
+ * The drive command from all inputs together, renewed while an input is held.
  *
- * Nothing is sent without an input that is held: when this page dies, the robot stops by itself.
+ * Without a held input nothing is renewed: if this page dies, the robot stops by itself.
  */
 export class Drive {
   speed = 0.15;
@@ -32,7 +32,7 @@ export class Drive {
 
   /**
    * @param {(command: Command) => void} send
-   * @param {() => void} changed called when what drives changes
+   * @param {() => void} changed called when the driving input changes
    */
   constructor(send, changed) {
     this.send = send;
@@ -42,7 +42,7 @@ export class Drive {
     addEventListener("blur", () => this.release());
   }
 
-  /** Inputs that are held forget it when this is called. @param {() => void} listener */
+  /** Call a listener on each stop, to let go of a held input. @param {() => void} listener */
   onStop(listener) {
     this.#stopListeners.add(listener);
   }
@@ -58,19 +58,19 @@ export class Drive {
     this.send({ type: "stop" });
   }
 
-  /** Stand still at once, whatever drives; held inputs count again only when pressed anew. */
+  /** Stop at once, whatever drives; held inputs count again only after a new press. */
   stop() {
     if (!this.possible) return;
     this.#forget();
     this.send({ type: "stop" });
   }
 
-  /** Nobody holds anything any more, as far as we can know; the figure-eight goes on. */
+  /** Stop if an input is held, as its release may not be seen; the figure-eight continues. */
   release() {
     if (this.#sticks.size > 0) this.stop();
   }
 
-  /** The line is gone: send nothing, start nothing by itself when it is back. */
+  /** Forget all inputs, as the connection is lost: driving must not start again by itself. */
   disconnect() {
     this.#forget();
   }
@@ -120,7 +120,7 @@ export class Drive {
 
   #renew() {
     const now = performance.now();
-    // Half a turn of the timer early is on time.
+    // Half a timer interval early counts as on time.
     if (this.figureEight && now - this.#sent < FIGURE_EIGHT_MS - RENEW_MS / 2) return;
     this.#sent = now;
     this.send(this.figureEight ? { type: "figure_eight" } : this.#command());

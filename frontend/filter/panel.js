@@ -12,7 +12,7 @@ import { ParameterRow } from "./row.js";
 /** @typedef {import("./row.js").Value} Value */
 
 /**
- * What students turn first, in plain words; the rest follows by groups under its own name.
+ * Parameters that students change first, with plain names; the rest follows in groups.
  * @type {Record<string, string>}
  */
 const FIRST = {
@@ -31,9 +31,9 @@ const GROUPS = {
   filter: "how the belief is kept",
   hypotheses: "how places are found, weighed and given up",
 };
-/** Changes are sent not oftener than this while a slider moves [ms]. */
+/** Shortest interval between changes that are sent while a slider moves [ms]. */
 const SETTLE_MS = 120;
-/** Somebody else may change parameters too [ms]. */
+/** Interval between reads of all parameters, as somebody else may change them, too [ms]. */
 const LOOK_AGAIN_MS = 5000;
 
 /** The filter's state and its parameters, live. */
@@ -140,7 +140,7 @@ export class FilterPanel {
   }
 
   /**
-   * Collect what is changed and send it together when the hand rests.
+   * Collect changes, and send them together after a short time.
    * @param {string} name
    * @param {Value} value
    */
@@ -166,7 +166,7 @@ export class FilterPanel {
 }
 
 /**
- * A group's name, what it is about, and how many there are.
+ * Make the heading of a group: its name, what it is about, and the number of its parameters.
  * @param {string} group
  * @param {ParameterMessage[]} parameters
  */

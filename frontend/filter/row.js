@@ -6,12 +6,12 @@ import { readAs } from "./units.js";
 /** @typedef {import("../messages").ParameterMessage} ParameterMessage */
 /** @typedef {number | string | boolean} Value */
 
-/** One parameter: its name and meaning, a way to change it, and the way back to the default. */
+/** One parameter: its name and meaning, a control to change it, and a button for its default. */
 export class ParameterRow {
   element = make("div", { class: "parameter" });
   #refusal = make("p", { class: "refusal", role: "alert" });
   #back = /** @type {HTMLButtonElement} */ (make("button", { type: "button", class: "back" }, "↺"));
-  /** Whether it is being changed here, so that news from the server must wait. */
+  /** Whether the user is changing it here, so that values from the server must wait. */
   busy = false;
 
   /**
@@ -41,7 +41,7 @@ export class ParameterRow {
     this.accept(parameter.value);
   }
 
-  /** The value that holds on the robot. @param {Value} value */
+  /** Show the value that holds on the robot. @param {Value} value */
   accept(value) {
     this.parameter = { ...this.parameter, value };
     this.busy = false;
@@ -52,12 +52,12 @@ export class ParameterRow {
     this.#back.disabled = standard;
   }
 
-  /** Whether another message about it has the same choices. @param {ParameterMessage} other */
+  /** Whether another message has the same choices. @param {ParameterMessage} other */
   offers({ choices }) {
     return choices.join() === this.parameter.choices.join();
   }
 
-  /** Say why a change was not taken. @param {string} reason */
+  /** Show why a change was refused. @param {string} reason */
   refuse(reason) {
     setText(this.#refusal, reason);
     if (!reason) return;
@@ -72,7 +72,7 @@ export class ParameterRow {
     this.changed(this.parameter.name, value);
   }
 
-  /** Builds the control. @returns {(value: Value) => void} what writes a value into it */
+  /** Build the control. @returns {(value: Value) => void} writes a value into the control */
   #control() {
     if (this.parameter.choices.length > 0) return this.#choice();
     return typeof this.parameter.default === "boolean" ? this.#switch() : this.#number();
@@ -138,7 +138,7 @@ export class ParameterRow {
   }
 }
 
-/** Models in files of the user's own: `my_model.py:MyModel`. @param {string} choice */
+/** Whether it is a user's own model: `my_model.py:MyModel`. @param {string} choice */
 const isOwn = (choice) => choice.includes(":");
 
 /** @param {string} choice */

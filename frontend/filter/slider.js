@@ -1,13 +1,13 @@
 // @ts-check
 /** @typedef {import("../messages").ParameterMessage} ParameterMessage */
 
-/** A slider has so many steps; the number field beside it is exact. */
+/** Number of a slider's steps; the number field beside it is exact. */
 export const STEPS = 1000;
-/** From this ratio on a straight slider would be of no use at its low end. */
+/** From this ratio of the limits on, a linear slider would be useless at its low end. */
 const WIDE = 100;
 const SKEWED = 20;
 
-/** Between a parameter's value and its slider: straight, by decades, or finer near zero. */
+/** Converts between a parameter's value and its slider: linear, logarithmic, or finer near zero. */
 export class SliderScale {
   /** @param {ParameterMessage} parameter whose default is a number */
   constructor({ low, high, default: standard, integer }) {
@@ -31,7 +31,7 @@ export class SliderScale {
     return STEPS * (this.bend === "cube" ? Math.cbrt(share) : share);
   }
 
-  /** @param {number} position 0 to STEPS @returns {number} rounded to what the slider can tell */
+  /** @param {number} position 0 to STEPS @returns {number} rounded to the slider's resolution */
   fromSlider(position) {
     const share = position / STEPS;
     if (position >= STEPS) return this.high;

@@ -1,7 +1,7 @@
 // @ts-check
 
 /**
- * Units that people read more easily than the wire's.
+ * Units that people read more easily than those of the messages.
  * @type {Record<string, {unit: string, factor: number}>}
  */
 const READ_AS = {
@@ -10,8 +10,8 @@ const READ_AS = {
 };
 
 /**
- * @param {string} unit as on the wire
- * @returns {{unit: string, factor: number}} what to show and how to get there
+ * @param {string} unit of the message
+ * @returns {{unit: string, factor: number}} the unit to show, and the factor to convert to it
  */
 export function readAs(unit) {
   return READ_AS[unit] ?? { unit, factor: 1 };

@@ -9,12 +9,12 @@ import { palette } from "../page/palette.js";
  */
 
 const BYTES = 8;
-/** Particles are drawn in so many steps of weight. */
+/** Particles are drawn in this many steps of weight. */
 const STEPS = 6;
 const MOST_HEADINGS = 120;
 
 /**
- * Unpack the particles; the layout is told at ParticlesMessage.
+ * Unpack the particles; ParticlesMessage describes the layout.
  * @param {ParticlesMessage} message
  * @returns {Cloud}
  */
@@ -38,18 +38,18 @@ export function decodeCloud({ cloud, extent: [xmin, ymin, xmax, ymax] }) {
   return { xs, ys, thetas, weights };
 }
 
-/** What lies on the rim may be anywhere beyond it; NaN is not drawn. @param {number} word */
+/** A particle on the rim may lie anywhere beyond it: NaN is not drawn. @param {number} word */
 const share = (word) => (word === 0 || word === 65535 ? NaN : word / 65535);
 
 /**
- * The heavier a particle, the larger and the stronger its dot; light ones lie below.
+ * Draw particles as dots: heavier ones are larger, stronger and on top.
  * @param {CanvasRenderingContext2D} context @param {MapView} view @param {Cloud} cloud
  */
 export function drawCloud(context, view, cloud) {
   const paths = Array.from({ length: STEPS }, () => new Path2D());
   const mean = cloud.weights.reduce((sum, weight) => sum + weight, 1) / cloud.weights.length;
   cloud.xs.forEach((x, i) => {
-    // Against the mean: where all weigh the same, none is heavy.
+    // Compare with the mean: if all weights are equal, no particle is heavy.
     const heavy = cloud.weights[i] / (cloud.weights[i] + mean);
     const step = Math.min(STEPS - 1, Math.floor(heavy ** 2 * STEPS));
     const [u, v] = view.toScreen(x, cloud.ys[i]);
@@ -66,7 +66,7 @@ export function drawCloud(context, view, cloud) {
 }
 
 /**
- * Short strokes along the headings of some particles.
+ * Draw short lines along the headings of some particles.
  * @param {CanvasRenderingContext2D} context
  * @param {MapView} view
  * @param {Cloud} cloud

@@ -1,10 +1,10 @@
 // @ts-check
 import { make } from "../page/elements.js";
 
-/** More would leave the map no room; one wrong thing often raises several doubts. */
+/** Most doubts shown: more would hide the map, and a single error often raises several doubts. */
 const MOST = 2;
 
-/** Reasons for doubt, in plain words; each goes away when its reason does. */
+/** Reasons for doubt in plain words; each disappears with its cause. */
 export class Doubts {
   #shown = "";
 
@@ -16,7 +16,7 @@ export class Doubts {
   /** @param {string[]} alerts the likeliest first */
   show(alerts) {
     const text = alerts.join("\n");
-    // The same again would be read out again.
+    // Screen readers would read the same text out again.
     if (text === this.#shown) return;
     this.#shown = text;
     const lines = alerts.slice(0, MOST);

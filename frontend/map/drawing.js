@@ -11,14 +11,14 @@ import { roundUp } from "../plots/scale.js";
 /** @typedef {import("../messages").IntegrityMessage} IntegrityMessage */
 /** @typedef {CanvasRenderingContext2D} Context */
 
-/** A bound that is smaller on the screen [CSS px] cannot be told from the place itself. */
+/** A smaller bound on the screen [CSS px] cannot be distinguished from the place itself. */
 const SEEN = 4;
-/** Length of the wedge of headings, at most [CSS px] and [m]. */
+/** Largest length of the wedge of headings [CSS px] and [m]. */
 const WEDGE = 70;
 const WEDGE_M = 0.3;
 
 /**
- * Rays to their hits, from where the filter believed the robot at that moment.
+ * Draw rays to their hits, from the estimate at the scan's stamp.
  * @param {Context} context
  * @param {ScanMessage} scan
  * @param {number} pixel [m]
@@ -47,7 +47,7 @@ export function drawScan(context, { robot, robot_from_scan: offset, bearings, ra
 }
 
 /**
- * A robot's outline with its heading.
+ * Draw a robot's outline with its heading.
  * @param {Context} context
  * @param {PoseMessage} pose
  * @param {[number, number][]} outline [m]
@@ -75,7 +75,7 @@ export function drawRobot(context, pose, outline, pixel, { colour, dash = [], fi
 }
 
 /**
- * A pose that is being pointed out: an arrow of a fixed length, large enough to aim by.
+ * Draw a pose that the user is pointing out, as an arrow of a fixed length on the screen.
  * @param {Context} context
  * @param {PoseMessage} pose
  * @param {number} pixel [m]
@@ -94,7 +94,7 @@ export function drawAim(context, pose, pixel, colour) {
 }
 
 /**
- * Where the robot is with 95 % certainty, if it is at this place.
+ * Draw where the robot is with 95 % certainty, if it is at this place.
  * @param {Context} context
  * @param {EstimateMessage | HypothesisMessage} place
  * @param {number} pixel [m]
@@ -109,8 +109,8 @@ export function drawCertainty(context, { x, y, covariance }, pixel, faint) {
 }
 
 /**
- * What is claimed: the robot is within the circle, its heading within the wedge. Left out where
- * they are too small to see.
+ * Draw the claimed bounds: the robot is within the circle, its heading within the wedge. A bound
+ * that is too small to see is left out.
  * @param {Context} context
  * @param {PoseMessage} pose
  * @param {IntegrityMessage} integrity
@@ -154,7 +154,7 @@ export function drawEllipse(context, x, y, radii, angle, colour, pixel) {
   stroke(context, path, colour, 1.5 * pixel, 0.9);
 }
 
-/** A bar of a round length, bottom right. @param {Context} context @param {MapView} view */
+/** Draw a bar of a round length, bottom right. @param {Context} context @param {MapView} view */
 export function drawScaleBar(context, view) {
   const metres = roundUp(40 / view.scale);
   const length = metres * view.scale;
@@ -178,7 +178,7 @@ export function drawScaleBar(context, view) {
 }
 
 /**
- * Text with a rim, readable on floor, tape and page.
+ * Draw text with a rim, so that it is readable on floor, tape and page.
  * @param {Context} context
  * @param {string} text
  * @param {number} u

@@ -3,12 +3,12 @@ import { palette } from "../page/palette.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
-/** Beyond this the picture is drawn straight from its source, which is then no smaller [px]. */
+/** Largest scaled copy [px]: a larger one would not be smaller than the source, which is drawn. */
 const LARGEST = 2500;
 
 /**
- * The picture of the field; kept in the size that is shown, as scaling it anew is most of a
- * drawing's work.
+ * The picture of the field. A copy in the shown size is kept, as scaling is most of the work of
+ * drawing.
  */
 export class Floor {
   /** @type {HTMLCanvasElement} */

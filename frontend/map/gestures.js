@@ -3,8 +3,8 @@
 /** @typedef {import("../page/surface.js").Surface} Surface */
 
 /**
- * @typedef {object} Press what a tool makes of one pointer; positions in the map [m]
- * @property {() => boolean} wants whether the tool takes presses now; else they move the view
+ * @typedef {object} Press how a tool handles one pointer; positions are in the map [m]
+ * @property {() => boolean} wants whether the tool takes presses now; otherwise they move the view
  * @property {(x: number, y: number) => void} press
  * @property {(x: number, y: number) => void} drag
  * @property {() => void} release
@@ -15,7 +15,7 @@ const WHEEL_STEP = 0.0015;
 const BUTTON_STEP = 1.3;
 const PAN_STEP = 40;
 
-/** Pointers, wheel and keys on the map: two fingers or the wheel zoom, the rest is the tool's. */
+/** Pointers, wheel and keys on the map: two fingers or the wheel zoom, the tool gets the rest. */
 export class Gestures {
   /** @type {Map<number, [number, number]>} */
   #pointers = new Map();
@@ -45,7 +45,7 @@ export class Gestures {
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   }
 
-  /** @param {number} steps inwards, or negative outwards */
+  /** @param {number} steps zooms in, or out if negative */
   zoom(steps) {
     this.view.zoom(BUTTON_STEP ** steps);
     this.changed();
@@ -77,7 +77,7 @@ export class Gestures {
   }
 
   /**
-   * One pointer pans; of two, each moves the middle by half and the distance zooms.
+   * One pointer pans. Of two pointers, each moves the middle by half, and their distance zooms.
    * @param {number} id
    * @param {[number, number]} before
    * @param {[number, number]} now
@@ -110,7 +110,7 @@ export class Gestures {
   }
 
   /**
-   * Plus, minus and 0 zoom, shift and arrows pan; plain arrows drive.
+   * Plus, minus and 0 zoom, shift with arrows pans; arrows alone drive.
    * @param {KeyboardEvent} event
    */
   #key(event) {

@@ -7,9 +7,9 @@ import { percent } from "./places.js";
 /** @typedef {import("./view.js").MapView} MapView */
 /** @typedef {[number, number]} Point [CSS px] */
 
-/** An arrowhead around its place, pointing right [CSS px]. */
+/** An arrowhead around the origin, pointing right [CSS px]. */
 const ARROW = new Path2D("M13 0L-7 8L-3 0L-7 -8Z");
-/** Where a weight may stand beside its arrow [CSS px]; the first that is free is taken. */
+/** Positions for a weight beside its arrow [CSS px]; the first free one is used. */
 const BESIDE = /** @type {const} */ ([
   [0, 22],
   [0, -22],
@@ -20,13 +20,13 @@ const BESIDE = /** @type {const} */ ([
   [32, -22],
   [-32, -22],
 ]);
-/** Room that a weight takes to each side of its middle [CSS px]. */
+/** Room for a weight to each side of its centre [CSS px]. */
 const HALF_WIDTH = 22;
 const HALF_HEIGHT = 9;
 const ARROW_RADIUS = 12;
 
 /**
- * Places where the robot may be, as arrows with their weights.
+ * Draw places where the robot may be, as arrows with their weights.
  * @param {CanvasRenderingContext2D} context
  * @param {MapView} view
  * @param {HypothesisMessage[]} hypotheses heaviest first
@@ -34,7 +34,7 @@ const ARROW_RADIUS = 12;
  */
 export function drawHypotheses(context, view, hypotheses, clear) {
   const points = hypotheses.map(({ x, y }) => view.toScreen(x, y));
-  // The heaviest last, so that none lies over it.
+  // The heaviest is drawn last, so that none covers it.
   hypotheses.forEach((_, i) => {
     const last = hypotheses.length - 1 - i;
     drawArrow(context, points[last], hypotheses[last].theta, clear && last === 0);
@@ -55,7 +55,7 @@ export function drawHypotheses(context, view, hypotheses, clear) {
  * @param {CanvasRenderingContext2D} context
  * @param {Point} at
  * @param {number} theta
- * @param {boolean} first whether it is the likeliest: filled, not hollow
+ * @param {boolean} first whether it is clearly the likeliest: then it is filled, not hollow
  */
 function drawArrow(context, at, theta, first) {
   context.save();
@@ -70,7 +70,7 @@ function drawArrow(context, at, theta, first) {
 }
 
 /**
- * A place beside an arrow where a weight hides neither arrows nor other weights.
+ * Find a position beside an arrow where a weight hides neither arrows nor other weights.
  * @param {Point} at
  * @param {Point[]} arrows
  * @param {Point[]} taken

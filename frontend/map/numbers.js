@@ -5,7 +5,7 @@ import { degrees, millimetres } from "../page/format.js";
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {"set_pose" | "place"} Act */
 
-/** A pose in exact numbers, and how sure the filter shall be of a pose it is told. */
+/** A form for a pose in exact numbers, and for the spread of poses that are sent to the filter. */
 export class NumbersForm {
   #x = findInput("pose-x");
   #y = findInput("pose-y");
@@ -32,12 +32,12 @@ export class NumbersForm {
     this.#tell();
   }
 
-  /** Standard deviation of a pose that is told [m]; the slider goes by decades. */
+  /** Standard deviation of x and y of a pose that is sent [m]; the slider is logarithmic. */
   get sdXy() {
     return 10 ** this.#spread.valueAsNumber;
   }
 
-  /** [rad] */
+  /** Standard deviation of its heading [rad]. */
   get sdTheta() {
     return (this.#turn.valueAsNumber * Math.PI) / 180;
   }
@@ -51,14 +51,14 @@ export class NumbersForm {
     };
   }
 
-  /** Write a pose into the fields, for small corrections. @param {PoseMessage} pose */
+  /** Write a pose into the form, for small corrections. @param {PoseMessage} pose */
   set pose({ x, y, theta }) {
     this.#x.value = (x * 1000).toFixed(0);
     this.#y.value = (y * 1000).toFixed(0);
     this.#heading.value = ((theta * 180) / Math.PI).toFixed(0);
   }
 
-  /** @param {boolean} possible whether this robot can be put elsewhere by hand */
+  /** @param {boolean} possible whether this robot can be put elsewhere by a command */
   allowPlacing(possible) {
     findButton("numbers-place").hidden = !possible;
   }

@@ -26,7 +26,7 @@ const HINTS = {
   place: "Press where to put the robot, drag where it looks.",
 };
 
-/** The field from above: where the robot is, where it is believed to be, and telling it. */
+/** The field from above: the robot's true and estimated poses, and tools to set them. */
 export class MapPanel {
   #view = new MapView();
   #hint = find("map-hint", HTMLElement);
@@ -43,7 +43,7 @@ export class MapPanel {
 
   /**
    * @param {DrawLoop} loop
-   * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was taken
+   * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
    */
   constructor(loop, order) {
     this.surface = new Surface(find("map-canvas", HTMLCanvasElement), () => this.#resized());
@@ -69,7 +69,7 @@ export class MapPanel {
   setField(field, picture) {
     this.#field = field;
     this.scene.setField(field, picture);
-    // A form that is open may have been written in already.
+    // In an open form, the user may have typed something already.
     if (find("numbers", HTMLElement).hidden) this.numbers.pose = field.start;
     this.#fit();
   }
@@ -82,7 +82,7 @@ export class MapPanel {
   }
 
   /**
-   * Words for what the map shows; written a few times a second.
+   * Describe in words what the map shows; called a few times a second.
    * @param {TelemetryMessage} telemetry
    */
   describe(telemetry) {
@@ -101,7 +101,7 @@ export class MapPanel {
   }
 
   /**
-   * Where a point of the map is on the page [CSS px].
+   * Position of a point of the map on the page [CSS px].
    * @param {number} x [m]
    * @param {number} y [m]
    * @returns {[number, number]}

@@ -7,11 +7,11 @@ import { alike } from "./places.js";
 /** @typedef {"truth" | "odometry" | "estimate" | "then"} Who */
 
 const STEP_M = 0.004;
-/** Farther than this in one step is a jump, not a way. */
+/** A longer step is a jump, not part of a path. */
 const JUMP_M = 0.12;
 const MOST = 4000;
 /**
- * Dashes and width in CSS pixels: they differ without colour too.
+ * Dashes and widths in CSS pixels: the paths differ even without colour.
  * @type {Record<Who, {dash: number[], width: number}>}
  */
 const STYLES = {
@@ -21,7 +21,7 @@ const STYLES = {
   estimate: { dash: [2, 3], width: 2 },
 };
 
-/** One way travelled, in the map [m]. */
+/** One path in the map [m]. */
 class Trail {
   path = new Path2D();
   /** @type {{x: number, y: number, jump: boolean, stamp: number}[]} */
@@ -37,7 +37,7 @@ class Trail {
     if (this.#points.length > MOST) this.#keep(this.#points.slice(-MOST * 0.75));
   }
 
-  /** Forget what comes after a time, to which a replay went back. @param {number} stamp [s] */
+  /** Drop points after a time to which a replay went back. @param {number} stamp [s] */
   rewind(stamp) {
     this.#keep(this.#points.filter((point) => point.stamp <= stamp));
   }
@@ -61,7 +61,7 @@ class Trail {
   }
 }
 
-/** The ways of truth, odometry and estimate since the page was opened. */
+/** The paths of truth, odometry and estimates since the page was opened. */
 export class Paths {
   #trails = {
     truth: new Trail(),
@@ -74,7 +74,7 @@ export class Paths {
   /** @param {TelemetryMessage} telemetry */
   add(telemetry) {
     const { stamp, truth, odometry, estimate, replay } = telemetry;
-    // On its way to another place a replay has no estimate yet.
+    // While a replay seeks, it has no estimate yet.
     if (typeof replay?.catching_up === "number") return;
     if (stamp < this.#stamp) {
       for (const trail of Object.values(this.#trails)) trail.rewind(stamp);
@@ -83,7 +83,7 @@ export class Paths {
     if (truth) this.#trails.truth.add(truth, stamp);
     if (odometry) this.#trails.odometry.add(odometry, stamp);
     if (replay?.estimate_then) this.#trails.then.add(replay.estimate_then, stamp);
-    // While places look alike, now one and now another is the likeliest: that is no way.
+    // While places look alike, the likeliest one keeps changing: that is not a path.
     if (estimate && alike(telemetry) < 2) this.#trails.estimate.add(estimate, stamp);
   }
 

@@ -5,22 +5,22 @@ import { plain } from "../page/format.js";
 /** @typedef {import("../messages").HypothesisMessage} HypothesisMessage */
 /** @typedef {import("../messages").State} State */
 
-/** Lighter hypotheses are noise. */
+/** Hypotheses of less weight are noise. */
 const LIKELY = 0.02;
-/** A place of at least this part of the heaviest's weight looks like it. */
+/** A place with at least this share of the heaviest weight looks like the heaviest place. */
 const ALIKE = 0.5;
-/** A chance of being elsewhere that is worth saying. */
+/** Smallest probability of being elsewhere that is shown. */
 const ELSEWHERE = 0.1;
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
 export const RADII_95 = 2.4477;
 /** Tenths of a degree in a radian. */
 const TENTHS = 1800 / Math.PI;
-/** What a number may be above a whole one by its representation alone. */
+/** How far rounding errors alone may lift a number above a whole one. */
 const FUZZ = 1e-6;
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
 
 /**
- * How many places may be the robot's: one that stands out, several that look alike, or none.
+ * Number of places that may be the robot's: one that stands out, several alike ones, or none.
  * @param {Pick<TelemetryMessage, "integrity" | "particles">} telemetry
  * @returns {number}
  */
@@ -31,7 +31,7 @@ export function alike({ integrity: { state }, particles: { hypotheses } }) {
 }
 
 /**
- * The places where the robot may be, heaviest first; none if there is one only, or none at all.
+ * Places where the robot may be, heaviest first; empty if there is only one, or none.
  * @param {TelemetryMessage} telemetry
  * @returns {HypothesisMessage[]}
  */
@@ -42,7 +42,7 @@ export function places(telemetry) {
 }
 
 /**
- * How far the estimate may be relied on, in words.
+ * Say in words how far the estimate can be relied on.
  * @param {Pick<TelemetryMessage, "integrity" | "particles" | "twist">} telemetry
  * @returns {string}
  */
@@ -52,7 +52,7 @@ export function certainty(telemetry) {
   if (state === "certain") return `certain${within}`;
   if (state === "approximate") return radius === null ? "about here, no bound" : `about here${within}`;
   if (state === "ambiguous") return undecided(telemetry);
-  // It looks around while it moves; what it sees from where it stands it has seen.
+  // A robot that stands still sees nothing new: it has to move to find its place.
   const { v, omega } = telemetry.twist;
   if (v === 0 && omega === 0) return `${state}: drive a little`;
   return state === "lost" ? "lost: searching" : "searching";
@@ -69,7 +69,7 @@ function undecided(telemetry) {
   return `${NUMBERS[count] ?? count} places look alike${rest}`;
 }
 
-/** What is claimed, in a sentence. @param {TelemetryMessage["integrity"]} integrity */
+/** The claimed bounds in a sentence. @param {TelemetryMessage["integrity"]} integrity */
 export function claim({ radius, heading_bound: heading }) {
   const limits = [];
   if (radius !== null) limits.push(bound(radius));
@@ -78,7 +78,7 @@ export function claim({ radius, heading_bound: heading }) {
   return `In 99.9 % of pictures the robot is within ${limits.join(" and ")} of the estimate.`;
 }
 
-/** A bound never rounded down. @param {number} metres */
+/** A bound in words, which is never rounded down. @param {number} metres */
 function bound(metres) {
   const step = metres < 0.1 ? 1 : 10;
   return `${plain(Math.ceil((metres * 1000) / step - FUZZ) * step)} mm`;
@@ -87,7 +87,7 @@ function bound(metres) {
 /**
  * The ellipse of a covariance in x and y.
  * @param {number[]} covariance 9 numbers by rows
- * @returns {{sds: [number, number], angle: number}} the longer one [m] first, with its direction
+ * @returns {{sds: [number, number], angle: number}} longer axis first [m], and its direction
  */
 export function ellipse([xx, xy, , , yy]) {
   const mean = (xx + yy) / 2;
@@ -102,6 +102,6 @@ export function ellipse([xx, xy, , , yy]) {
 /** @param {number} weight 0 to 1 */
 export function percent(weight) {
   const whole = Math.round(weight * 100);
-  // What is not certain must not be rounded to it.
+  // A weight below one must not be rounded to 100 %.
   return weight < 1 && whole === 100 ? "> 99 %" : `${whole} %`;
 }

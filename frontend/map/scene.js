@@ -13,10 +13,10 @@ import { alike, places } from "./places.js";
 /** @typedef {import("../page/surface.js").Surface} Surface */
 /** @typedef {import("./view.js").MapView} MapView */
 
-/** A pose that is being pointed out; `spread` [m] where the filter is told how sure it is. */
+/** A pose that the user is pointing out, and the `spread` [m] if it will be sent to the filter. */
 /** @typedef {{pose: PoseMessage, spread: number | null}} Draft */
 
-/** What lies on the map, from the floor up. */
+/** Draws everything on the map, from the floor up. */
 export class Scene {
   paths = new Paths();
   /** @type {TelemetryMessage | null} */
@@ -91,10 +91,10 @@ export class Scene {
     const then = { colour: palette["floor-then"], dash: [9, 3, 2, 3] };
     if (replay?.estimate_then)
       drawing.drawRobot(context, replay.estimate_then, this.#outline, pixel, then);
-    // The arrows of places that look alike say more than a robot at one of them.
+    // If places look alike, their arrows say more than a robot at one of them.
     if (!estimate || count > 1) return;
     if (count === 1) drawing.drawClaim(context, estimate, integrity, pixel);
-    // What is no more than the middle of a cloud all over the field is not drawn like a robot.
+    // The mean of a cloud all over the field is not drawn like a robot.
     const vague = { colour: palette["floor-estimate"], dash: [2, 4] };
     const believed = count > 0 ? { colour: vague.colour, fill: 0.15 } : vague;
     drawing.drawRobot(context, estimate, this.#outline, pixel, believed);

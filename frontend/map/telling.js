@@ -8,13 +8,13 @@ import { Undo } from "./undo.js";
 /** @typedef {import("./numbers.js").NumbersForm} NumbersForm */
 /** @typedef {import("./tools.js").Tool} Tool */
 
-/** Tells the filter where the robot is, or puts the robot elsewhere; the former can be undone. */
+/** Sets the filter's pose, or puts the robot elsewhere; only the first can be undone. */
 export class Telling {
   #undo = new Undo();
   #button = findButton("undo");
 
   /**
-   * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was taken
+   * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
    * @param {() => TelemetryMessage | null} newest
    */
   constructor(order, newest) {
@@ -33,12 +33,12 @@ export class Telling {
     }
   }
 
-  /** The robot may be anywhere. */
+  /** Scatter the filter: the robot may be anywhere. */
   scatter() {
     return this.#believe({ type: "scatter" });
   }
 
-  /** @param {Command} command that changes what the filter believes */
+  /** @param {Command} command changes the filter's belief */
   async #believe(command) {
     const before = this.newest();
     if (await this.order(command)) this.#undo.keep(before);

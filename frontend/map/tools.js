@@ -2,18 +2,18 @@
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {"look" | "set_pose" | "place"} Tool */
 
-/** A drag shorter than this [CSS px] tells no heading. */
+/** A drag shorter than this [CSS px] sets no heading. */
 const SHORTEST = 8;
 
-/** What a press on the map does: nothing, tell a pose, or put the robot; after RViz's pose tool. */
+/** Handles presses on the map: ignore, set the filter's pose, or put the robot; as RViz does. */
 export class PoseTool {
   /** @type {Tool} */
   tool = "look";
-  /** The pose that is being pointed out. @type {PoseMessage | null} */
+  /** The pose that the user is pointing out. @type {PoseMessage | null} */
   draft = null;
 
   /**
-   * @param {() => number} heading the one to keep when none is dragged [rad]
+   * @param {() => number} heading used if the drag sets none [rad]
    * @param {() => number} scale [CSS px/m]
    * @param {(tool: Tool, pose: PoseMessage) => void} finished
    */

@@ -7,10 +7,10 @@ import { wrapAngle } from "../page/format.js";
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 
 const MOST = 20;
-/** The least spread that is told [m, rad]: a cloud without any could not be corrected. */
+/** Smallest spread that is sent [m, rad]: a cloud without spread could not be corrected. */
 const LEAST = 0.001;
 
-/** What the filter believed before it was told otherwise. */
+/** The filter's beliefs before the user changed them. */
 export class Undo {
   /** @type {{estimate: EstimateMessage, odometry: PoseMessage | null}[]} */
   #kept = [];
@@ -26,13 +26,13 @@ export class Undo {
     if (this.#kept.length > MOST) this.#kept.shift();
   }
 
-  /** The robot was carried elsewhere: older beliefs are of no use. */
+  /** Drop all beliefs: after the robot was put elsewhere, they are of no use. */
   clear() {
     this.#kept = [];
   }
 
   /**
-   * The command that restores the last belief, carried on by what odometry counted since.
+   * Return the command that restores the last belief, carried forward by odometry.
    * @param {TelemetryMessage} telemetry @returns {SetPoseCommand | null}
    */
   take(telemetry) {
@@ -54,7 +54,7 @@ export class Undo {
 }
 
 /**
- * The pose, moved as odometry moved from one pose to another.
+ * Return a pose after the same motion as odometry's from one pose to another.
  * @param {PoseMessage} pose
  * @param {PoseMessage} from
  * @param {PoseMessage} to

@@ -1,18 +1,18 @@
 // @ts-check
 
-/** Pixels per metre, outwards and inwards. */
+/** Smallest and largest scale [CSS px/m]. */
 const FARTHEST = 5;
 const NEAREST = 20000;
 const MARGIN = 0.96;
 
-/** What part of the map the canvas shows: the map's centre point and a scale; y points up. */
+/** The part of the map that the canvas shows: a point in the centre and a scale; y points up. */
 export class MapView {
   /** CSS pixels per metre. */
   scale = 300;
   /** The map point in the middle of the canvas [m]. */
   x = 0;
   y = 0;
-  /** The canvas [CSS px]. */
+  /** Size of the canvas [CSS px]. */
   width = 0;
   height = 0;
 
@@ -32,7 +32,7 @@ export class MapView {
     ];
   }
 
-  /** Show a rectangle whole. @param {number[]} extent xmin, ymin, xmax, ymax [m] */
+  /** Show a whole rectangle. @param {number[]} extent xmin, ymin, xmax, ymax [m] */
   fit([xmin, ymin, xmax, ymax]) {
     this.x = (xmin + xmax) / 2;
     this.y = (ymin + ymax) / 2;

@@ -9,7 +9,7 @@
  * @property {boolean} dirty whether there is something new to paint
  */
 
-/** The page's one animation loop: paints what changed, not oftener than useful, and else rests. */
+/** The page's only animation loop: paints what changed, at a limited rate, and otherwise rests. */
 export class DrawLoop {
   /** @type {Painter[]} */
   #painters = [];
@@ -18,7 +18,7 @@ export class DrawLoop {
   /**
    * @param {(now: number) => void} paint called with performance.now() [ms]
    * @param {{visible?: () => boolean, hertz?: number}} [options]
-   * @returns {() => void} to be called when there is something new to paint
+   * @returns {() => void} call it when there is something new to paint
    */
   add(paint, { visible = () => true, hertz = 60 } = {}) {
     /** @type {Painter} */
@@ -43,7 +43,7 @@ export class DrawLoop {
     let waiting = false;
     for (const painter of this.#painters) {
       if (!painter.dirty || !painter.visible()) continue;
-      // Half a frame early is on time: the next chance is a whole frame away.
+      // Half a frame early counts as on time: the next chance is a whole frame later.
       if (now - painter.last < painter.every - 8) waiting = true;
       else this.#paint(painter, now);
     }

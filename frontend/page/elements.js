@@ -1,7 +1,7 @@
 // @ts-check
 
 /**
- * The element of the page with this id, of the class that is expected.
+ * Return the page's element with this id, which must be of the given class.
  * @template {Element} T
  * @param {string} id
  * @param {{new (...args: any[]): T}} kind
@@ -20,7 +20,7 @@ export const findButton = (id) => find(id, HTMLButtonElement);
 export const findInput = (id) => find(id, HTMLInputElement);
 
 /**
- * Write only what changed: setting the same text again costs layout.
+ * Write a text only if it changed: setting the same text again costs layout.
  * @param {Element} element
  * @param {string} text
  */

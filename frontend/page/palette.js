@@ -1,8 +1,8 @@
 // @ts-check
 /**
- * Colours for canvases, from the same custom properties as the page's.
- * Roles: truth, odometry, estimate, rays; "floor" ones lie on the picture of the floor, which is
- * light in both themes.
+ * Colours for canvases, from the same custom properties as the page's colours.
+ * Roles: truth, odometry, estimate, rays. Colours with "floor" are for the picture of the floor,
+ * which is light in both themes.
  */
 const NAMES = /** @type {const} */ ([
   "text",
@@ -32,7 +32,7 @@ const NAMES = /** @type {const} */ ([
 /** @type {Palette} */
 export const palette = /** @type {Palette} */ ({});
 
-/** Read the colours and the text size anew, after the theme changed. */
+/** Read the colours and the text size again after the theme changed. */
 export function refreshPalette() {
   const style = getComputedStyle(document.documentElement);
   for (const name of NAMES) palette[name] = style.getPropertyValue(`--${name}`).trim();

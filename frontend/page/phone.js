@@ -2,12 +2,12 @@
 import { find, findButton } from "./elements.js";
 import { Tabs } from "./tabs.js";
 
-/** As in style/phone.css: one panel at a time where the screen is small either way. */
+/** As in style/phone.css: one panel at a time on a screen of small width or height. */
 const PHONE = matchMedia("(max-width: 640px), (max-height: 500px)");
 
 /**
- * On a phone the panels are tabs and the bar's numbers open on demand; on a wide screen all are
- * there.
+ * On a phone the panels are tabs and the bar's numbers open on demand; a wide screen shows them
+ * all.
  */
 export class PhoneTabs {
   #list = find("tabs", HTMLElement);
@@ -23,7 +23,7 @@ export class PhoneTabs {
     };
   }
 
-  /** Panels are tab panels only where there are tabs. */
+  /** Give panels the role of tab panels only while there are tabs. */
   #name() {
     for (const tab of this.#list.querySelectorAll("button")) {
       const panel = document.getElementById(tab.getAttribute("aria-controls") ?? "");

@@ -2,9 +2,9 @@
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 
 /**
- * `window.brickpose`: what tests from outside may look at. Nothing on the page reads it.
+ * `window.brickpose`: values for tests from outside. Nothing on the page reads it.
  * @typedef {object} Probe
- * @property {TelemetryMessage | null} telemetry the newest
+ * @property {TelemetryMessage | null} telemetry the newest one
  * @property {number[]} delays of the last pictures, from exposure to drawn [ms]
  * @property {boolean} connected whether telemetry comes
  * @property {(x: number, y: number) => [number, number]} mapPixel where a point of the map [m] is

@@ -7,13 +7,13 @@ import { minutes } from "./format.js";
 /** @typedef {import("../messages").ProblemsMessage} ProblemsMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
-/** Telemetry older than this [ms] is no picture of the present. */
+/** Telemetry older than this [ms] does not show the present. */
 const STALE_MS = 1500;
-/** So long [ms] a first connection may take without a word. */
+/** A first connection may take this time [ms] before the page shows a message. */
 const PATIENCE_MS = 3000;
 /** @typedef {import("../messages").HealthMessage} HealthMessage */
 
-/** What is wrong now, in a line under the bar, and the record of what was. */
+/** Present problems in a line under the bar, and the record of past ones. */
 export class Problems {
   #banner = find("banner", HTMLElement);
   #button = findButton("problems");
@@ -23,7 +23,7 @@ export class Problems {
   #known = -1;
   #heard = 0;
   /**
-   * Why there is no news, in the program's own words; null before it was asked.
+   * Why there is no news, in the program's own words; null before the page asked for it.
    * @type {string | null}
    */
   #reason = null;
@@ -61,7 +61,7 @@ export class Problems {
     this.#say();
   }
 
-  /** Whether the picture on the page is of now. */
+  /** Whether the page shows an old state, not the present one. */
   get stale() {
     return this.#link !== "open" || performance.now() - this.#heard > STALE_MS;
   }
@@ -90,7 +90,7 @@ export class Problems {
       const { status, detail } = await getJson("/api/health");
       if (status !== "ok") this.#reason = detail;
     } catch (error) {
-      // A program that has failed answers with why.
+      // A failed program answers with the reason.
       this.#reason = error instanceof HttpError ? error.message : "";
     }
   }

@@ -6,14 +6,14 @@ import { minutes, plain } from "./format.js";
 /** @typedef {import("../messages").RecordingMessage} RecordingMessage */
 /** @typedef {import("./toasts.js").Toasts} Toasts */
 
-/** Records what happens; afterwards there is a link to the file. */
+/** Button that records what happens; afterwards there is a link to the file. */
 export class RecordButton {
   #button = findButton("record");
   #text = find("record-text", HTMLElement);
   #file = find("record-file", HTMLAnchorElement);
   #toasts;
   #running = false;
-  /** What was told of a recording: each thing is said once. @type {string} */
+  /** The last message about a recording: each message is shown once. @type {string} */
   #said = "";
 
   /** @param {(command: Command) => Promise<boolean>} order @param {Toasts} toasts */
@@ -22,7 +22,7 @@ export class RecordButton {
     this.#button.onclick = () => order({ type: "record", on: !this.#running });
   }
 
-  /** @param {boolean} open whether anybody would hear the order */
+  /** @param {boolean} open whether the connection is open */
   enable(open) {
     this.#button.disabled = !open;
   }
@@ -55,9 +55,9 @@ export class RecordButton {
     this.#file.title = `${recording.file}, ${minutes(recording.duration_s)}, ${megabytes(recording)}`;
   }
 
-  /** Why it ended by itself, or what is missing in it. @param {RecordingMessage} recording */
+  /** Show why it ended by itself, or what is missing. @param {RecordingMessage} recording */
   #say(recording) {
-    // How much is missing may grow with each tick.
+    // Numbers are left out: the amount that is missing may grow with each tick.
     const what = `${recording.file} ${recording.running} ${recording.message?.replace(/\d+/g, "")}`;
     if (what === this.#said) return;
     this.#said = what;

@@ -1,6 +1,6 @@
 // @ts-check
 
-/** A canvas that follows its box and the screen's density; its unit is the CSS pixel. */
+/** A canvas that follows its box's size and the screen's density; its unit is the CSS pixel. */
 export class Surface {
   width = 0;
   height = 0;
@@ -8,7 +8,7 @@ export class Surface {
 
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {() => void} [resized] called after each change of size, also from and to hidden
+   * @param {() => void} [resized] called after each change of size, also when shown or hidden
    */
   constructor(canvas, resized = () => {}) {
     this.canvas = canvas;
@@ -19,7 +19,7 @@ export class Surface {
     new ResizeObserver(() => this.#follow()).observe(canvas);
   }
 
-  /** Whether it takes any room on the page. */
+  /** Whether the canvas takes any room on the page. */
   get visible() {
     return this.width > 0 && this.height > 0;
   }
@@ -31,7 +31,7 @@ export class Surface {
     return this.context;
   }
 
-  /** @param {MouseEvent} event @returns {[number, number]} where it happened [CSS px] */
+  /** @param {MouseEvent} event @returns {[number, number]} its position on the canvas [CSS px] */
   locate(event) {
     const box = this.canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];

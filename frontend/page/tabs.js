@@ -1,8 +1,8 @@
 // @ts-check
 
 /**
- * A row of tabs after the ARIA pattern: one is selected, arrows move, only that one is in the tab
- * order.
+ * A row of tabs after the ARIA pattern: one tab is selected, arrow keys select another one, and
+ * only the selected tab is in the tab order.
  */
 export class Tabs {
   /** @type {HTMLButtonElement[]} */

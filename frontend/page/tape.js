@@ -5,14 +5,14 @@ import { millimetres, plain } from "./format.js";
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").ScanMessage} ScanMessage */
 
-/** The middle one of so many pictures is shown: one alone trembles. */
+/** The median over this many pictures is shown: the width in a single picture is noisy. */
 const PICTURES = 15;
-/** Farther from the drawn width than this [m], the camera is not mounted as described. */
+/** With a larger difference from the drawn width [m], the camera is not mounted as described. */
 const MOST_OFF = 0.001;
 
 /**
- * The measured width of the tape: half a degree of pitch that the description does not know of makes
- * it two millimetres wrong, and the ranges six times as much.
+ * The measured width of the tape. If the camera's pitch differs by half a degree from the
+ * description, this width is wrong by two millimetres, and the ranges by six times as much.
  */
 export class TapeHealth {
   #row = find("tape", HTMLElement);
@@ -37,7 +37,7 @@ export class TapeHealth {
     if (this.#widths.length > PICTURES) this.#widths.shift();
   }
 
-  /** Write it; a few times a second is enough. */
+  /** Write the width; a few times a second is enough. */
   show() {
     if (this.#widths.length === 0 || !Number.isFinite(this.#wanted)) return;
     const sorted = [...this.#widths].sort((a, b) => a - b);

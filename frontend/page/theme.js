@@ -4,7 +4,8 @@
 const SYSTEM = matchMedia("(prefers-color-scheme: dark)");
 
 /**
- * Light or dark, small or large text: as the system has it until switched; kept in this browser.
+ * Theme and text size. The system's theme is used until the user switches it; this browser keeps
+ * the choice.
  */
 export class Appearance {
   /** @type {Set<() => void>} */
@@ -42,7 +43,7 @@ export class Appearance {
     try {
       localStorage.setItem(`brickpose.${what}`, value);
     } catch {
-      // Storage is switched off: the choice holds until the page is closed.
+      // Storage is switched off: the choice lasts until the page is closed.
     }
     this.#apply();
   }

@@ -4,7 +4,7 @@ import { make } from "./elements.js";
 const SHOWN_MS = 7000;
 const MOST = 3;
 
-/** Short messages about what was just asked for, at the foot of the page and read aloud. */
+/** Short messages about the last action, at the foot of the page; screen readers read them. */
 export class Toasts {
   /** @param {HTMLElement} list a live region */
   constructor(list) {
@@ -32,7 +32,7 @@ export class Toasts {
 /** @param {unknown} error @returns {string} its message as a sentence */
 export function sentence(error) {
   const text = error instanceof Error ? error.message : String(error);
-  // Names from programs, such as z_rand, keep their spelling.
+  // Names from the program, such as z_rand, keep their spelling.
   const plain = /^[a-z]+[ ,;:']/.test(text);
   const start = plain ? text.charAt(0).toUpperCase() + text.slice(1) : text;
   return /[.!?]$/.test(start) ? start : `${start}.`;

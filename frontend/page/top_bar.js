@@ -9,7 +9,7 @@ import { distance, millimetres, minutes, plain } from "./format.js";
 const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight" };
 const LINKS = { connecting: "connecting", lost: "disconnected" };
 
-/** The slim bar: which robot, how it is, and the few numbers that tell whether all is well. */
+/** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */
 export class TopBar {
   #name = find("robot-name", HTMLElement);
   #state = find("robot-state", HTMLElement);
@@ -24,7 +24,7 @@ export class TopBar {
   /** @param {TelemetryMessage} telemetry @param {number | null} delay exposure to pixel [ms] */
   show(telemetry, delay) {
     const { robot, truth } = telemetry;
-    // Of places that look alike the heaviest is so by chance: there is no one error.
+    // Among places that look alike, the heaviest one is so by chance: no single error is right.
     const estimate = alike(telemetry) < 2 ? telemetry.estimate : null;
     setText(this.#name, robot.name);
     const mode = telemetry.replay ? "replay" : MODES[telemetry.mode];
@@ -37,7 +37,7 @@ export class TopBar {
     setText(this.#delay, delay === null ? "–" : `${plain(delay)} ms`);
   }
 
-  /** @param {LinkState} link what is shown while no telemetry comes */
+  /** @param {LinkState} link is shown while no telemetry comes */
   showLink(link) {
     if (link !== "open") this.#enter(LINKS[link], false);
   }

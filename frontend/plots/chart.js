@@ -17,15 +17,15 @@ import { axisScale } from "./scale.js";
  * @property {Axis} x
  * @property {Axis} y
  * @property {Series[]} series
- * @property {number[]} [levels] dashed lines across, at these y
- * @property {{at: number, label: string}[]} [marks] upright lines at these x
- * @property {number | null} [cursor] the x that is read out
+ * @property {number[]} [levels] dashed horizontal lines at these y
+ * @property {{at: number, label: string}[]} [marks] vertical lines at these x
+ * @property {number | null} [cursor] the x whose values are read out
  */
 
 /**
- * A line chart with axes, ticks and units.
+ * Draw a line chart with axes, ticks and units.
  * @param {Surface} surface @param {Chart} chart
- * @returns {Scale} of x, to find what a pointer is over
+ * @returns {Scale} of x, to find the value under a pointer
  */
 export function drawChart(surface, chart) {
   const context = surface.begin();

@@ -4,11 +4,11 @@ import { distance } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 
-/** What is kept of each moment; NaN where it is not known. */
+/** The numbers kept for each moment; NaN where a number is not known. */
 export const QUANTITIES = /** @type {const} */ ([
   "odometryError", // [mm]
   "estimateError", // [mm]
-  "thenError", // [mm] of what was estimated when it was recorded
+  "thenError", // [mm] of the recorded estimate
   "effective", // particles
   "count", // particles
   "loop", // steps a second
@@ -37,17 +37,17 @@ export class History {
   /**
    * @param {TelemetryMessage} telemetry
    * @param {number | null} delay [ms]
-   * @returns {boolean} whether it was due
+   * @returns {boolean} whether it was added; false too soon after the last one
    */
   add(telemetry, delay) {
     const newest = this.stamps.at(-1) ?? -Infinity;
-    // On its way to another place a replay has nothing to plot yet.
+    // While a replay seeks, it has nothing to plot yet.
     if (typeof telemetry.replay?.catching_up === "number") return false;
     if (telemetry.stamp < newest) this.#drop(this.stamps.length);
     else if (telemetry.stamp < newest + SHORTEST_S) return false;
     this.stamps.push(telemetry.stamp);
     const { truth, odometry, particles, loop } = telemetry;
-    // While places look alike, now one and now another is the likeliest: there is no one error.
+    // While places look alike, the likeliest one keeps changing: no single error is right.
     const estimate = alike(telemetry) < 2 ? telemetry.estimate : null;
     this.values.odometryError.push(truth && odometry ? distance(truth, odometry) * 1000 : NaN);
     this.values.estimateError.push(truth && estimate ? distance(truth, estimate) * 1000 : NaN);
@@ -62,7 +62,7 @@ export class History {
     return true;
   }
 
-  /** Seconds before the newest, as negative numbers. @returns {number[]} */
+  /** Times relative to the newest moment [s], zero or negative. @returns {number[]} */
   ages() {
     const newest = this.stamps.at(-1) ?? 0;
     return this.stamps.map((stamp) => stamp - newest);

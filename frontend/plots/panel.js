@@ -14,7 +14,7 @@ import { roundUp } from "./scale.js";
 /** @typedef {import("./history.js").Quantity} Quantity */
 /**
  * @typedef {{quantity: Quantity, name: string, unit: string, role: ColourName, dash: number[],
- *   digits: number, replayed?: boolean}} Line replayed: only shown on a replay
+ *   digits: number, replayed?: boolean}} Line replayed: only shown in a replay
  */
 
 /** @type {Record<string, {label: string, floor: number, lines: Line[]}>} */
@@ -71,7 +71,7 @@ const PLOTS = {
 const LOG_FLOOR = 0.1;
 
 /**
- * Numbers over the last half minute, one group at a time, with a value read out under the
+ * Plots of the last half minute, one group of numbers at a time; shows the values under the
  * pointer.
  */
 export class PlotsPanel {
@@ -81,7 +81,7 @@ export class PlotsPanel {
   #log = findButton("plots-log");
   #shown = "error";
   #replayed = false;
-  /** @type {number | null} age that is read out [s], negative */
+  /** @type {number | null} age whose values are shown [s], negative */
   #cursor = null;
   /** @type {import("./scale.js").Scale | null} */
   #x = null;
@@ -102,18 +102,18 @@ export class PlotsPanel {
     canvas.addEventListener("keydown", (event) => this.#key(event));
   }
 
-  /** Without the truth there is no error to plot. @param {boolean} known */
+  /** Without the truth there is no error to plot: show particles instead. @param {boolean} known */
   setTruth(known) {
     if (known !== (this.#shown === "error")) this.tabs.select(known ? "error" : "particles");
   }
 
-  /** A replay also has what was estimated then. @param {boolean} replayed */
+  /** A replay also has the recorded estimate. @param {boolean} replayed */
   setReplay(replayed) {
     this.#replayed = replayed;
     this.#choose(this.#shown);
   }
 
-  /** What the plot says, for those who do not see it; written now and then. */
+  /** Describe the plot in words for screen readers; called now and then. */
   describe() {
     const sentences = this.#lines.map((line) => this.#sentence(line));
     setText(this.#text, `Last ${SPAN_S} seconds. ${sentences.join(" ")}`);
@@ -166,7 +166,7 @@ export class PlotsPanel {
     this.#write();
   }
 
-  /** The values beside the names: the newest, or those under the pointer. */
+  /** Write the values beside the names: the newest ones, or those under the pointer. */
   #write() {
     const { stamps, values } = this.history;
     const at = this.#cursor === null ? stamps.length - 1 : this.history.nearest(this.#cursor);

@@ -5,21 +5,21 @@
  * @property {number} low
  * @property {number} high
  * @property {string} label with its unit
- * @property {boolean} [log] by decades; low and high are above zero then
+ * @property {boolean} [log] logarithmic; low and high must then be above zero
  */
 
 /**
  * @typedef {object} Scale
- * @property {(value: number) => number} at where a value lies [CSS px]
- * @property {(pixel: number) => number} value the way back
- * @property {number[]} ticks round values in between
+ * @property {(value: number) => number} at pixel of a value [CSS px]
+ * @property {(pixel: number) => number} value value at a pixel
+ * @property {number[]} ticks round values between low and high
  */
 
 /**
  * @param {Axis} axis
  * @param {number} from pixel of the low end
  * @param {number} to pixel of the high end
- * @param {number} most about so many ticks
+ * @param {number} most about this many ticks
  * @returns {Scale}
  */
 export function axisScale(axis, from, to, most) {
@@ -35,14 +35,14 @@ export function axisScale(axis, from, to, most) {
   };
 }
 
-/** The next 1, 2 or 5 times a power of ten. @param {number} value above zero */
+/** Round up to 1, 2 or 5 times a power of ten. @param {number} value above zero */
 export function roundUp(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
   return ([1, 2, 5].find((one) => one * decade >= value * 0.999999) ?? 10) * decade;
 }
 
 /**
- * Steps that end on the high end where there are such.
+ * Ticks at round steps; the last tick is at the high end if a step allows it.
  * @param {number} low
  * @param {number} high
  * @param {number} most

@@ -6,12 +6,12 @@ import { minutes, plain } from "../page/format.js";
 /** @typedef {import("../messages").ReplayMessage} ReplayMessage */
 /** @typedef {Omit<Extract<Command, {type: "replay"}>, "type" | "id">} Wish */
 
-/** While the slider is dragged, a place is asked for so often [ms]. */
+/** Shortest interval between seeks while the slider is dragged [ms]. */
 const SCRUB_MS = 80;
-/** So long after the last touch the slider stays where it was put [ms], while the answer comes. */
+/** After the last touch the slider keeps its position this long [ms], until the answer comes. */
 const SETTLED_MS = 600;
 
-/** The bar of a replay: pause, pictures, time and speed. */
+/** The bar of a replay: pause, steps by picture, time and speed. */
 export class ReplayBar {
   /** Whether this is a replay. */
   shown = false;
@@ -22,7 +22,7 @@ export class ReplayBar {
   #speed = find("replay-speed", HTMLSelectElement);
   /** @type {ReplayMessage | null} */
   #now = null;
-  /** Whether it played before the slider was taken; null while nobody holds it. */
+  /** Whether the replay played before the slider was held; null while nobody holds it. */
   /** @type {boolean | null} */
   #played = null;
   #touched = -Infinity;
@@ -30,7 +30,7 @@ export class ReplayBar {
   /** @type {ReturnType<typeof setTimeout> | undefined} */
   #timer;
 
-  /** @param {(command: Command) => Promise<boolean>} order sends; tells whether it was taken */
+  /** @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted */
   constructor(order) {
     this.order = order;
     this.#play.onclick = () => this.toggle();
@@ -43,7 +43,7 @@ export class ReplayBar {
 
   /**
    * @param {ReplayMessage | null} replay
-   * @returns {boolean} whether it has become a replay, or is none any more
+   * @returns {boolean} whether a replay has begun or ended
    */
   show(replay) {
     const changed = this.shown !== (replay !== null);
@@ -58,7 +58,7 @@ export class ReplayBar {
     if (this.#now) this.#ask({ paused: !this.#now.paused });
   }
 
-  /** @param {number} pictures on, or back */
+  /** @param {number} pictures forward, or back if negative */
   step(pictures) {
     this.#ask({ step: pictures });
   }
@@ -79,7 +79,7 @@ export class ReplayBar {
     this.#writeSpeed(speed);
   }
 
-  /** @param {number} speed which may be none of those on offer */
+  /** @param {number} speed which may be missing among the options */
   #writeSpeed(speed) {
     const value = String(speed);
     if (document.activeElement === this.#speed || this.#speed.value === value) return;
@@ -89,7 +89,7 @@ export class ReplayBar {
     this.#speed.value = value;
   }
 
-  /** Pause while the slider moves, and go where it is, not oftener than is useful. */
+  /** Pause while the slider moves, and seek its position at a limited rate. */
   #scrub() {
     this.#played ??= this.#now ? !this.#now.paused : false;
     this.#touched = performance.now();
@@ -105,7 +105,7 @@ export class ReplayBar {
     this.#ask({ position_s: this.#slider.valueAsNumber, paused: true });
   }
 
-  /** The slider is let go: there it goes on as before. */
+  /** Seek the position where the slider was released, and play on if it played before. */
   #release() {
     clearTimeout(this.#timer);
     const paused = this.#played !== true;
@@ -120,7 +120,7 @@ export class ReplayBar {
   }
 }
 
-/** @param {number} seconds with tenths, as pictures are closer together than seconds */
+/** @param {number} seconds shown with tenths, as pictures are less than a second apart */
 function clock(seconds) {
   const tenths = Math.floor(seconds * 10 + 1e-6) / 10;
   return `${minutes(tenths)}.${Math.floor(tenths * 10 + 1e-6) % 10}`;

@@ -3,11 +3,11 @@ import { ownsKey, take, typesText } from "../drive/keys.js";
 
 /** @typedef {import("./bar.js").ReplayBar} ReplayBar */
 
-/** What keys do on a replay, where nothing is driven: pictures to go on, or back. */
+/** Steps in pictures by key: a replay is not driven, so these keys are free. */
 /** @type {Record<string, number>} */
 const STEPS = { Comma: -1, ArrowLeft: -1, Period: 1, ArrowRight: 1 };
 
-/** Space pauses; comma and full stop, or the arrows, go from picture to picture. */
+/** Space pauses or plays; comma and full stop, or the arrows, go from picture to picture. */
 export class ReplayKeys {
   /** @param {ReplayBar} bar */
   constructor(bar) {
@@ -15,7 +15,7 @@ export class ReplayKeys {
     this.listen(window);
   }
 
-  /** Also hear the keys of another window, such as the 3D view's frame. @param {Window} target */
+  /** Take keys from another window, too, such as the 3D view's frame. @param {Window} target */
   listen(target) {
     target.addEventListener("keydown", (event) => this.#down(event), { capture: true });
     target.addEventListener("keyup", (event) => this.#up(event), { capture: true });
@@ -29,7 +29,7 @@ export class ReplayKeys {
     else if (!event.repeat) this.bar.toggle();
   }
 
-  /** A button that has the focus must not be pressed, too. @param {KeyboardEvent} event */
+  /** Keep space from also pressing the button with the focus. @param {KeyboardEvent} event */
   #up(event) {
     if (event.code === "Space" && this.#minds(event)) take(event);
   }

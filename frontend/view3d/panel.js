@@ -8,10 +8,10 @@ import { calm, findWebGl } from "./webgl.js";
 /** @typedef {import("../page/theme.js").Appearance} Appearance */
 /** @typedef {import("../messages").ShowCommand["layer"]} Layer */
 
-/** Where the eye stands, in sizes of the field from its middle. */
+/** Position of the view's camera from the field's centre, in sizes of the field. */
 const EYE = [-0.34, -0.48, 0.52];
 const LATER_MS = 500;
-/** viser's own notices and, in a narrow frame, its controls would lie over the scene. */
+/** Hides viser's notices and, in a narrow frame, its controls: they would cover the scene. */
 const QUIET =
   ".mantine-Notifications-root, #root .mantine-Paper-root { display: none !important; }";
 
@@ -30,7 +30,7 @@ export class View3d {
 
   /**
    * @param {Appearance} appearance @param {(command: Command) => Promise<boolean>} order
-   * @param {(target: Window) => void} listen gets the frame's window, whose keys would else be lost
+   * @param {(target: Window) => void} listen gets the frame's window, whose keys miss the page
    */
   constructor(appearance, order, listen) {
     this.appearance = appearance;
@@ -56,14 +56,14 @@ export class View3d {
   /** @param {FieldMessage} field */
   setField(field) {
     this.#theme = "";
-    // viser's start is heavy: what the page itself shows comes first.
+    // viser is slow to start, so the page's own panels come first.
     setTimeout(() => {
       this.#field = field;
       this.#load();
     }, LATER_MS);
   }
 
-  /** The switches follow what all viewers see. @param {TelemetryMessage} telemetry */
+  /** Set the switches to the layers that all viewers share. @param {TelemetryMessage} telemetry */
   describe({ hidden_layers: hidden }) {
     if (!hidden) return;
     for (const button of this.#buttons) {

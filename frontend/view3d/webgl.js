@@ -1,8 +1,8 @@
 // @ts-check
 
-/** Names under which browsers draw WebGL on the processor. */
+/** Renderer names of browsers that draw WebGL on the processor. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
-/** A scene without a graphics card gets a fifth of the time, between these pauses [ms]. */
+/** Without a graphics card, the pause is this multiple of the drawing time, within limits [ms]. */
 const SHARE = 5;
 const SHORTEST_MS = 250;
 const LONGEST_MS = 2000;
@@ -21,7 +21,7 @@ export function findWebGl() {
 
 /**
  * Let a frame draw only now and then. It shares one thread with the page, and a scene that is drawn
- * on the processor would take all of it: pictures then came more than a second late.
+ * on the processor would take all of its time: camera pictures came more than a second late.
  * @param {Window} target
  */
 export function calm(target) {
@@ -47,7 +47,7 @@ export function calm(target) {
 }
 
 /**
- * How long a drawing that was just asked for keeps the page from its own.
+ * Measure how long a drawing that was just requested delays the page's own drawing.
  * @param {(cost: number) => void} told [ms]
  */
 function measure(told) {

@@ -1,7 +1,7 @@
 // @ts-check
 /**
- * Waiting times between attempts: doubling, with some chance so that viewers do not come at
- * once.
+ * Waiting times between attempts: they double, and vary at random so that viewers do not all come
+ * at the same time.
  */
 export class Backoff {
   #attempts = 0;

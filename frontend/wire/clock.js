@@ -2,16 +2,16 @@
 
 /** How long a measurement of the clocks counts [ms]: the robot's clock may run slower than ours. */
 const KEPT_MS = 12000;
-/** The stamp in an answer is known no better [ms]. */
+/** Accuracy of the stamp in an answer [ms]. */
 const SLACK_MS = 20;
 
 /** @typedef {{offset: number, trip: number, at: number}} Sample offset [s], trip and at [ms] */
 
 /**
- * The robot's clock seen from here, lined up by the answers to commands.
+ * The robot's clock as estimated here, from the answers to commands.
  *
- * An answer's stamp was written some time between sending and receiving; the answer that came back
- * fastest bounds the error best (as NTP does): offset = stamp - (sent + received) / 2.
+ * An answer's stamp was written some time between sending and receiving. As in NTP, the answer that
+ * came back fastest bounds the error best: offset = stamp - (sent + received) / 2.
  */
 export class RobotClock {
   /** @type {Sample[]} */
@@ -32,7 +32,7 @@ export class RobotClock {
     this.#samples = [...kept, sample].slice(-60);
   }
 
-  /** Forget all: another robot, or the same one started anew. */
+  /** Forget all measurements: it may be another robot, or the same one after a restart. */
   reset() {
     this.#samples = [];
   }
@@ -49,8 +49,8 @@ export class RobotClock {
 }
 
 /**
- * Whether two measurements can both be right. When not, the robot's clock has stood still in
- * between, as a simulation does that cannot keep up, and the older one is of no use.
+ * Whether two measurements can both be right. If not, the robot's clock stood still in between, as
+ * in a simulation that is slower than real time, and the older measurement is of no use.
  * @param {Sample} a
  * @param {Sample} b
  */

@@ -13,16 +13,16 @@ import { RobotClock } from "./clock.js";
  */
 
 const PING_EVERY_MS = 2000;
-/** After so many pings without any message the line is taken for dead. */
+/** After this many pings without any message, the connection counts as lost. */
 const MOST_SILENT = 3;
 const ANSWER_MS = 10000;
-/** Commands are held back while so many bytes wait: an old drive command is worse than none. */
+/** Drive commands are dropped while more bytes wait: an old drive command is worse than none. */
 const FULL_BYTES = 4096;
 
 /** A command was refused, or never answered. */
 export class CommandError extends Error {}
 
-/** The line to the robot: telemetry in, commands out; comes back by itself when it breaks. */
+/** The connection to the robot: telemetry in, commands out; it reconnects by itself. */
 export class Connection {
   clock = new RobotClock();
   /** @type {LinkState} */
@@ -34,7 +34,7 @@ export class Connection {
   #heard = 0;
   #nextId = 1;
   /**
-   * Pings since the last message; counted, not timed, as this page itself may be busy or asleep.
+   * Pings since the last message; a count, not a time, as this page itself may be busy or asleep.
    */
   #silent = 0;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -51,7 +51,7 @@ export class Connection {
     this.address = new URL(path, location.href.replace(/^http/, "ws")).href;
   }
 
-  /** Connect, and stay connected for as long as the page is there. */
+  /** Connect, and stay connected as long as the page exists. */
   start() {
     setInterval(() => this.#watch(), PING_EVERY_MS);
     addEventListener("online", () => this.#hurry());
@@ -72,7 +72,7 @@ export class Connection {
   /**
    * Send a command and wait for its answer.
    * @param {Command} command
-   * @returns {Promise<AckMessage>} fails with a CommandError that says why in plain words
+   * @returns {Promise<AckMessage>} rejects with a CommandError that says why in plain words
    */
   send(command) {
     return new Promise((resolve, reject) => {
@@ -83,7 +83,7 @@ export class Connection {
   }
 
   /**
-   * Send a command whose answer nobody waits for, such as the renewal of a drive command.
+   * Send a command without waiting for its answer, such as the renewal of a drive command.
    * @param {Command} command
    * @param {Waiting} [waiting]
    * @returns {boolean} whether it was sent
@@ -161,7 +161,7 @@ export class Connection {
     socket.close();
   }
 
-  /** No answer is an answer too. */
+  /** Reject commands that were not answered in time. */
   #giveUp() {
     for (const [id, waiting] of this.#waiting) {
       if (performance.now() - waiting.sent < ANSWER_MS) continue;
@@ -170,7 +170,7 @@ export class Connection {
     }
   }
 
-  /** Try at once: the network is back, or somebody looks. */
+  /** Connect at once, as the network is back or somebody looks at the page. */
   #hurry() {
     if (this.#socket || document.hidden) return;
     clearTimeout(this.#retry);

@@ -1,6 +1,6 @@
 // @ts-check
 
-/** The server answered, but not with what was asked for. */
+/** The server answered with an error status. */
 export class HttpError extends Error {}
 
 /**
@@ -14,7 +14,7 @@ export async function getJson(address) {
   return answer.json();
 }
 
-/** @param {Response} answer @returns {Promise<string>} FastAPI's own words where there are any */
+/** @param {Response} answer @returns {Promise<string>} FastAPI's own words, if there are any */
 async function reason(answer) {
   const text = await answer.text();
   try {

@@ -1,1 +1,1 @@
-"""The Build HAT as its firmware behaves: bytes in, bytes out, motors turning in between."""
+"""Emulation of the Build HAT and its firmware: bytes in, bytes out, and motors that turn."""

@@ -1,7 +1,7 @@
-"""The Build HAT's bootloader: it takes a firmware over the serial line and starts it.
+"""The Build HAT's bootloader: it receives a firmware over the serial line and starts it.
 
-It always echoes, and its prompt ends no line, so that a reader of lines finds it glued to the echo
-of the next command. What it prints is printed with its spelling mistakes.
+It always echoes. No line end follows its prompt, so a client that reads lines finds the prompt
+directly before the echo of the next command. The real bootloader's spelling mistakes are kept.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from sim.hat.language.words import CommandError, Words
 from sim.hat.upload import Stage, Upload
 
 VERSION = "1631704133 2021-09-15T12:08:53+01:00"
-"""What boards in the field say."""
+"""The version that real boards report."""
 
 PROMPT = "BHBL> "
 MAX_IMAGE = 245_760
@@ -21,10 +21,11 @@ SIGNATURE_LENGTH = 64
 MAX_LINE = 256
 
 START_UP = 0.01
-"""After the start, a byte that came meanwhile is dropped every so often, until none is left [s]."""
+"""Period of the start-up [s]. At the end of each period, one byte received meanwhile is dropped;
+the start-up ends when there is none left."""
 
 RING = 4096
-"""Size of its input ring; one place of it always stays empty."""
+"""Size of its input ring buffer; one byte of it always stays empty."""
 
 BEFORE_JUMP = 0.1
 """Time between ``Rebooting...`` and the first instruction of the firmware [s]."""
@@ -32,7 +33,7 @@ BEFORE_JUMP = 0.1
 CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
 
 COMMANDS = ("help", "?", "load", "signature", "clear", "verify", "reboot", "version")
-"""The first one that a word begins is meant: ``v`` is verify."""
+"""A shortened word means the first command that begins with it: ``v`` is verify."""
 
 HELP = (
     "help, ?                   this list",
@@ -45,14 +46,14 @@ HELP = (
 )
 
 PUBLIC_KEY = hashlib.sha512(b"no key: the emulated board accepts any signature").digest()
-"""Opaque bytes in the place of the board's key."""
+"""Arbitrary bytes instead of the board's key."""
 
 Work = Generator[None, None, None]
-"""A line being executed; it pauses while an upload or a reboot is under way."""
+"""Execution of a line; it pauses during an upload or a reboot."""
 
 
 def checksum(data: bytes) -> int:
-    """The 32-bit checksum that ``load`` compares; of nothing it is 1."""
+    """Return the 32-bit checksum that ``load`` compares; for no bytes it is 1."""
     register = 1
     for byte in data:
         register <<= 1
@@ -63,15 +64,15 @@ def checksum(data: bytes) -> int:
 
 
 class Bootloader:
-    """Bytes in one by one, text out through ``put``; the caller lets time pass by ``tick``.
+    """Takes bytes one by one, and writes text through ``put``; ``tick`` makes time pass.
 
-    A signature is not verified, which takes the key's owner: any one that was taken is good.
+    A signature is not verified, because that needs the owner's key: any signature is accepted.
     """
 
     def __init__(self, put: Callable[[bytes], None]) -> None:
-        """Start it: its greeting is put at once."""
+        """Start it: it writes its greeting at once."""
         self.rebooted = False
-        """The firmware has been started; the bootloader has ended."""
+        """Whether the firmware has been started, so the bootloader has ended."""
         self.image = b""
         self.signature = b""
         self._put = put
@@ -86,7 +87,7 @@ class Bootloader:
         self._put(PROMPT.encode())
 
     def receive(self, byte: int) -> None:
-        """One byte has come over the line."""
+        """Take one byte from the line."""
         if self._starting:
             self._spurious = min(self._spurious + 1, RING - 1)
         elif self._upload is not None:
@@ -96,7 +97,7 @@ class Bootloader:
             self._edit(byte)
 
     def tick(self, seconds: float) -> None:
-        """Let time pass [s]: an upload may run into its time-out, a reboot may be done."""
+        """Let time pass [s]: an upload may time out, and a reboot may finish."""
         if self._upload is not None:
             self._upload.tick(seconds)
             self._look_at_upload(self._upload)
@@ -133,7 +134,7 @@ class Bootloader:
             self._put(bytes([byte]))
 
     def _go_on(self) -> None:
-        """Carry the work on until it has to wait again or is done."""
+        """Continue the work until it has to wait again or is done."""
         assert self._work is not None
         try:
             next(self._work)
@@ -164,7 +165,7 @@ class Bootloader:
             self._answer(name)
 
     def _answer(self, name: str) -> None:
-        """The commands that are done at once."""
+        """Execute a command that is done at once."""
         if name == "clear":
             self.image = b""
         elif name == "verify":

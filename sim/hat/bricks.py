@@ -1,4 +1,4 @@
-"""A driver on an emulated board in time of its own: no thread, no port, no clock on the wall."""
+"""A driver on an emulated board, in simulated time: without threads, ports or a real clock."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from sim.hat.emulated_board import EmulatedBoard
 
 MEDIUM = 0x30
 DRIFTS = (0.004, -0.007, 0.002, -0.003)
-"""The motors' clocks are their own."""
+"""Drift of each motor's own clock against the board's, by port."""
 
 TICK_MS = 10
 """How often the serial link calls the driver."""
@@ -30,17 +30,17 @@ TICK_MS = 10
 
 @dataclass
 class Bricks:
-    """Two motors on an emulated board, and the driver; both live by the board's clock."""
+    """Two motors on an emulated board, and the driver; both use the board's clock."""
 
     settings: BuildHatSettings = field(default_factory=BuildHatSettings)
     types: tuple[int, ...] = (MEDIUM, MEDIUM)
-    """What is plugged in at ports A, B, ..."""
+    """Types of the motors at ports A, B, ..."""
     wirings: Sequence[Wiring] | None = None
-    """The joints; by default the wheels of the robot."""
+    """Joints of the driver; None: the wheels of the robot."""
     plants: FreeMotors = field(default_factory=FreeMotors)
     warm: bool = True
     phase_ms: int = 3
-    """When, within a hundredth of a second of the board's, the driver is called."""
+    """Millisecond, within each 10 ms of the board's clock, at which the driver is called."""
 
     def __post_init__(self) -> None:
         self.spec = RobotSpec.load()
@@ -58,11 +58,11 @@ class Bricks:
         wirings = self.wirings or self.spec.joints
         self.board = Board(wirings, self.settings, BringUp(FirmwareImage.installed))
         self.wanted: Array | None = None
-        """What the program asks for, every 20 ms; None: it hangs."""
+        """Joint velocities that the program commands every 20 ms; None: the program hangs."""
         self.alive = True
         """Whether the driver is called."""
         self.sent = self.received = 0
-        """Bytes to the board and from it."""
+        """Number of bytes to the board and from it."""
         self._ms = 0
         self._send(self.board.opened(self.now))
 
@@ -72,15 +72,15 @@ class Bricks:
         return self.emulated.now
 
     def motor(self, port: int) -> FreeMotor:
-        """The motor that turns at a port."""
+        """Return the motor at a port."""
         return self.plants.plant(port)
 
     def speeds(self) -> Array:
-        """Of the shafts [degree/s], as the motors count."""
+        """Return the speeds of the shafts [degree/s], in the motors' own direction."""
         return np.array([self.motor(port).speed for port in self.devices])
 
     def run(self, seconds: float) -> Array:
-        """Let time pass; returns time, both speeds and both angles (n, 5), a row a millisecond."""
+        """Let time pass; return time, both speeds and both angles (n, 5), one row a millisecond."""
         rows = []
         for _ in range(round(1000 * seconds)):
             self._step()
@@ -89,10 +89,10 @@ class Bricks:
         return np.array(rows)
 
     def until(self, condition: Callable[[], bool], seconds: float = 20.0) -> float:
-        """Let time pass until a condition holds; returns how long that took [s].
+        """Let time pass until a condition holds; return how long that took [s].
 
         Raises:
-            TimeoutError: it did not within so many seconds.
+            TimeoutError: the condition did not hold within ``seconds``.
         """
         begin = self.now
         while not condition():
@@ -102,7 +102,7 @@ class Bricks:
         return self.now - begin
 
     def robot(self, camera: Camera) -> BuildHat:
-        """The whole robot; time passes while it waits for its next reading."""
+        """Return the whole robot; time passes while it waits for its next reading."""
         return BuildHat(self.spec, self.board, Wire(self), camera, lambda: self.now, self.wait)
 
     def wait(self, seconds: float) -> None:
@@ -115,7 +115,7 @@ class Bricks:
         return self.board.state(self.now).ready
 
     def stands(self) -> bool:
-        """Whether no shaft turns."""
+        """Whether no shaft turns faster than 1 degree/s."""
         return bool(np.abs(self.speeds()).max() < 1)
 
     def _step(self) -> None:
@@ -149,10 +149,10 @@ class Wire:
         self._bricks = bricks
 
     def start(self) -> None:
-        """The board has been open from the start."""
+        """Do nothing: the board is open from the start."""
 
     def close(self) -> None:
-        """Stop the motors, and call the driver no more."""
+        """Stop the motors, and end the calls of the driver."""
         if self._bricks.alive:
             self._bricks.alive = False
             self._bricks.emulated.receive(self._bricks.board.farewell())

@@ -1,4 +1,4 @@
-"""A Build HAT without the board: bytes in, bytes out, on a clock of its own."""
+"""Emulated Build HAT: bytes in, bytes out, with its own clock."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from sim.hat.processor import VERSION, Processor
 from sim.hat.transmitter import Receiver, Transmitter
 
 TICK = 0.001
-"""Shortest time in which anything happens [s]."""
+"""Time step of the emulation [s]."""
 
 
 class BoardError(ValueError):
-    """The board was asked for something that it does not have."""
+    """The board does not have what was asked for."""
 
 
 class EmulatedBoard:
-    """The board with what is plugged in; it keeps its state when the host comes and goes.
+    """The board with its plugged-in devices; it keeps its state when the host disconnects.
 
-    Time passes only in ``advance``, in whole milliseconds; parts of them wait for the next time.
+    Time passes only in ``advance``, in whole milliseconds; the rest is kept for the next call.
     """
 
     def __init__(
@@ -40,12 +40,12 @@ class EmulatedBoard:
         """Switch it on.
 
         Args:
-            plants: what its motor drivers turn.
-            devices: what is plugged in, by port 0..3.
-            warm: its firmware runs and knows the devices; otherwise its bootloader waits.
-            version: of the firmware that runs.
-            supply_v: [V].
-            seed: for ``garble``, ``garble_in`` and ``loss``.
+            plants: the motors that its drivers turn.
+            devices: the plugged-in devices, by port 0..3.
+            warm: True: its firmware runs and knows the devices; False: its bootloader waits.
+            version: version of the firmware that runs.
+            supply_v: supply voltage [V].
+            seed: seed of ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
             BoardError: a port outside 0..3.
@@ -61,7 +61,7 @@ class EmulatedBoard:
         self._power = Power()
         self.supply_v = supply_v
         self.silent = False
-        """Nothing leaves it and nothing is heard."""
+        """Whether the serial line is dead in both directions."""
         self._devices: dict[int, Device] = {}
         self._driven: list[int | None] = [None] * PORTS
         self._processor = Processor(self._transmitter, self._power, self._devices)
@@ -72,12 +72,12 @@ class EmulatedBoard:
 
     @property
     def now(self) -> float:
-        """Its own clock [s]."""
+        """Time of the board's own clock [s]."""
         return self._ticks * TICK + self._rest
 
     @property
     def supply_v(self) -> float:
-        """What it is supplied with [V]."""
+        """Supply voltage of the board [V]."""
         return self._power.supply_v
 
     @supply_v.setter
@@ -87,7 +87,7 @@ class EmulatedBoard:
 
     @property
     def motor_fault(self) -> bool:
-        """The motor drivers' common fault line is low."""
+        """Whether the motor drivers' common fault line is low."""
         return self._power.motor_fault
 
     @motor_fault.setter
@@ -96,7 +96,7 @@ class EmulatedBoard:
 
     @property
     def port_fault(self) -> bool:
-        """The devices' 3.3 V is overloaded."""
+        """Whether the devices' 3.3 V supply is overloaded."""
         return self._power.port_fault
 
     @port_fault.setter
@@ -105,7 +105,7 @@ class EmulatedBoard:
 
     @property
     def garble(self) -> float:
-        """Probability that a byte on its way out is lost, doubled, zeroed or changed by a bit."""
+        """Probability that an outgoing byte is lost, doubled, zeroed or changed by one bit."""
         return self._noise.probability
 
     @garble.setter
@@ -114,7 +114,7 @@ class EmulatedBoard:
 
     @property
     def garble_in(self) -> float:
-        """Probability of the same for a byte on its way in."""
+        """Probability that an incoming byte is lost, doubled, zeroed or changed by one bit."""
         return self._noise_in.probability
 
     @garble_in.setter
@@ -123,7 +123,7 @@ class EmulatedBoard:
 
     @property
     def loss(self) -> float:
-        """Probability that a byte on its way in is lost, as in an upload on a busy processor."""
+        """Probability that an incoming byte is lost, as in an upload on a busy processor."""
         return self._loss.probability
 
     @loss.setter
@@ -138,7 +138,7 @@ class EmulatedBoard:
 
     @property
     def devices(self) -> Mapping[int, Device]:
-        """What is plugged in, by port."""
+        """The plugged-in devices, by port."""
         return self._devices
 
     @property
@@ -147,7 +147,7 @@ class EmulatedBoard:
         return self._processor.firmware is None
 
     def duty(self, port: int) -> float | None:
-        """What a port's driver puts out now, -1..1; None: it is switched off.
+        """Return the output of a port's driver, -1..1; None: it is switched off.
 
         Raises:
             BoardError: a port outside 0..3.
@@ -157,7 +157,7 @@ class EmulatedBoard:
         return None if firmware is None else firmware.ports[port].bridge.duty
 
     def plug(self, port: int, device: Device) -> None:
-        """Plug a device in, in the place of any other; it gets power and starts.
+        """Plug a device in, replacing any other; it gets power and starts.
 
         Raises:
             BoardError: a port outside 0..3.
@@ -169,7 +169,7 @@ class EmulatedBoard:
             self._processor.firmware.plug(port, device)
 
     def unplug(self, port: int) -> None:
-        """Take away what is plugged in, if anything is; the motor runs out.
+        """Unplug the device at a port, if there is one; its motor coasts.
 
         Raises:
             BoardError: a port outside 0..3.
@@ -181,18 +181,18 @@ class EmulatedBoard:
         self._drive()
 
     def reset(self) -> None:
-        """A pulse on the RESET pin: the firmware is gone, the motors run out, devices lose power.
+        """Pulse the RESET pin: the firmware is lost, the motors coast, the devices lose power.
 
-        What waited in the board to be sent is lost with it.
+        Output that waits in the board is also lost.
         """
         self._processor.reset()
         self._drive()
 
     def setup_fails(self, port: int, how: SetupFault | str) -> None:
-        """The next introduction of a device on a port fails: "framing", "checksum", "silence".
+        """Make the next setup of a device on a port fail: "framing", "checksum" or "silence".
 
         Raises:
-            BoardError: another way of failing, a port outside 0..3, or no firmware that runs.
+            BoardError: an unknown fault, a port outside 0..3, or no firmware runs.
         """
         _check(port)
         names = {fault.name.lower(): fault for fault in SetupFault}
@@ -202,16 +202,16 @@ class EmulatedBoard:
         self._firmware_that_runs.fail_setup(port, fault)
 
     def data_fails(self, port: int, framing: int = 0, checksum: int = 6) -> None:
-        """So many errors come in a device's data; more than five end the connection.
+        """Set the numbers of errors in a device's data; more than five in total disconnect it.
 
         Raises:
-            BoardError: a port outside 0..3, or no firmware that runs.
+            BoardError: a port outside 0..3, or no firmware runs.
         """
         _check(port)
         self._firmware_that_runs.fail_data(port, framing, checksum)
 
     def late(self, milliseconds: int) -> None:
-        """The firmware's next pass takes so long; above 2 ms it tells so afterwards.
+        """Set the duration of the firmware's next pass; above 2 ms the firmware reports it.
 
         Raises:
             BoardError: less than 1 ms.
@@ -221,22 +221,22 @@ class EmulatedBoard:
         self._processor.stall(milliseconds)
 
     def interject(self, text: str) -> None:
-        """Let the firmware print something out of turn, as it does on an error of its inner bus."""
+        """Print a text at once, as the firmware does on an error of its inner bus."""
         self._transmitter.put(text.encode())
 
     def receive(self, data: bytes) -> None:
-        """The host has just written this; it arrives byte by byte while time passes."""
+        """Take what the host writes; it arrives byte by byte while time passes."""
         self._receiver.put(data)
 
     def advance(self, seconds: float) -> bytes:
-        """Let time pass [s]; returns the bytes that have left the board meanwhile.
+        """Let time pass [s]; return the bytes that have left the board meanwhile.
 
         Raises:
-            BoardError: time does not run backwards.
+            BoardError: the time is negative.
         """
         if not seconds >= 0:
             raise BoardError(f"{seconds} s cannot pass; valid is 0 or more")
-        # A hair, so that ten times 0.1 ms are one.
+        # The small term makes ten steps of 0.1 ms one tick, in spite of rounding.
         ticks = int((self._rest + seconds) / TICK + 1e-6)
         self._rest = max(self._rest + seconds - ticks * TICK, 0.0)
         left = b"".join([self._tick() for _ in range(ticks)])
@@ -259,7 +259,7 @@ class EmulatedBoard:
         return self._processor.firmware
 
     def _drive(self) -> None:
-        """Hand the drivers' outputs to what is really there to be turned."""
+        """Pass the drivers' outputs to the motors; a port without a device drives nothing."""
         firmware = self._processor.firmware
         for port in range(PORTS):
             steps = None

@@ -14,19 +14,19 @@ from sim.hat.language.session import TRACE_CONTROLLERS, TRACE_PAYLOADS, Session
 from sim.hat.language.terminal import Terminal
 
 DRIVE_PERIOD = 10
-"""Between two runs of the controllers; those of all ports run together [ms]."""
+"""Time between two runs of the controllers [ms]; those of all ports run together."""
 
 LATE = 2
-"""A pass of the main loop after more than this is told [ms]."""
+"""The firmware reports a pass of the main loop that takes longer than this [ms]."""
 
 RECEIVE_RING = 8191
-"""What waits to be read, at most [bytes]."""
+"""Capacity of the receive buffer [bytes]."""
 
 STARTED = 225
-"""When the main loop begins [ms]."""
+"""Time at which the main loop begins [ms]."""
 
 DROPPED_UNTIL = 11
-"""What is received before is dropped [ms]."""
+"""Bytes received up to this time are dropped [ms]."""
 
 START = (
     (1, "\r\nType help <RETURN> for help\r\n"),
@@ -36,16 +36,16 @@ START = (
     (220, "Reading driver dumps: after port_initdriver(): 0123\r\n"),
     (225, "Done initialising ports\r\n"),
 )
-"""What the firmware prints after its start, and when [ms]."""
+"""Times after the start [ms] and what the firmware prints at them."""
 
 
 def version_text(version: int) -> str:
-    """A version, which is the time of its making [s since 1970], with its date."""
+    """Return a version, which is its build time [s since 1970], followed by its date."""
     return f"{version} {datetime.fromtimestamp(version, UTC).isoformat()}"
 
 
 class Firmware:
-    """Bytes in by ``receive``, text out by ``write``; time passes in ``passed``."""
+    """Takes bytes by ``receive``, writes text by ``write``; time passes in ``passed``."""
 
     def __init__(
         self,
@@ -55,14 +55,14 @@ class Firmware:
         version: str,
         signature: bytes,
     ) -> None:
-        """At its first instruction.
+        """Begin at the first instruction.
 
         Args:
             write: queues text for the host.
             has_room: whether that queue is less than half full.
             power: the board's supply and fault lines.
-            version: number and date, as it tells them.
-            signature: of the image (64).
+            version: number and date of the version, as the firmware prints them.
+            signature: signature of the image (64 bytes).
         """
         self._write = write
         self._now = 0
@@ -81,38 +81,43 @@ class Firmware:
         self._traces: Sequence[Writer] = tuple(self._tracer(port.number) for port in self.ports)
 
     def skip_start(self) -> None:
-        """It has been running for long, and knows all devices that are plugged in."""
+        """Continue as if it had run for long: it knows all plugged-in devices."""
         self._now = STARTED
         for connection in self._connections:
             connection.meet()
 
     @property
     def lights(self) -> int:
-        """Bit 0: the orange one is on; bit 1: the green one."""
+        """Bit 0: the orange light is on; bit 1: the green light is on."""
         return light(self._session.light_mode, self._power.millivolts)
 
     def plug(self, port: int, device: Device) -> None:
-        """A device is there, powered."""
+        """Add a device, with power, at a port."""
         self._connections[port].plug(device)
 
     def unplug(self, port: int) -> None:
-        """Nothing is there."""
+        """Remove the device at a port."""
         self._connections[port].unplug()
 
     def fail_setup(self, port: int, fault: SetupFault) -> None:
-        """The next device on a port fails to introduce itself."""
+        """Make the setup of the next device on a port fail."""
         self._connections[port].fail_setup(fault)
 
     def fail_data(self, port: int, framing: int, checksum: int) -> None:
-        """Errors come in the data of the device on a port."""
+        """Set the numbers of errors in the data of the device on a port."""
         self._connections[port].fail_data(framing, checksum)
 
     def receive(self, data: bytes) -> None:
-        """Bytes that have come over the line; they are looked at when time passes."""
+        """Take bytes from the line; they are processed when time passes."""
         self._heard += data[: max(RECEIVE_RING - len(self._heard), 0)]
 
     def passed(self, milliseconds: int, seconds: float) -> None:
-        """One pass of the main loop, so much after the last one; ``seconds``: the board's clock."""
+        """Run one pass of the main loop.
+
+        Args:
+            milliseconds: time since the last pass.
+            seconds: time of the board's clock.
+        """
         before, self._now = self._now, self._now + milliseconds
         if before < STARTED:
             self._start(before)

@@ -1,4 +1,4 @@
-"""A bad line: bytes on their way are lost, doubled, zeroed or changed by a bit."""
+"""Noise on a serial line: bytes are lost, doubled, zeroed or changed by one bit."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import random
 
 
 class Noise:
-    """Seeded, so that the same run has the same faults."""
+    """Adds random faults to bytes; the same seed gives the same faults."""
 
     def __init__(self, seed: int, kinds: int = 4) -> None:
-        """Only the first so many ``kinds`` of faults: lost, doubled, zeroed, changed by a bit."""
+        """Use the first ``kinds`` kinds of faults of: lost, doubled, zeroed, changed by one bit."""
         self._kinds = kinds
         self.probability = 0.0
-        """Of a fault in each byte."""
+        """Probability of a fault in each byte."""
         self._random = random.Random(seed)
 
     def over(self, data: bytes) -> bytes:
-        """What arrives of bytes."""
+        """Return what arrives when bytes are sent."""
         if self.probability <= 0:
             return data
         return b"".join(self._byte(byte) for byte in data)

@@ -1,4 +1,4 @@
-"""The board's processor: it runs the bootloader, or the firmware that this was given."""
+"""The board's processor: it runs the bootloader, or the firmware that the bootloader received."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from sim.hat.main_loop import Firmware, version_text
 from sim.hat.transmitter import Transmitter
 
 VERSION = 1737564117
-"""The firmware that this one is after."""
+"""Version of the firmware that is emulated."""
 
 PASS = 0.001
-"""Shortest time in which anything happens [s]."""
+"""Time step of the emulation [s]."""
 
 VERSION_IN_IMAGE = re.compile(rb"\d{10} \d{4}-\d\d-\d\dT[0-9:]{8}\+00:00")
 
 
 class Processor:
-    """Bytes in, text to the transmitter; it starts in the bootloader."""
+    """Takes bytes, writes text to the transmitter, and starts in the bootloader."""
 
     def __init__(
         self, transmitter: Transmitter, power: Power, devices: Mapping[int, Device]
@@ -30,9 +30,9 @@ class Processor:
         """Start.
 
         Args:
-            transmitter: where everything that it prints goes.
+            transmitter: takes everything that the processor prints.
             power: the board's supply and fault lines.
-            devices: what is plugged in, by port, at any time.
+            devices: the plugged-in devices by port; the board keeps it up to date.
         """
         self._transmitter = transmitter
         self._power = power
@@ -40,24 +40,24 @@ class Processor:
         self.reset()
 
     def reset(self) -> None:
-        """Back to the bootloader; what waited to be sent is lost, like the firmware."""
+        """Return to the bootloader; the firmware and all queued output are lost."""
         self.firmware: Firmware | None = None
         self._stall = self._stalled = 0
         self._transmitter.clear()
         self._bootloader = Bootloader(self._transmitter.put)
 
     def run_warm(self, version: int) -> None:
-        """A firmware that was loaded long ago, and knows the devices."""
+        """Run a firmware that was loaded long ago and knows the devices."""
         self._transmitter.clear()
         signature = hashlib.sha512(str(version).encode()).digest()
         self._run(version_text(version), signature).skip_start()
 
     def stall(self, milliseconds: int) -> None:
-        """The next pass of the firmware's main loop takes so long."""
+        """Set the duration of the next pass of the firmware's main loop."""
         self._stall = milliseconds
 
     def passed(self, heard: bytes, seconds: float) -> None:
-        """A millisecond later, with the bytes that came in it; ``seconds``: the board's clock."""
+        """Advance by 1 ms, with the bytes received in it; ``seconds``: the board's clock."""
         if self.firmware is None:
             self._load(heard)
             return
@@ -80,7 +80,7 @@ class Processor:
             )
 
     def _run(self, version: str, signature: bytes) -> Firmware:
-        """Start a firmware; it switches the devices' supply off and on."""
+        """Start a firmware, which switches the devices' supply off and on."""
         self.firmware = Firmware(self._write, self._has_room, self._power, version, signature)
         for port, device in self._devices.items():
             device.power_up()
@@ -88,7 +88,7 @@ class Processor:
         return self.firmware
 
     def _write(self, text: str) -> None:
-        # Echoed bytes need not be characters; they leave as they came.
+        # Echoed bytes may not be valid UTF-8; they are sent as they were received.
         self._transmitter.put(text.encode("utf-8", "surrogateescape"))
 
     def _has_room(self) -> bool:

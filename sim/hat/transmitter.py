@@ -1,60 +1,60 @@
-"""The serial line's two directions at 115200 baud: a byte takes 86.8 us, and rings fill up."""
+"""The two directions of the serial line at 115200 baud: a byte takes 86.8 us; buffers can fill."""
 
 from __future__ import annotations
 
 BYTES_PER_SECOND = 11_520.0
-"""115200 baud with a start and a stop bit to every eight."""
+"""115200 baud, with a start and a stop bit for every eight bits."""
 
 RING = 8192
-"""Size of the firmware's output ring; one place of it always stays empty."""
+"""Size of the firmware's output ring buffer; one byte of it always stays empty."""
 
 
 class _Wire:
-    """Lets queued bytes through one after the other; the first one takes its time too."""
+    """Sends queued bytes one after the other; the first byte also takes its time."""
 
     def __init__(self) -> None:
         self._queue = bytearray()
         self._passed = 0.0
-        """How much of the byte that is under way has passed."""
+        """Share of the current byte that has been sent."""
 
     def __len__(self) -> int:
         return len(self._queue)
 
     def put(self, data: bytes) -> None:
-        """Queue bytes behind those that wait."""
+        """Add bytes to the end of the queue."""
         self._queue += data
 
     def advance(self, seconds: float) -> bytes:
-        """Let time pass [s]; returns the bytes that have passed whole."""
+        """Let time pass [s]; return the bytes that have been sent completely."""
         if not self._queue:
             return b""
         self._passed += seconds * BYTES_PER_SECOND
-        # Steps that add up to a byte shall pass it, whatever their rounding errors.
+        # The small term lets steps that add up to a byte send it, in spite of rounding.
         count = min(int(self._passed + 1e-6), len(self._queue))
         passed = bytes(self._queue[:count])
         del self._queue[:count]
-        # An idle line saves nothing up for later.
+        # Idle time does not count for later bytes.
         self._passed = self._passed - count if self._queue else 0.0
         return passed
 
     def clear(self) -> None:
-        """Lose everything that waits or is under way."""
+        """Drop all queued bytes, and the byte that is being sent."""
         self._queue.clear()
         self._passed = 0.0
 
 
 class Transmitter(_Wire):
-    """Board to host: what does not fit into the ring is lost, byte by byte, without a notice."""
+    """Board to host: bytes that do not fit into the ring buffer are lost without notice."""
 
     def put(self, data: bytes) -> None:
-        """Queue as much of it as the ring has room for."""
+        """Queue as many of the bytes as the ring buffer has room for."""
         super().put(data[: max(RING - 1 - len(self), 0)])
 
     @property
     def more_than_half_full(self) -> bool:
-        """Whether reports have to wait."""
+        """Whether the buffer is at least half full, so that reports have to wait."""
         return len(self) >= RING // 2
 
 
 class Receiver(_Wire):
-    """Host to board: what the host wrote waits, in its own buffers, for its turn on the line."""
+    """Host to board: bytes that the host wrote wait in the host's buffers until they are sent."""

@@ -1,4 +1,4 @@
-"""How the bootloader takes bytes that are no command: STX, exactly so many of them, ETX."""
+"""Upload to the bootloader: STX, exactly the announced number of bytes, ETX."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from enum import Enum, auto
 STX, ETX = 0x02, 0x03
 
 TIME_OUT = 1.0
-"""How long a byte that is due may stay away [s]; more than this is too long."""
+"""The upload fails after waiting longer than this for the next byte [s]."""
 
 
 class Stage(Enum):
-    """What an upload waits for."""
+    """State of an upload: what it waits for, or how it ended."""
 
     START = auto()
     DATA = auto()
@@ -21,10 +21,10 @@ class Stage(Enum):
 
 
 class Upload:
-    """One payload under way; ``data`` is whole when ``stage`` is COMPLETE.
+    """One upload; ``data`` is complete when ``stage`` is COMPLETE.
 
-    Anything before STX is skipped, and so is anything between the last byte and ETX; neither
-    keeps the time from running out.
+    Bytes before STX, and between the last byte of data and ETX, are skipped; they do not extend
+    the time-out.
     """
 
     def __init__(self, length: int) -> None:
@@ -34,7 +34,7 @@ class Upload:
         self._waited = 0.0
 
     def receive(self, byte: int) -> None:
-        """The next byte from the line."""
+        """Take the next byte from the line."""
         if self.stage is Stage.START and byte == STX:
             self._go_on(Stage.DATA if self._length else Stage.END)
         elif self.stage is Stage.DATA:
@@ -46,7 +46,7 @@ class Upload:
     def tick(self, seconds: float) -> None:
         """Let time pass [s]."""
         self._waited += seconds
-        # Ticks of a millisecond add up to a hair more or less than the whole.
+        # The small term allows for the rounding of added milliseconds.
         if self._waited > TIME_OUT + 1e-6:
             self.stage = Stage.TIMED_OUT
 

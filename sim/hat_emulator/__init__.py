@@ -1,1 +1,1 @@
-"""The emulated Build HAT as a program: a serial port, real time, wheels with forces, pictures."""
+"""The emulated Build HAT as a program: serial port, real time, wheels with forces, pictures."""

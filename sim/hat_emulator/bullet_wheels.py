@@ -1,4 +1,4 @@
-"""The wheels of the world with forces, as the board's drivers turn them: LEGO motors on axles."""
+"""LEGO motors on the wheels of the world with forces, driven by the board's drivers."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figure
 from sim.hat.devices.plants import FreeMotors, PlantError
 
 BLOCKED = 100.0
-"""Torque that holds a blocked shaft [N m]: far more than any motor has."""
+"""Friction torque of a blocked shaft [N m]: far more than any motor's torque."""
 
 
 class WheelMotor:
     """A motor on a wheel's axle; a ``Plant``.
 
-    Its shaft feels ``(gain V - w) / s`` while its driver is on, with s the slope of the
-    torque-speed line, nothing while it coasts, and always the friction. The rotor's inertia is
-    ``tau / s``, so that a free motor follows with the time constant tau. That part of the torque
-    which speeds up the wheel and the robot is worked out by the physics.
+    While the driver is on, the torque on the shaft is ``(gain V - w) / s``, where s is the slope of
+    the torque-speed line; while the motor coasts, it is 0. Friction always acts. The rotor's
+    inertia is ``tau / s``, so that a free motor has the time constant tau. The physics computes how
+    the torque accelerates rotor, wheel and robot.
     """
 
     def __init__(self, figures: MotorFigures, direction: int) -> None:
         self.figures = figures
         self.angle = 0.0
-        """[deg], clockwise is positive."""
+        """Angle of the shaft [deg], clockwise is positive."""
         self.speed = 0.0
-        """[deg/s]"""
+        """Speed of the shaft [deg/s]."""
         self.duty: float | None = None
         self.stalled = False
-        """Something blocks the wheel."""
+        """Whether something blocks the wheel."""
         self.load = 0.0
         """Torque [N m] that turns the shaft anticlockwise."""
         self._direction = direction
@@ -43,26 +43,26 @@ class WheelMotor:
 
     @property
     def inertia(self) -> float:
-        """Of the rotor, as seen at the shaft [kg m^2]."""
+        """Inertia of the rotor, as seen at the shaft [kg m^2]."""
         return self.figures.time_constant / math.radians(self.figures.speed_per_torque)
 
     @property
     def friction(self) -> float:
-        """Coulomb friction [N m]."""
+        """Coulomb friction [N m]; it also holds a blocked wheel."""
         return BLOCKED if self.stalled else self.figures.friction
 
     def drive(self, duty: float | None) -> None:
-        """The driver puts out this part of its voltage from now on, -1..1; see ``Plant``.
+        """Set the share of its voltage that the driver puts out, -1..1; see ``Plant``.
 
         Raises:
-            PlantError: outside -1..1, or not a number.
+            PlantError: the duty is outside -1..1, or not a number.
         """
         if duty is not None and not -1 <= duty <= 1:
             raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
         self.duty = duty
 
     def torque(self, supply_v: float) -> float:
-        """Torque on the joint [N m], positive forward, without the friction."""
+        """Return the torque on the joint [N m], positive forward, without the friction."""
         torque = -self.load
         if self.duty is not None:
             free_speed = self._gain * supply_v * self.duty
@@ -70,19 +70,19 @@ class WheelMotor:
         return self._direction * torque
 
     def follow(self, position: float, velocity: float) -> None:
-        """The joint is at a position [rad] and has a velocity [rad/s]."""
+        """Set angle and speed from the joint's position [rad] and velocity [rad/s]."""
         self.angle = self._direction * math.degrees(position)
         self.speed = self._direction * math.degrees(velocity)
 
 
 def unwatched(current: float) -> None:
-    """Nobody looks after a step."""
+    """Do nothing after a step."""
 
 
 class BulletWheels:
-    """Motors on the wheels of a world, free ones at the other ports; ``Plants``.
+    """Motors on the wheels of a world, and free motors at the other ports; ``Plants``.
 
-    The physics goes on by its own steps, whenever one is due.
+    The physics has its own step time; it makes a step whenever one is due.
     """
 
     def __init__(
@@ -95,14 +95,14 @@ class BulletWheels:
         """Put motors on a world that was made from ``spec``.
 
         Args:
-            figures: of the motors by port, 0 to 3; where none is given, what ``spec`` names.
+            figures: figures of the motors by port, 0 to 3; the default is the motor in ``spec``.
             watch: called with the time that has passed [s] after each step of the physics.
         """
         figures = dict(figures or {})
         for joint in spec.joints:
             figures.setdefault(PORTS.index(joint.port), figures_described(joint.motor))
         self.now = 0.0
-        """Time that has passed for the physics [s]."""
+        """Time of the physics [s]."""
         self._world = world
         self._watch = watch
         self._due = 0.0
@@ -121,7 +121,7 @@ class BulletWheels:
 
     @property
     def supply_v(self) -> float:
-        """What the board is supplied with [V]."""
+        """Supply voltage of the board [V]."""
         return self._supply_v
 
     @supply_v.setter
@@ -129,7 +129,7 @@ class BulletWheels:
         self._supply_v = self._free.supply_v = volts
 
     def plant(self, port: int) -> Plant:
-        """The motor at a port.
+        """Return the motor at a port.
 
         Raises:
             PlantError: a port outside 0..3.

@@ -1,4 +1,4 @@
-"""The camera of the emulated robot: what it exposes when, while the world goes on."""
+"""Camera of the emulated robot: it exposes pictures while the world moves."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sim.world import World
 
 
 class CameraFeed:
-    """Looks at the world after each of its steps and hands over what was exposed."""
+    """Records the world's pose after each step, and hands over each exposed shot."""
 
     def __init__(
         self,
@@ -27,8 +27,8 @@ class CameraFeed:
         """
         Args:
             readout: time from the first row's exposure to the last row's [s].
-            wall: from the world's time [s] to CLOCK_MONOTONIC [s].
-            take: gets each shot, as soon as its last row was exposed.
+            wall: converts the world's time [s] to CLOCK_MONOTONIC [s].
+            take: called with each shot, as soon as its last row is exposed.
         """
         self._world = world
         self._settings = settings
@@ -38,7 +38,7 @@ class CameraFeed:
         self._take = take
 
     def look(self, current: float) -> None:
-        """The world has made a step, to ``current`` [s] by its own time."""
+        """Record the world after a step to ``current`` [s] of its time; hand over a due shot."""
         self._past.remember(current, self._world.pose, self._world.twist)
         exposed = self._exposures.newest(current - self._exposures.until_read)
         if exposed is None:
@@ -48,6 +48,6 @@ class CameraFeed:
         self._take(Shot(stamp, self._wall(exposed + self._exposures.until_here), pose, twist))
 
     def moved(self, current: float) -> None:
-        """The robot was put elsewhere by hand: pictures under way are lost."""
+        """Forget the past, since the robot was placed elsewhere: unfinished pictures are lost."""
         self._past.forget()
         self._exposures.skip(current)

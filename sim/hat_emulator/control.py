@@ -1,4 +1,4 @@
-"""What a person's hands can do to the board, and what can be looked at: commands of one line."""
+"""One-line commands that act on the board like a person's hands, or show its state."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from sim.hat_emulator.emulator import Emulator
 
 
 class ControlError(ValueError):
-    """A command that cannot be; says what is valid."""
+    """A command is not valid; the message says what is."""
 
 
 @runtime_checkable
 class Turnable(Protocol):
-    """A motor whose shaft can be touched."""
+    """A motor whose shaft can be blocked and loaded."""
 
     stalled: bool
-    """Something blocks it."""
+    """Whether something blocks it."""
     load: float
     """Torque [N m] that turns it anticlockwise."""
 
 
 @dataclass(frozen=True)
 class Command:
-    """One of the commands."""
+    """A command: its arguments and its action."""
 
     arguments: str
-    """As ``help`` shows them."""
+    """Its arguments, as ``help`` shows them."""
     counts: Collection[int]
-    """How many arguments are valid."""
+    """Valid numbers of arguments."""
     do: Callable[[list[str]], str]
-    """Does it and returns the answer."""
+    """Executes it with the arguments, and returns the answer."""
 
 
 class Control:
-    """Answers lines; each answer is a line, "ok" or what was asked for or "error: ..."."""
+    """Answers command lines; each answer is one line: "ok", the requested data or "error: ..."."""
 
     def __init__(self, emulator: Emulator) -> None:
         self._emulator = emulator
@@ -75,7 +75,7 @@ class Control:
         }
 
     def answer(self, line: str) -> str:
-        """Do what a line says; blank-separated words."""
+        """Execute a line of words separated by blanks; return the answer."""
         try:
             return self._do(line.split())
         except ValueError as error:
@@ -184,7 +184,7 @@ class Control:
         return "ok"
 
     def _say(self, words: list[str]) -> str:
-        """Errors of the inner bus, ``<like this>``, end no line."""
+        """Print a text; errors of the inner bus, ``<like this>``, have no line end."""
         text = " ".join(words)
         self._emulator.board.interject(text if text.endswith(">") else f"{text}\r\n")
         return "ok"
@@ -228,7 +228,7 @@ class Control:
 
     def _motor(self, word: str) -> Turnable:
         motor = self._emulator.surroundings.plants.plant(_port(word))
-        assert isinstance(motor, Turnable)  # all that are put together here are
+        assert isinstance(motor, Turnable)  # true of all plants in the emulator
         return motor
 
 

@@ -1,4 +1,4 @@
-"""The emulated board with its devices, its surroundings and the loop that keeps it to the clock."""
+"""The emulated board with its devices, its surroundings and the loop that runs it in real time."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ from sim.hat_emulator.real_time import RealTimeBoard
 from sim.hat_emulator.surroundings import Surroundings
 
 GREETING = 0.05
-"""A bootloader that has just started greets and is deaf for so long [s]; here that is over."""
+"""How long a bootloader is deaf after its start, while it greets [s]; the emulator skips this."""
 
 LARGEST_DRIFT = 0.01
-"""How much faster or slower the motors' clocks are than the board's. Nobody measured it; but two
-clocks are never equal, and reports by the one of samples by the other are then of every age."""
+"""Largest drift of the motors' clocks against the board's, as a share. It was not measured. But two
+clocks are never equal, so the board's reports contain samples of every age."""
 
 
 @dataclass(frozen=True)
 class Beginning:
-    """What the emulator starts with."""
+    """State in which the emulator starts."""
 
     warm: bool = True
-    """The firmware runs and knows the devices; else the bootloader waits for an image."""
+    """True: the firmware runs and knows the devices; False: the bootloader waits for an image."""
     version: int = VERSION
-    """Of the firmware that runs."""
+    """Version of the firmware that runs."""
     seed: int = 0
-    """Of marks on motors, their sampling and garbled bytes."""
+    """Seed of the motors' marks, sampling times and clock drifts, and of garbled bytes."""
 
 
 class Emulator:
-    """A Build HAT that lives by the clock on the wall."""
+    """Emulated Build HAT that runs in real time."""
 
     def __init__(
         self,
@@ -64,10 +64,10 @@ class Emulator:
             self.board.advance(GREETING)
         self.loop = RealTimeBoard(self.board, terminal, clock)
         self.unplugged: dict[int, Device] = {}
-        """What was taken away last, by port."""
+        """The device that was unplugged last, by port."""
 
     def motor(self, port: int, figures: MotorFigures) -> LegoMotor:
-        """A motor that turns what is at a port; each port's has a mark at another angle."""
+        """Return a motor on the shaft at a port; its mark is at another angle for each port."""
         plant = self.surroundings.plants.plant(port)
         return LegoMotor(
             figures.type_id,
@@ -78,11 +78,11 @@ class Emulator:
         )
 
     def wall(self, stamp: float) -> float:
-        """From the time of the surroundings [s] to that of the clock on the wall [s]."""
+        """Convert a time of the surroundings [s] to a time of the real clock [s]."""
         return self.loop.wall(stamp - self._started)
 
     def restart(self, version: int) -> None:
-        """Another board with the same devices, on which another version of the firmware runs."""
+        """Replace the board: the same devices, but another version of the firmware runs."""
         self.board.reset()
         self._started += self.board.now
         self.board = self._new_board(dict(self.board.devices), version, warm=True)

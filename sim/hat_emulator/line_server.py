@@ -1,4 +1,4 @@
-"""Lines of text in, one line of answer each: from a socket in the file system, from a terminal."""
+"""Answers each line of text with one line: on a Unix socket, and on standard input."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ from typing import Any, Protocol
 from sim.hat_emulator.unix_sockets import listen, stop_listening
 
 LONGEST_LINE = 4096
-"""Bytes; who sends more without a line end is let go."""
+"""Longest line [bytes]; a client that sends more without a line end is disconnected."""
 
 
 class Loop(Protocol):
-    """Something that waits for inputs."""
+    """Event loop that waits for inputs."""
 
     def listen(self, source: Any, answer: Callable[[], None]) -> None:
-        """Call ``answer`` whenever there is something to read."""
+        """Call ``answer`` whenever ``source`` has something to read."""
         ...
 
     def forget(self, source: Any) -> None:
-        """Listen no more."""
+        """Stop listening to ``source``."""
         ...
 
 
 class Lines:
-    """Puts lines together and answers them."""
+    """Splits received bytes into lines and answers them."""
 
     def __init__(self, answer: Callable[[str], str]) -> None:
         self._answer = answer
         self._begun = b""
 
     def feed(self, data: bytes) -> bytes:
-        """Answers to what lines have become whole.
+        """Take bytes; return the answers to the lines that are now complete.
 
         Raises:
             ValueError: a line is too long.
@@ -48,13 +48,13 @@ class Lines:
 
 
 class LineServer:
-    """Any number of programs may connect, one after the other or at once."""
+    """Server of lines; any number of programs may connect, also at the same time."""
 
     def __init__(self, path: Path, answer: Callable[[str], str], loop: Loop) -> None:
         """Listen at ``path``.
 
         Raises:
-            SocketError: nothing can listen there.
+            SocketError: it cannot listen there.
         """
         self._answer = answer
         self._loop = loop
@@ -63,7 +63,7 @@ class LineServer:
         loop.listen(self._listening, self._welcome)
 
     def close(self) -> None:
-        """Let everybody go and take the socket away; may be called twice."""
+        """Close all connections and remove the socket; may be called twice."""
         if self._listening is None:
             return
         for connection in list(self._talking):
@@ -74,7 +74,7 @@ class LineServer:
 
     def _welcome(self) -> None:
         assert self._listening is not None
-        with suppress(BlockingIOError):  # it went away again
+        with suppress(BlockingIOError):  # the client has gone again
             connection, _ = self._listening.accept()
             connection.setblocking(False)
             lines = Lines(self._answer)
@@ -85,7 +85,7 @@ class LineServer:
         try:
             data = connection.recv(LONGEST_LINE)
             if data:
-                # A program that does not read its answers has lost them: nothing waits here.
+                # A client that does not read its answers is disconnected: nothing is queued here.
                 connection.sendall(lines.feed(data))
                 return
         except (OSError, ValueError):
@@ -104,7 +104,7 @@ class TypedLines:
     def __init__(
         self, source: int, answer: Callable[[str], str], loop: Loop, say: Callable[[str], None]
     ) -> None:
-        """``source`` is a descriptor, 0 for standard input."""
+        """Read from ``source``, a file descriptor; 0 is standard input."""
         self._source = source
         self._lines = Lines(answer)
         self._loop = loop
@@ -118,7 +118,7 @@ class TypedLines:
         except (OSError, ValueError):
             data = b""
         if not data:
-            # Nobody types any more; the emulator goes on.
+            # The input has ended; the emulator goes on.
             self._loop.forget(self._source)
             return
         if answers:

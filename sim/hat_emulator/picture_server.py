@@ -1,6 +1,6 @@
-"""Pictures of the robot's camera for other programs, through a socket in the file system.
+"""Serves pictures of the robot's camera to other programs, on a Unix socket.
 
-The form of a picture on the wire is that of ``robot.cameras.picture_socket``.
+The format of a picture on the wire is that of ``robot.cameras.picture_socket``.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ JOIN_TIMEOUT = 5.0
 """How long the thread may take to end [s]."""
 
 ROOM = 1 << 20
-"""Bytes that the system may hold for a reader: a picture and more."""
+"""Size of the system's send buffer for a reader [bytes]: more than a picture."""
 
 
 class PictureServerError(RuntimeError):
-    """Pictures ended by an error, or would not end."""
+    """The server's thread has failed, or does not end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """A picture that was exposed and is to be worked out."""
+    """A picture that was exposed and is not yet computed."""
 
     stamp: float
-    """What the picture is stamped with [s], by CLOCK_MONOTONIC."""
+    """Stamp of the picture [s], by CLOCK_MONOTONIC."""
     due: float
-    """When it is in memory [s], by CLOCK_MONOTONIC."""
+    """Time at which it is in memory [s], by CLOCK_MONOTONIC."""
     pose: Pose2
     """True pose in the map at the middle of the exposure."""
     twist: Twist2
@@ -46,28 +46,29 @@ class Shot:
 
 @dataclass(eq=False)
 class _Reader:
-    """A program that takes pictures."""
+    """A program that reads pictures."""
 
     socket: socket.socket
     number: int = 0
-    """Of the picture that was sent last."""
+    """Number of the picture that was sent last."""
     left: memoryview = field(default=memoryview(b""))
-    """What is still to be sent of it."""
+    """The part of it that is not sent yet."""
 
 
 class PictureServer:
-    """Works out the newest shot and sends it to every reader that has read its last one.
+    """Computes the newest shot and sends it to every reader that has read its last picture.
 
-    A slow reader misses pictures and delays none. Nothing is worked out while nobody reads.
+    A slow reader misses pictures but does not delay other readers. Without readers, no picture is
+    computed.
     """
 
     def __init__(
         self, path: Path, camera: FloorCamera, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        """Listen at ``path``; ``start`` it then.
+        """Listen at ``path``; call ``start`` to serve.
 
         Raises:
-            SocketError: nothing can listen there.
+            SocketError: it cannot listen there.
         """
         self._listening = listen(path)
         self._camera = camera
@@ -81,7 +82,7 @@ class PictureServer:
         self._readers: list[_Reader] = []
         self._shots: deque[Shot] = deque(maxlen=1)
         self._pictures: deque[tuple[float, bytes]] = deque()
-        """When they are due, and what is sent; they are still under way."""
+        """Due times and bytes of pictures that are computed but not due yet."""
         self._number = 0
         self._newest = memoryview(b"")
         self._ended = threading.Event()
@@ -93,7 +94,7 @@ class PictureServer:
         self._thread.start()
 
     def take(self, shot: Shot) -> None:
-        """Send this picture when it is due, unless a newer one comes before it is worked out.
+        """Send this picture when it is due, unless a newer one comes before it is computed.
 
         Raises:
             PictureServerError: serving has failed.
@@ -104,7 +105,7 @@ class PictureServer:
         self._ring()
 
     def close(self) -> None:
-        """End it and take the socket away; may be called twice.
+        """Stop the server and remove the socket; may be called twice.
 
         Raises:
             PictureServerError: the thread does not end.
@@ -125,14 +126,14 @@ class PictureServer:
         stop_listening(self._listening)
 
     def _ring(self) -> None:
-        with suppress(BlockingIOError):  # it rings already
+        with suppress(BlockingIOError):  # the thread is already notified
             self._bell.send(b"!")
 
     def _run(self) -> None:
         try:
             while not self._ended.is_set():
                 self._turn()
-        except Exception as error:  # told by the next call of take()
+        except Exception as error:  # raised by the next call of take()
             self._failure = error
 
     def _turn(self) -> None:
@@ -150,7 +151,7 @@ class PictureServer:
             self._send_out(self._pictures.popleft()[1])
 
     def _expose(self, shot: Shot) -> None:
-        """Work out a picture, if there is anybody to see it."""
+        """Compute a picture, if there is a reader."""
         if self._readers:
             image = self._camera.picture(shot.pose, shot.twist)
             header = HEADER.pack(MARK, shot.stamp, *(*image.shape, 1)[:3])
@@ -167,17 +168,17 @@ class PictureServer:
                 self._serve(reader)
 
     def _welcome(self) -> None:
-        with suppress(BlockingIOError):  # it went away again
+        with suppress(BlockingIOError):  # the reader has gone again
             connection, _ = self._listening.accept()
             connection.setblocking(False)
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, ROOM)
-            # Only pictures of from now on.
+            # Send only pictures from now on.
             reader = _Reader(connection, self._number)
             self._readers.append(reader)
             self._selector.register(connection, selectors.EVENT_READ, reader)
 
     def _serve(self, reader: _Reader) -> None:
-        """Send as much as there is room for; a reader that is gone, or talks, is let go."""
+        """Send as much as there is room for; drop a reader that has gone."""
         try:
             if self._has_gone(reader):
                 self._dismiss(reader)

@@ -1,4 +1,4 @@
-"""A serial port without a wire: one end is a device that programs open, the other is ours."""
+"""Serial port without a wire: programs open one end as a device, the other end is ours."""
 
 from __future__ import annotations
 
@@ -8,25 +8,26 @@ from contextlib import suppress
 from pathlib import Path
 
 CHUNK = 4096
-"""Bytes that are read at once."""
+"""Most bytes in one read."""
 
 
 class TerminalError(OSError):
-    """The serial port cannot be made under the name that was asked for."""
+    """The serial port cannot be created under the requested name, or it is closed."""
 
 
 class PseudoTerminal:
-    """Our end of it. It never waits: what nobody reads is dropped, as a board's full buffer does.
+    """Our end of a pseudo-terminal; it never waits.
 
-    It is raw from the start: an echo, or a line end made from another, would garble the language.
-    The device stays open here as well, else our end would be an error between two programs.
+    Bytes that nobody reads are dropped, as a board with a full buffer does. The terminal is raw
+    from the start: an echo or a converted line end would garble the commands. The device also
+    stays open here; otherwise our end would fail between two programs.
     """
 
     def __init__(self, link: Path | None = None) -> None:
-        """Make it, and a symbolic link to the device if a name is given.
+        """Create it, and a symbolic link to the device if a name is given.
 
         Raises:
-            TerminalError: there is something else than a link under that name, or no such folder.
+            TerminalError: the name is in use and is not a link, or its folder does not exist.
         """
         self._end: int | None
         self._end, self._device = os.openpty()
@@ -44,11 +45,11 @@ class PseudoTerminal:
 
     @property
     def name(self) -> str:
-        """What to open: the link, or else the device."""
+        """Path to open: the link if there is one, else the device."""
         return self.device if self._link is None else str(self._link)
 
     def fileno(self) -> int:
-        """For ``select``.
+        """Return the descriptor of our end, for ``select``.
 
         Raises:
             TerminalError: it is closed.
@@ -58,13 +59,13 @@ class PseudoTerminal:
         return self._end
 
     def read(self) -> bytes:
-        """What a program wrote since; empty when nothing."""
+        """Return what a program has written since the last read; empty if nothing."""
         with suppress(BlockingIOError):
             return os.read(self.fileno(), CHUNK)
         return b""
 
     def write(self, data: bytes) -> int:
-        """Hand bytes to whoever reads; returns how many there was room for."""
+        """Write bytes for a reader; return how many there was room for."""
         if not data:
             return 0
         with suppress(BlockingIOError):
@@ -72,7 +73,7 @@ class PseudoTerminal:
         return 0
 
     def close(self) -> None:
-        """Take the port and its link away; may be called twice."""
+        """Close the port and remove its link; may be called twice."""
         if self._end is None:
             return
         self._drop_link()
@@ -92,7 +93,7 @@ class PseudoTerminal:
         self._link = link
 
     def _drop_link(self) -> None:
-        """Only our own: another program may have put its own there since."""
+        """Remove the link if it is ours: another program may have put its own there since."""
         link = self._link
         if link is not None and link.is_symlink() and str(link.readlink()) == self.device:
             link.unlink()

@@ -1,4 +1,4 @@
-"""Lets an emulated board live by the clock on the wall, between a serial port and other inputs."""
+"""Runs an emulated board in real time, and serves its serial port and other inputs."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any, Protocol
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 
 TURN = 0.002
-"""How often the board goes on when nothing comes in [s]; what leaves it is late by up to this."""
+"""Period of the board's progress without input [s]; its output is late by up to this time."""
 
 TICK = 0.001
-"""The board's time goes on by whole ticks of this [s]."""
+"""The board's time advances in whole ticks of this length [s]."""
 
 LONGEST_LAG = 0.1
-"""After a stall this much is caught up [s]; for the board, the rest never was."""
+"""Longest time that is caught up after a stall [s]; the board skips the rest."""
 
 
 class Board(Protocol):
@@ -28,16 +28,16 @@ class Board(Protocol):
         ...
 
     def receive(self, data: bytes) -> None:
-        """The program wrote this just now."""
+        """Take what the program has just written."""
         ...
 
     def advance(self, seconds: float) -> bytes:
-        """Let time pass; returns what has left the wire."""
+        """Let time pass [s]; return the bytes that the board has sent."""
         ...
 
 
 class RealTimeBoard:
-    """The loop around a board; it has no thread, ``run`` is one's own."""
+    """Event loop of a board; it has no thread of its own, ``run`` uses the caller's."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class RealTimeBoard:
     ) -> None:
         self.board = board
         self.lost = 0.0
-        """Time that stalls have cost [s]."""
+        """Time lost by stalls [s]."""
         self._terminal = terminal
         self._clock = clock
         self._zero = clock() - board.now
@@ -55,11 +55,11 @@ class RealTimeBoard:
         self._selector.register(terminal, selectors.EVENT_READ, self._hear)
 
     def wall(self, stamp: float) -> float:
-        """From the board's time [s] to that of the clock on the wall [s]."""
+        """Convert a time of the board [s] to a time of the real clock [s]."""
         return self._zero + stamp
 
     def take(self, board: Board) -> None:
-        """Go on with another board."""
+        """Continue with another board."""
         self.board = board
         self._zero = self._clock() - board.now
 
@@ -68,11 +68,11 @@ class RealTimeBoard:
         self._selector.register(source, selectors.EVENT_READ, answer)
 
     def forget(self, source: Any) -> None:
-        """Listen to it no more."""
+        """Stop listening to ``source``."""
         self._selector.unregister(source)
 
     def run(self) -> None:
-        """Go on from the board's present time until an exception ends it: Ctrl-C does."""
+        """Run from the board's present time until an exception ends it, as Ctrl-C does."""
         due = self._clock()
         self._zero = due - self.board.now
         while True:
@@ -80,15 +80,15 @@ class RealTimeBoard:
             self.turn(max(0.0, due - self._clock()))
 
     def turn(self, wait: float) -> None:
-        """Wait up to so long [s] for something to come in, and bring the board up to now."""
+        """Wait up to ``wait`` [s] for input, and advance the board to the present time."""
         ready = self._selector.select(wait)
-        # What came in just now finds the board at its present time, not at that of the last turn.
+        # Advance first, so that the board gets the input at its present time.
         self._catch_up()
         for key, _ in ready:
             key.data()
 
     def close(self) -> None:
-        """Let go of the inputs; they stay open."""
+        """Stop listening to all inputs; they stay open."""
         self._selector.close()
 
     def _catch_up(self) -> None:

@@ -1,4 +1,4 @@
-"""What is around the board: motors on a table, or a robot on a field that they drive."""
+"""Surroundings of the board: motors on a table, or a robot on a field that they drive."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from sim.hat_emulator.picture_server import Shot
 
 
 class SurroundingsError(ValueError):
-    """There is nothing of that kind around the board."""
+    """The surroundings do not have what was asked for."""
 
 
 class Surroundings(Protocol):
-    """What the board's drivers turn, and where that leads."""
+    """The motors that the board's drivers turn, and the robot that they move."""
 
     @property
     def plants(self) -> Plants:
@@ -31,24 +31,24 @@ class Surroundings(Protocol):
 
     @property
     def truth(self) -> Pose2:
-        """Where the robot is in the map.
+        """True pose of the robot in the map.
 
         Raises:
-            SurroundingsError: there is none.
+            SurroundingsError: there is no robot.
         """
         ...
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot elsewhere by hand.
+        """Place the robot at a pose in the map, as by hand.
 
         Raises:
-            SurroundingsError: there is none.
+            SurroundingsError: there is no robot.
             WorldError: the pose is not finite.
         """
         ...
 
     def close(self) -> None:
-        """Let go of everything; may be called twice."""
+        """Release all resources; may be called twice."""
         ...
 
 
@@ -56,20 +56,20 @@ class Table:
     """Motors that turn freely; no robot."""
 
     def __init__(self, figures: Mapping[int, MotorFigures]) -> None:
-        """Kinds of motors by port, 0 to 3."""
+        """Put motors on the table, with ``figures`` by port, 0 to 3."""
         self.plants = FreeMotors(figures)
 
     @property
     def truth(self) -> Pose2:
-        """There is none."""
+        """Raise a ``SurroundingsError``: there is no robot."""
         raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
 
     def place(self, pose: Pose2) -> None:
-        """There is nothing to put elsewhere."""
+        """Raise a ``SurroundingsError``: there is no robot."""
         raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
 
     def close(self) -> None:
-        """Nothing to let go of."""
+        """Do nothing: there is nothing to release."""
 
 
 class RobotOnField:
@@ -78,7 +78,7 @@ class RobotOnField:
     def __init__(
         self, world: BulletWorld, spec: RobotSpec, figures: Mapping[int, MotorFigures] | None = None
     ) -> None:
-        """``spec`` is what the world was made from; without ``figures`` it names the motor."""
+        """Put motors on a world made from ``spec``; without ``figures``, ``spec`` names them."""
         self.plants = BulletWheels(world, spec, figures, self._look)
         self._world = world
         self._feed: CameraFeed | None = None
@@ -90,7 +90,7 @@ class RobotOnField:
         wall: Callable[[float], float],
         take: Callable[[Shot], None],
     ) -> None:
-        """It has a camera from now on; for the arguments see ``CameraFeed``."""
+        """Give the robot a camera; for the arguments see ``CameraFeed``."""
         self._feed = CameraFeed(self._world, settings, readout, wall, take)
 
     @property
@@ -99,13 +99,13 @@ class RobotOnField:
         return self._world.pose
 
     def place(self, pose: Pose2) -> None:
-        """Put it at a pose in the map, standing; pictures under way are lost."""
+        """Place it at a pose in the map, at rest; unfinished pictures are lost."""
         self._world.place(pose)
         if self._feed is not None:
             self._feed.moved(self.plants.now)
 
     def close(self) -> None:
-        """End the world."""
+        """Close the world."""
         self._world.close()
 
     def _look(self, current: float) -> None:

@@ -1,4 +1,4 @@
-"""Sockets in the file system, as the emulator listens on."""
+"""Unix sockets that the emulator listens on."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from pathlib import Path
 
 
 class SocketError(OSError):
-    """Nothing can listen under that name."""
+    """A socket cannot listen under that name."""
 
 
 def listen(path: Path) -> socket.socket:
-    """A listening stream socket that does not wait; one that a killed program left is replaced.
+    """Open a non-blocking stream socket; a socket that a killed program left there is replaced.
 
     Raises:
         SocketError: another program listens there, a file is there, or there is no such folder.
@@ -33,7 +33,7 @@ def listen(path: Path) -> socket.socket:
 
 
 def stop_listening(listening: socket.socket) -> None:
-    """Close a socket of ``listen`` and take its name away."""
+    """Close a socket of ``listen`` and remove its file."""
     path = Path(listening.getsockname())
     listening.close()
     with suppress(FileNotFoundError):

@@ -1,1 +1,1 @@
-"""When pictures are taken and where the robot was then."""
+"""Times at which pictures are taken, and poses of the robot at these times."""

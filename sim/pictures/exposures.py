@@ -1,4 +1,4 @@
-"""When a camera of a fixed frame rate exposes, and when a picture of it can be had."""
+"""Times at which a camera with a fixed frame rate exposes and delivers its pictures."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from sim.pictures.losses import Losses
 
 
 class Exposures:
-    """The moments of a camera's pictures, each handed out once; one that was overtaken never."""
+    """Stamps of a camera's pictures; each is returned once, or never if a newer one replaces it."""
 
     def __init__(self, settings: CameraSettings, readout: float, rng: np.random.Generator) -> None:
         """
         Args:
-            settings: how often, how long, and how many pictures are lost.
+            settings: frame rate, exposure time, delay, and share of lost pictures.
             readout: time from the first row's exposure to the last row's [s].
-            rng: decides which pictures are lost.
+            rng: draws which pictures are lost.
         """
         self._rate = settings.frame_rate
         self._until_read = settings.exposure / 2 + readout / 2
@@ -26,16 +26,16 @@ class Exposures:
 
     @property
     def until_read(self) -> float:
-        """From the stamp, the middle of the exposure, to the end of the last row's exposure [s]."""
+        """Time from the stamp (the middle of the exposure) until the last row is exposed [s]."""
         return self._until_read
 
     @property
     def until_here(self) -> float:
-        """From the stamp until the picture is in memory [s]."""
+        """Time from the stamp until the picture is in memory [s]."""
         return self._until_here
 
     def newest(self, until: float) -> float | None:
-        """The newest stamp [s] up to a moment that was not handed out before, if there is one."""
+        """Return the newest stamp up to a time [s] that was not returned before, or None."""
         newest = None
         while self._next / self._rate <= until + 1e-9:
             stamp = self._next / self._rate
@@ -44,5 +44,5 @@ class Exposures:
         return newest
 
     def skip(self, until: float) -> None:
-        """Hand out none of those up to a moment [s]."""
+        """Drop all stamps up to a time [s]."""
         self._next = int(until * self._rate) + 1

@@ -1,4 +1,4 @@
-"""Which pictures never arrive: bursts of them (Gilbert 1960), and longer gaps."""
+"""Losses of pictures: bursts (Gilbert 1960), and longer gaps."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import numpy as np
 from sim.floor_camera import CameraSettings
 
 GAP_EVERY = 15.0
-"""One gap lies in each such stretch of time [s]."""
+"""Each interval of this length has one gap [s]."""
 
 
 class Losses:
-    """Decides for one picture after the other.
+    """Decides for one picture after the other whether it is lost.
 
-    A chain of two states: each picture that arrives is followed by a burst of lost ones with a
-    probability such that the share of lost pictures is as set; each burst ends after a picture
-    with one over its mean length.
+    Bursts are a Markov chain of two states. After a picture that arrives, a burst of lost pictures
+    begins with the probability that gives the set share of lost pictures. After a lost picture, the
+    burst ends with the probability of one over its mean length in pictures.
     """
 
     def __init__(self, settings: CameraSettings, rng: np.random.Generator) -> None:
         self._gap, self._rng = settings.gap, rng
         share = settings.lost_share
         burst = max(settings.lost_burst * settings.frame_rate, 1.0)
-        if share > 0.5:  # else it could not arrive so seldom
+        if share > 0.5:  # shorter bursts cannot give such a share
             burst = max(burst, share / (1 - share))
         self._ends = 1 / burst
         self._begins = share / (1 - share) / burst
@@ -31,7 +31,7 @@ class Losses:
         self._gap_begins = 0.0
 
     def lost(self, stamp: float) -> bool:
-        """Whether the next picture, exposed at a stamp [s], never arrives."""
+        """Whether the next picture, exposed at a stamp [s], is lost."""
         burst = self._in_burst
         if self._begins > 0:
             chance = self._ends if burst else self._begins

@@ -1,4 +1,4 @@
-"""Where a simulated robot was a moment ago: a picture shows the past."""
+"""Recent poses of a simulated robot, since a picture shows the past."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections import deque
 from robot.geometry import Pose2, Twist2, interpolate
 
 HISTORY = 1.2
-"""How long true poses are kept for frames that are still under way [s]: the longest delay, half of
-the longest exposure and half of a readout."""
+"""How long true poses are kept for frames that are not yet delivered [s]: the longest delay, half
+of the longest exposure and half of a readout."""
 
 
 class PastPoses:
@@ -18,20 +18,22 @@ class PastPoses:
         self._past: deque[tuple[float, Pose2, Twist2]] = deque()
 
     def remember(self, stamp: float, pose: Pose2, twist: Twist2) -> None:
-        """Keep one more; stamps rise."""
+        """Add a pose and a twist; stamps must increase."""
         self._past.append((stamp, pose, twist))
         while self._past[0][0] < stamp - HISTORY:
             self._past.popleft()
 
     def forget(self) -> None:
-        """The robot was put elsewhere: nothing lies between there and here."""
+        """Remove all poses: the robot was placed elsewhere, so they must not be interpolated."""
         self._past.clear()
 
     def at(self, stamp: float) -> tuple[Pose2, Twist2]:
-        """True pose and twist at a moment that is still remembered; else at the nearest one.
+        """Return the true pose at a stamp, interpolated, and the twist of the next sample.
+
+        Outside the kept time, these are the nearest pose and twist.
 
         Raises:
-            IndexError: nothing is remembered.
+            IndexError: no pose has been added.
         """
         start = self._past[0]
         for end in self._past:

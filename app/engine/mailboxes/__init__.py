@@ -1,1 +1,1 @@
-"""Values handed from thread to thread: the newest, or all of them."""
+"""Mailboxes between threads, which pass on the newest value or all values."""

@@ -1,4 +1,4 @@
-"""Every value to all who asked for each of them; ``Latest`` is for those who want the newest."""
+"""Passes every value to all subscribers; ``Latest`` passes on only the newest value."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ T = TypeVar("T")
 
 
 class Broadcast(Generic[T]):
-    """Written by one thread; each subscriber has a queue of its own."""
+    """Values from one thread; each subscriber has its own queue of them."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._feeds: tuple[Feed[T], ...] = ()
 
     def put(self, value: T) -> None:
-        """Hand a value to every subscriber; waits for none of them."""
+        """Pass a value to every subscriber, without waiting for any of them."""
         for feed in self._feeds:
             feed.offer(value)
 
     @contextlib.contextmanager
     def subscribe(self, most: int) -> Iterator[Feed[T]]:
-        """Follow for as long as the block lasts; at most so many values wait."""
+        """Subscribe until the block ends; at most ``most`` values wait in the queue."""
         feed = Feed[T](most)
         with self._lock:
             self._feeds = (*self._feeds, feed)
@@ -42,17 +42,17 @@ class Feed(Generic[T]):
     def __init__(self, most: int) -> None:
         self._waiting: queue.Queue[T] = queue.Queue(most)
         self.lost = 0
-        """Values that came while the queue was full."""
+        """Number of values that were lost because the queue was full."""
 
     def offer(self, value: T) -> None:
-        """Put a value in if there is room."""
+        """Put a value in if there is room; else count it as lost."""
         try:
             self._waiting.put_nowait(value)
         except queue.Full:
             self.lost += 1
 
     def get(self, timeout: float) -> T | None:
-        """The oldest value that waits; None if none comes within the time [s]."""
+        """Return the oldest waiting value; None if none comes within ``timeout`` [s]."""
         try:
             return self._waiting.get(timeout=timeout)
         except queue.Empty:

@@ -8,14 +8,14 @@ import queue
 from app.messages.commands import Command
 
 MOST_COMMANDS = 100
-"""Taken in one tick, so that a flood of commands does not hold the robot up."""
+"""Most commands taken in one tick, so that a flood of them does not delay the robot."""
 
 
 class CommandQueue(queue.SimpleQueue[Command]):
-    """Filled from any thread, emptied by the engine's."""
+    """Queue that any thread may fill and the engine's thread empties."""
 
     def take(self) -> tuple[Command, ...]:
-        """Those to be carried out in this tick, oldest first."""
+        """Take out the commands for this tick, oldest first."""
         taken: list[Command] = []
         with contextlib.suppress(queue.Empty):
             while len(taken) < MOST_COMMANDS:

@@ -1,4 +1,4 @@
-"""A mailbox with one slot: the newest value wins, and nobody waits for a slow reader."""
+"""A mailbox for one value: a newer value replaces it, so nobody waits for a slow reader."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ T = TypeVar("T")
 
 
 class Latest(Generic[T]):
-    """Written by one thread; read from any thread, waited for in an event loop."""
+    """The newest value from one thread; any thread reads it, and coroutines wait for it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -21,7 +21,7 @@ class Latest(Generic[T]):
         self._waiting: set[_Waiting] = set()
 
     def put(self, value: T) -> None:
-        """Replace the value and wake all that wait for one."""
+        """Replace the value, and wake all readers that wait for one."""
         with self._lock:
             self._value = value
             self._count += 1
@@ -30,12 +30,12 @@ class Latest(Generic[T]):
             item.wake()
 
     def get(self) -> T | None:
-        """The newest value; None before the first."""
+        """Return the newest value; None before the first."""
         return self._value
 
     @contextlib.contextmanager
     def subscribe(self) -> Iterator[Subscription[T]]:
-        """Follow the mailbox from a coroutine, for as long as the block lasts."""
+        """Subscribe from a coroutine until the block ends."""
         waiting = _Waiting()
         with self._lock:
             self._waiting.add(waiting)
@@ -46,7 +46,7 @@ class Latest(Generic[T]):
                 self._waiting.discard(waiting)
 
     def newer_than(self, count: int) -> tuple[int, T] | None:
-        """The newest value and its number, if it is newer than a number."""
+        """Return the newest value and its number, if it came after value number ``count``."""
         with self._lock:
             if self._count == count or self._value is None:
                 return None
@@ -54,7 +54,7 @@ class Latest(Generic[T]):
 
 
 class Subscription(Generic[T]):
-    """One reader's place in the stream of values."""
+    """One reader, with the number of the last value that it had."""
 
     def __init__(self, source: Latest[T], waiting: _Waiting) -> None:
         self._source = source
@@ -62,7 +62,7 @@ class Subscription(Generic[T]):
         self._count = 0
 
     async def next(self) -> T:
-        """The newest value that this reader has not had; older ones are skipped."""
+        """Wait for a value that this reader has not had; return the newest, skip older ones."""
         while True:
             self._waiting.event.clear()
             result = self._source.newer_than(self._count)
@@ -78,6 +78,6 @@ class _Waiting:
         self._loop = asyncio.get_running_loop()
 
     def wake(self) -> None:
-        # The loop may have ended between the look-up and here; then nobody waits any more.
+        # The event loop may have ended since the look-up; then nobody waits any more.
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self.event.set)

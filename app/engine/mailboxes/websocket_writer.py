@@ -1,4 +1,4 @@
-"""What goes out on a websocket that several tasks write to, until its other end is gone."""
+"""Sends the messages of several tasks on one websocket, until the other end is gone."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 
 class WebsocketWriter:
-    """One message after the other."""
+    """Sends one message after the other."""
 
     def __init__(self, socket: WebSocket) -> None:
         self._socket = socket
         self._sending = anyio.Lock()
 
     async def send(self, data: str | bytes) -> bool:
-        """Send one message; False if nobody is there any more."""
+        """Send one message; return False if the other end is gone."""
         try:
             async with self._sending:
                 if isinstance(data, str):
@@ -22,6 +22,6 @@ class WebsocketWriter:
                 else:
                     await self._socket.send_bytes(data)
         except (WebSocketDisconnect, RuntimeError):
-            # Starlette raises a RuntimeError for what is sent after the close.
+            # Starlette raises a RuntimeError if something is sent after the close.
             return False
         return True

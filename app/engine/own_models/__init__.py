@@ -1,1 +1,1 @@
-"""Models in files of a user's own: loaded, watched, and never trusted to work."""
+"""Models in a user's own files: loaded, watched, and guarded against their failures."""

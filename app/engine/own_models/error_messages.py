@@ -1,4 +1,4 @@
-"""What went wrong in a user's file, in words with the line."""
+"""Error messages about a user's file, with the line."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 MODULE_PREFIX = "own_model_"
-"""Begins the name of each module that is made of a user's file."""
+"""Prefix of the name of each module that is made from a user's file."""
 
 LONGEST = 300
-"""A longer message is cut [characters]: the page shows it in one line."""
+"""Longer messages are cut to this length [characters]: the page shows them in one line."""
 
 
 class OwnModelError(ValueError):
@@ -22,14 +22,14 @@ class OwnModelError(ValueError):
 
 @contextlib.contextmanager
 def blaming(path: Path, line: int | None = None) -> Iterator[None]:
-    """Turn what fails within into words about a file.
+    """Turn an error in the block into a message about a file.
 
     Args:
         path: the user's file.
-        line: where to look when the failure passed through no line of that file.
+        line: the line to name if the traceback has no line of that file.
 
     Raises:
-        OwnModelError: something failed.
+        OwnModelError: the block raised an error.
     """
     try:
         yield
@@ -39,12 +39,12 @@ def blaming(path: Path, line: int | None = None) -> Iterator[None]:
 
 
 def place(path: Path, line: int | None) -> str:
-    """How a message about a file begins."""
+    """Return the beginning of a message about a file: its name and line."""
     return f"{path.name} line {line}: " if line else f"{path.name}: "
 
 
 def running(thread: int | None) -> str | None:
-    """Where in a user's file a thread is just now, in words; None if it is in none.
+    """Return in words which line of a user's file a thread is running; None if it is in none.
 
     Args:
         thread: its ``ident``.
@@ -58,8 +58,8 @@ def running(thread: int | None) -> str | None:
 
 
 def line_of(function: object, path: Path) -> int | None:
-    """The line of a file at which a function or method begins; None where it is not known."""
-    inner = getattr(function, "py_func", function)  # what numba compiled
+    """Return the line of a file where a function or method begins; None if it is not known."""
+    inner = getattr(function, "py_func", function)  # the function that numba compiled
     code = getattr(inspect.unwrap(inner), "__code__", None) if callable(inner) else None
     known = code is not None and code.co_filename == str(path)
     return code.co_firstlineno if known and code is not None else None

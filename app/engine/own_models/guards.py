@@ -1,7 +1,7 @@
-"""Between the filter and a user's own model: whatever that does, the filter goes on unharmed.
+"""Guards between the filter and a user's own models: a faulty model does not harm the filter.
 
-A failure is kept in ``fault`` and the model is not asked again. The filter is given what leaves
-its belief as it is: no opinion of a scan, odometry without noise.
+``fault`` keeps a failure, and the model is not called again. The filter then gets neutral values:
+the same likelihood for every pose, and odometry without noise.
 """
 
 from __future__ import annotations
@@ -20,22 +20,22 @@ from robot.localization.models.motion_models import sampled_moments
 from robot.scan import Scan
 
 TRIED = np.array([[0.0, 0.0, 0.0], [0.01, 0.02, 0.1]])
-"""Poses around the start at which a model is tried out."""
+"""Offsets from the start pose at which a model is tried out."""
 
 LARGEST = 1e9
-"""Numbers beyond this are a mistake, and would not survive the filter's sums."""
+"""Larger numbers are a mistake, and the filter's sums could not hold them."""
 
 
 class Guard:
-    """Calls one method of a user's model and checks what it gives."""
+    """Calls one method of a user's model and checks its result."""
 
     def __init__(self, file: ModelFile, model: object, method: str, fault: str | None) -> None:
         self.fault = fault
-        """What went wrong, with file and line; None while nothing has."""
+        """What went wrong, with file and line; None while nothing did."""
         self.seconds = 0.0
         """How long the last call took [s]."""
         self.passed_over = 0
-        """Updates of the filter since it was last asked."""
+        """The filter's updates since the method was last called."""
         self._path = file.path
         self._name = method
         self._method: Callable[..., Any] | None = getattr(model, method, None)
@@ -44,7 +44,7 @@ class Guard:
             self.fault = f"{file.path.name}: {file.class_name} has no method {method}"
 
     def call(self, shape: tuple[int, ...], *arguments: object) -> Array | None:
-        """What the model gives, of a shape; None once something went wrong."""
+        """Return the method's result of the given shape; None once something went wrong."""
         if self.fault is not None or self._method is None:
             return None
         self.passed_over = 0
@@ -62,7 +62,7 @@ class Guard:
     def _checked(self, given: object, shape: tuple[int, ...]) -> Array:
         if given is None:
             raise OwnModelError(f"{self._name} gives None; is its `return` missing?")
-        # A copy: the model may go on writing into its own.
+        # A copy, as the model may still write to its own array.
         result = np.array(given, dtype=np.float64)
         if result.shape != shape:
             raise OwnModelError(f"{self._name} gives the shape {result.shape}; valid is {shape}")
@@ -76,15 +76,15 @@ class Guard:
 
 
 class OwnSensor:
-    """A sensor model of a user's own."""
+    """A user's own sensor model."""
 
     def __init__(self, file: ModelFile, model: object, fault: str | None = None) -> None:
         self.guard = Guard(file, model, "log_likelihood", fault)
 
     def log_likelihood(self, poses: Array, scan: Scan) -> Array:
-        """Log-likelihood (n,) of a scan at poses (n, 3); no opinion once it has failed."""
-        # Copies: a mistake in there must not change the scan that everybody sees, nor what is the
-        # same for all scans.
+        """Log-likelihood (n,) of a scan at poses (n, 3); zeros once the model has failed."""
+        # Copies: a mistake in the model must not change the scan that others use, nor the arrays
+        # that all scans share.
         own = replace(
             scan,
             bearings=scan.bearings.copy(),
@@ -103,13 +103,13 @@ class OwnSensor:
 
 
 class OwnMotion:
-    """A motion model of a user's own."""
+    """A user's own motion model."""
 
     def __init__(self, file: ModelFile, model: object, fault: str | None = None) -> None:
         self.guard = Guard(file, model, "sample", fault)
 
     def sample(self, poses: Array, moved: Pose2, rng: np.random.Generator) -> Array:
-        """Where each particle (n, 3) went; as odometry says once it has failed."""
+        """Sample each particle's new pose (n, 3); odometry alone once the model has failed."""
         result = self.guard.call(poses.shape, poses.copy(), moved, rng)
         if result is None:
             return compose(poses, moved.to_array())
@@ -117,7 +117,7 @@ class OwnMotion:
         return result
 
     def moments(self, moved: Pose2) -> tuple[Pose2, Array]:
-        """Mean and covariance of where a step ends: by draws, whatever else the model offers."""
+        """Mean and covariance of a step, from samples, even if the model has its own moments."""
         return sampled_moments(self.sample, moved)
 
     def try_out(self, start: Pose2) -> None:

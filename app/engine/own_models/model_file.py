@@ -1,4 +1,4 @@
-"""A model in a file of a user's own: where it is, and how it is made."""
+"""Finds, loads and builds a model from a user's own file."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from app.engine.own_models.error_messages import (
 from robot.settings import SettingError
 
 _brought: set[str] = set()
-"""Modules that users' files imported from beside them."""
+"""Names of modules that users' files imported from their own folders."""
 
 
 @dataclass(frozen=True, slots=True)
 class ModelFile:
-    """A class in a file."""
+    """A model's class in a file."""
 
     path: Path
     class_name: str
 
     @property
     def name(self) -> str:
-        """What the page calls it: ``my_model.py:MyModel``."""
+        """The model's name on the page: ``my_model.py:MyModel``."""
         return f"{self.path.name}:{self.class_name}"
 
     @classmethod
     def find(cls, text: str) -> ModelFile:
-        """Where ``FILE.py:CLASS`` is.
+        """Find the class that a text ``FILE.py:CLASS`` names.
 
         Raises:
-            SettingError: it is no such text, or there is no such file.
+            SettingError: the text has another form, or the file does not exist.
         """
         file, _, class_name = text.rpartition(":")
         if not (file.endswith(".py") and class_name.isidentifier()):
@@ -56,10 +56,10 @@ class ModelFile:
 
 
 def load(model: ModelFile) -> Callable[..., Any]:
-    """Run the file as it is now, and take the class.
+    """Run the file as it is now, and return the class.
 
     Raises:
-        OwnModelError: it cannot be read or run, or has no such class.
+        OwnModelError: the file cannot be read or run, or has no such class.
     """
     path = model.path
     with blaming(path):
@@ -82,10 +82,10 @@ def load(model: ModelFile) -> Callable[..., Any]:
 
 
 def build(model: ModelFile, made: Callable[..., Any], offered: Mapping[str, object]) -> object:
-    """Call the class with those arguments that it asks for by name.
+    """Call the class with those of the offered arguments that its parameters name.
 
     Raises:
-        OwnModelError: it asks for something else, or fails.
+        OwnModelError: the class needs another argument, or fails.
     """
     line = line_of(getattr(made, "__init__", made), model.path)
     with blaming(model.path, line):
@@ -108,7 +108,7 @@ def _is_own_class(value: object, module: types.ModuleType) -> bool:
 
 @contextlib.contextmanager
 def _neighbours(folder: Path) -> Iterator[None]:
-    """Let a file import the files beside it, as they are now; what is installed goes first."""
+    """Let a file import its neighbours, as they are now; installed modules take precedence."""
     for name in [name for name in sys.modules if name.partition(".")[0] in _brought]:
         del sys.modules[name]
     importlib.invalidate_caches()
@@ -118,13 +118,13 @@ def _neighbours(folder: Path) -> Iterator[None]:
         yield
     finally:
         sys.path[:] = before
-        # What the program itself had imported before is not forgotten, wherever it lies.
+        # Only new modules are noted: those that the program imported before must stay loaded.
         new = {name for name in set(sys.modules) - loaded if "." not in name}
         _brought.update(name for name in new if _lies_in(sys.modules[name], folder))
 
 
 def _lies_in(module: types.ModuleType, folder: Path) -> bool:
-    """Whether a module is a file of a folder, or a folder in it."""
+    """Return whether a module is a file in a folder, or a subfolder of it."""
     file = getattr(module, "__file__", None)
     places = [Path(file).parent] if file else []
     places += [Path(path).parent for path in getattr(module, "__path__", ())]

@@ -1,4 +1,4 @@
-"""A user's own models as the engine sees them: on offer, chosen, and made anew when saved."""
+"""A user's own models as the engine uses them: offered, chosen, and loaded again when saved."""
 
 from __future__ import annotations
 
@@ -14,37 +14,37 @@ from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
 POLL_S = 0.2
-"""How often files are looked at [s] of the robot's clock; saved twice that long ago is in use."""
+"""Interval between checks of the files, on the robot's clock [s]; a save takes effect after two."""
 
 SLOW_S = 0.05
-"""A call that takes longer [s] delays the robot's next step; it is told, not ended."""
+"""A longer call [s] delays the robot's next step; it is reported, but not ended."""
 
 
 PATIENCE = 50
-"""Updates after which a model that was not asked is told: some filters do without."""
+"""Updates after which a model that was not called is reported: some filters do not use it."""
 
 
 @dataclass(frozen=True, slots=True)
 class OwnChoice:
-    """Which models of the user's own are in use and on offer, by name (``my_model.py:MyModel``)."""
+    """Names of the user's own models in use and on offer (``my_model.py:MyModel``)."""
 
     sensor: str = ""
-    """Empty while a model that comes with the program is in use."""
+    """Empty while one of the program's own models is in use."""
     motion: str = ""
     sensors: tuple[str, ...] = ()
     motions: tuple[str, ...] = ()
 
 
 class OwnModels:
-    """The user's sensor and motion model, and the folder for more of them."""
+    """The user's sensor and motion model, and the folder with more of them."""
 
     def __init__(
         self, field: Field, *, sensor: str = "", motion: str = "", folder: str = ""
     ) -> None:
-        """Note what is given; nothing is run before ``load``.
+        """Note which models are given; no file is run before ``load``.
 
         Raises:
-            SettingError: a model or the folder is not there.
+            SettingError: a model's file or the folder does not exist.
         """
         self._field = field
         self._folder = _folder(folder) if folder else None
@@ -56,7 +56,7 @@ class OwnModels:
         self._polled = float("-inf")
         self._made_with: LocalizationParameters | None = None
         self.saves = 0
-        """How often a file in use was saved."""
+        """How many times files in use were saved."""
         self.reset()
 
     @property
@@ -71,7 +71,7 @@ class OwnModels:
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with a model that is in use, with file and line."""
+        """What is wrong with a model in use, with file and line."""
         return self._sensor.fault or self._motion.fault
 
     @property
@@ -82,7 +82,7 @@ class OwnModels:
 
     @property
     def slow(self) -> str | None:
-        """Which model takes too long, in words."""
+        """Message about a model that takes too long; None if none does."""
         for slot in (self._sensor, self._motion):
             if slot.model is not None and slot.model.guard.seconds > SLOW_S:
                 took = 1e3 * slot.model.guard.seconds
@@ -90,14 +90,14 @@ class OwnModels:
         return None
 
     def note_update(self) -> None:
-        """The filter has taken a scan: a model that it never asks is told in ``idle``."""
+        """Note that the filter has taken a scan; ``idle`` reports a model that it does not call."""
         for slot in (self._sensor, self._motion):
             if slot.model is not None:
                 slot.model.guard.passed_over += 1
 
     @property
     def idle(self) -> str | None:
-        """Which model the filter does not ask, in words."""
+        """Message about a model that the filter does not call; None if there is none."""
         for slot in (self._sensor, self._motion):
             if slot.model is not None and slot.model.guard.passed_over > PATIENCE:
                 return (
@@ -107,7 +107,7 @@ class OwnModels:
 
     @property
     def choice(self) -> OwnChoice:
-        """What is in use and on offer."""
+        """The models in use and on offer."""
         return OwnChoice(
             self._sensor.name,
             self._motion.name,
@@ -116,7 +116,7 @@ class OwnModels:
         )
 
     def choose(self, choice: OwnChoice) -> bool:
-        """Take other models, by name; returns whether one has to be loaded now."""
+        """Choose other models by name; return whether one must be loaded now."""
         chosen = [
             _switch(self._sensor, self._sensors().get(choice.sensor)),
             _switch(self._motion, self._motions().get(choice.motion)),
@@ -124,13 +124,13 @@ class OwnModels:
         return any(chosen)
 
     def reset(self) -> bool:
-        """Take those that were given at the start; returns whether one has to be loaded now."""
+        """Choose the models given at the start; return whether one must be loaded now."""
         return any(
             [_switch(self._sensor, self._given_sensor), _switch(self._motion, self._given_motion)]
         )
 
     def saved(self, stamp: float) -> bool:
-        """Look at the files now and then; returns whether ``load`` is due, as one was saved."""
+        """Check the files every ``POLL_S``; return whether one was saved, so ``load`` is due."""
         if stamp - self._polled < POLL_S:
             return False
         self._polled = stamp
@@ -141,23 +141,23 @@ class OwnModels:
         return saved
 
     def look_again(self) -> None:
-        """Let ``saved`` look at the files at once: the robot's clock stands, or was put back."""
+        """Let ``saved`` check the files at once, as the robot's clock stands or was set back."""
         self._polled = float("-inf")
 
     def put_back(self, sensor: OwnSensor | None, motion: OwnMotion | None) -> None:
-        """Have models again that were in use before, with the same files."""
+        """Restore models that were in use before, from the same files."""
         self._sensor.model, self._motion.model = sensor, motion
 
     def load(self, parameters: LocalizationParameters) -> None:
-        """Read the chosen models' files anew and make the models; failures are in ``fault``."""
+        """Read the files of the chosen models and make the models; ``fault`` has failures."""
         self._made_with = parameters
         self._sensor.load(self._for_sensor(parameters))
         self._motion.load({"parameters": parameters.motion})
 
     def rebuild(self, parameters: LocalizationParameters) -> None:
-        """Make the chosen models anew, with other parameters; their files are not read.
+        """Make the chosen models again with other parameters, without reading their files.
 
-        Those that ``load`` has just made with these parameters stay, and so does what it found.
+        If ``load`` has just made them with these parameters, they stay, and so do their faults.
         """
         if parameters == self._made_with:
             return
@@ -177,10 +177,12 @@ class OwnModels:
 
 
 def chosen(own_choice: OwnChoice, values: dict[str, object]) -> tuple[OwnChoice, dict[str, object]]:
-    """Take the user's own models out of parameters that shall be changed; returns what is left.
+    """Take the user's own models out of a change of parameters.
+
+    Returns the new choice of models, and the remaining values.
 
     Raises:
-        SettingError: there is no such model on offer.
+        SettingError: a model is not on offer.
     """
     left = dict(values)
     sensor = _taken(left, "laser_model_type", own_choice.sensor, own_choice.sensors)
@@ -193,7 +195,7 @@ def _taken(values: dict[str, object], key: str, current: str, offered: tuple[str
     if wanted is None:
         return current
     if not isinstance(wanted, str) or ":" not in wanted:
-        return ""  # one that comes with the program, or one that is refused as such
+        return ""  # one of the program's own models, or a wrong name, which is refused later
     if wanted not in offered:
         raise SettingError(
             f"there is no model {wanted}; of your own are on offer: {', '.join(offered) or 'none'}"

@@ -1,4 +1,4 @@
-"""The place for one model of a user's own, of one kind: empty, or filled and kept up to date."""
+"""Holder of one user's model of one kind (sensor or motion): empty, or kept up to date."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Guarded(Protocol):
     guard: Guard
 
     def try_out(self, start: Pose2) -> None:
-        """Ask once."""
+        """Call the model once."""
         ...
 
 
@@ -26,11 +26,11 @@ G = TypeVar("G", bound=Guarded)
 
 
 class Slot(Generic[G]):
-    """Holds the model that is chosen, if it is one of the user's own."""
+    """Holds the chosen model, if it is one of the user's own."""
 
     def __init__(self, wrap: Callable[[ModelFile, object, str | None], G], start: Pose2) -> None:
         self.model: G | None = None
-        """None while a model that comes with the program is chosen."""
+        """None while one of the program's own models is chosen."""
         self.file: ModelFile | None = None
         self._wrap = wrap
         self._start = start
@@ -39,27 +39,27 @@ class Slot(Generic[G]):
 
     @property
     def name(self) -> str:
-        """What the page calls it; empty while there is none."""
+        """The model's name on the page; empty while there is no model."""
         return self.file.name if self.file else ""
 
     @property
     def fault(self) -> str | None:
-        """What is wrong with it, with file and line."""
+        """What is wrong with the model, with file and line."""
         return self.model.guard.fault if self.model else None
 
     def choose(self, file: ModelFile | None) -> None:
-        """Fill it, or empty it; ``load`` comes next."""
+        """Choose a file, or None to empty the slot; call ``load`` next."""
         self.file = file
         self.model = None
-        # Looked at before the file is read, so that what is saved meanwhile is not missed.
+        # The watch begins before the file is read, so that a save in between is not missed.
         self._watch = FileWatch(file.path) if file else None
 
     def saved(self) -> bool:
-        """Whether the file was saved, so that ``load`` is due."""
+        """Return whether the file was saved, so that ``load`` is due."""
         return self._watch is not None and self._watch.saved()
 
     def load(self, offered: Mapping[str, object]) -> None:
-        """Read the file anew and make the model."""
+        """Read the file again and make the model."""
         if self.file is None:
             return
         self._class = None
@@ -71,7 +71,7 @@ class Slot(Generic[G]):
         self._make(offered, try_out=True)
 
     def rebuild(self, offered: Mapping[str, object]) -> None:
-        """Make the model anew, as other parameters hold; one that failed has to prove itself."""
+        """Make the model again with other parameters; try it out first if it had failed."""
         if self.file is not None and self._class is not None:
             self._make(offered, try_out=self.fault is not None)
 
@@ -79,7 +79,7 @@ class Slot(Generic[G]):
         assert self.file is not None and self._class is not None
         try:
             if try_out:
-                # One that is thrown away: what is tried out may remember it.
+                # Try out a model and throw it away, as it may remember the trial.
                 tried = self._wrap(self.file, build(self.file, self._class, offered), None)
                 tried.try_out(self._start)
                 if tried.guard.fault is not None:

@@ -1,4 +1,4 @@
-"""Whether a file has been saved, and which models are in a folder; nothing is run here."""
+"""Detects saved files, and finds the models in a folder without running any file."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from app.engine.own_models.error_messages import OwnModelError, blaming
 from app.engine.own_models.model_file import ModelFile
 
 MOST_FILES = 100
-"""Of a folder; it is no place to look through a whole disk."""
+"""Most files of a folder that are read, so that a huge folder is not searched through."""
 
 Signature = tuple[int, int]
 
 
 def signature(path: Path) -> Signature | None:
-    """What changes when a file is saved: its time [ns] and size; None if it is not there."""
+    """Return a file's time [ns] and size, which change on a save; None if it is not there."""
     try:
         result = path.stat()
     except OSError:
@@ -25,16 +25,17 @@ def signature(path: Path) -> Signature | None:
 
 
 class FileWatch:
-    """One file; an editor that is still writing it is given time to finish."""
+    """Watches one file; a save counts only after the editor has finished writing."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
         self._known = self._seen = signature(path)
 
     def saved(self) -> bool:
-        """Whether it was saved since the last time that this was so, and rests since the last look.
+        """Return whether the file was saved, and has not changed since the call before.
 
-        A file that is gone is not saved: some editors put the new one in its place a moment later.
+        Each save is returned once. A missing file does not count as saved: some editors put the new
+        file in its place a moment later.
         """
         current = signature(self._path)
         rests = current == self._seen
@@ -52,18 +53,18 @@ class ModelList:
     sensors: tuple[ModelFile, ...] = ()
     motions: tuple[ModelFile, ...] = ()
     faults: tuple[str, ...] = ()
-    """Files that cannot be read as Python, with the line."""
+    """Messages about files that are not valid Python, with the line."""
 
 
 class ModelFolder:
-    """A folder that models may be dropped into; its files are read, but not run."""
+    """A folder for models; its files are read, but not run."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._known: dict[Path, tuple[Signature | None, ModelList]] = {}
 
     def look(self) -> ModelList:
-        """What is in the folder now."""
+        """Return the models that are in the folder now."""
         try:
             paths = sorted(self._folder.glob("[!_.]*.py"))[:MOST_FILES]
         except OSError as error:
@@ -83,7 +84,7 @@ class ModelFolder:
 
 
 def models_in(path: Path) -> ModelList:
-    """The classes of a file that have a model's method, their own or from a class beside them."""
+    """Return the classes of a file that have a model's method, also by inheritance in the file."""
     try:
         with blaming(path):
             tree = ast.parse(path.read_bytes(), str(path))

@@ -1,4 +1,4 @@
-"""Keeps the pose of the robot in a file, for the next start."""
+"""Saves the robot's pose in a file, for the next start."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from robot.fields.field import Field
 
 
 class PoseKeeper:
-    """Writes what the newest snapshot believes; a thread of its own, as a disk may be slow."""
+    """Saves the hypotheses of the newest snapshot, in another thread, as a disk may be slow."""
 
     def __init__(self, path: Path, rate: float, field: Field, latest: Latest[Snapshot]) -> None:
         self.failure: str | None = None
-        """Why the last attempt failed."""
+        """Why the last attempt failed; None if it did not."""
         self._path = path
         self._rate = rate
         self._field = field
@@ -29,13 +29,13 @@ class PoseKeeper:
         self._kept: SavedPose | None = None
 
     async def follow(self) -> None:
-        """Save now and then, until cancelled."""
+        """Save at the configured rate, until cancelled."""
         while self._rate > 0:
             await anyio.sleep(1 / self._rate)
             await anyio.to_thread.run_sync(self.save)
 
     def save(self) -> None:
-        """Save, if there is something new; a failure is told once, and tried again."""
+        """Save if something is new; log the first of several failures, and try again next time."""
         snapshot = self._latest.get()
         saved = saved_pose(snapshot, self._field) if snapshot else None
         if saved is None or saved == self._kept or self._rate <= 0:
@@ -52,7 +52,7 @@ class PoseKeeper:
 
 
 def saved_pose(snapshot: Snapshot, field: Field) -> SavedPose | None:
-    """What is worth keeping of a snapshot; None while nothing is known."""
+    """Return what to save of a snapshot; None while it has no hypothesis on the field."""
     hypotheses = [
         HypothesisMessage(
             x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=by_rows(covariance)
@@ -62,7 +62,7 @@ def saved_pose(snapshot: Snapshot, field: Field) -> SavedPose | None:
     ]
     if not hypotheses:
         return None
-    # Pushed off the field, a robot is nowhere that the file may tell; what it believes is kept.
+    # The file must not hold a pose off the field: leave out such a truth, keep the hypotheses.
     truth = snapshot.truth if snapshot.truth and field.contains(snapshot.truth) else None
     return SavedPose(
         map=field.name,

@@ -1,4 +1,4 @@
-"""The file that a pose is kept in from one run to the next."""
+"""The file that keeps a pose from one run to the next."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 
 LARGEST = 1_000_000
-"""A larger file is none of ours [bytes]."""
+"""A larger file is not a saved pose [bytes]."""
 
 
 class PoseFileError(ValueError):
@@ -26,21 +26,21 @@ class PoseFileError(ValueError):
 
 
 class SavedPose(Message):
-    """What the filter believed at the end, on which map."""
+    """The filter's hypotheses at the end of a run, with the map."""
 
     format: Literal[1] = 1
     map: str
     extent: list[float]
-    """Of the map; another one of the same name is another map."""
+    """Extent of the map; a map of the same name with another extent is another map."""
     hypotheses: Annotated[list[HypothesisMessage], PydanticField(min_length=1, max_length=1000)]
     truth: PoseMessage | None
     """Where a simulated robot really was."""
 
     def believed(self) -> tuple[Hypothesis, ...]:
-        """The hypotheses, heaviest first.
+        """Return the hypotheses, heaviest first.
 
         Raises:
-            PoseFileError: a covariance is none.
+            PoseFileError: a covariance is not valid.
         """
         try:
             result = [
@@ -57,7 +57,7 @@ class SavedPose(Message):
 
 
 def pose_path(file: str, robot: str, field: Field) -> Path:
-    """Where the pose is kept: the file that is named, else one a robot and map."""
+    """Return the path of the pose file: the named file, else one for each robot and map."""
     if file:
         return Path(file).absolute()
     state = os.environ.get("XDG_STATE_HOME", "")
@@ -66,20 +66,20 @@ def pose_path(file: str, robot: str, field: Field) -> Path:
 
 
 def write(path: Path, saved: SavedPose) -> None:
-    """Keep it, so that at any moment the file holds a whole one.
+    """Write the saved pose, so that the file is complete at any moment.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     with file_written_whole(path) as new:
         new.write_text(saved.model_dump_json(indent=1), encoding="utf-8")
 
 
 def read(path: Path, field: Field) -> SavedPose:
-    """What was kept for a field.
+    """Read the saved pose for a field.
 
     Raises:
-        PoseFileError: there is none, it is damaged, or of another map.
+        PoseFileError: the file is missing, unreadable, too large, damaged, or of another map.
     """
     try:
         if path.stat().st_size > LARGEST:

@@ -18,18 +18,18 @@ class Start:
     """Where a run begins."""
 
     hypotheses: tuple[Hypothesis, ...] = ()
-    """Of the filter; none for the field's start with the filter's own spread."""
+    """Start of the filter; empty is the field's start with the filter's own spread."""
     truth: Pose2 | None = None
-    """Where a simulated robot is put."""
+    """Start of a simulated robot."""
     complaint: str | None = None
     """Why a saved pose was not used."""
 
 
 def start(settings: StartPoseSettings, path: Path, field: Field) -> Start:
-    """A saved pose if it is wanted and there is one, else the given one, else the field's.
+    """Return the saved pose if wanted and usable, else the configured pose, else the field's.
 
     Raises:
-        FieldError: the given pose is not on the field.
+        FieldError: the configured pose is not on the field.
     """
     complaint = None
     if settings.restore_pose:

@@ -1,1 +1,1 @@
-"""The 3D view: viser behind our own port."""
+"""The 3D view: viser, served on our own port."""

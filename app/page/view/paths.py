@@ -1,4 +1,4 @@
-"""The way behind: positions that are far enough apart to be worth drawing."""
+"""Paths for drawing: past positions that are far enough apart."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from robot.geometry import Array, Pose2
 STEP_M = 0.01
 LONGEST = 400
 BREAK_M = 0.1
-"""A jump of this length [m] is no way driven: the robot or the estimate was put elsewhere."""
+"""A longer step [m] was not driven: the robot or the estimate was put elsewhere."""
 
 
 class Path:
-    """The last positions of one thing that moves."""
+    """The last positions of one moving thing."""
 
     def __init__(self) -> None:
         self._points: deque[tuple[float, float]] = deque(maxlen=LONGEST)
         self._breaks: deque[bool] = deque(maxlen=LONGEST)
 
     def add(self, pose: Pose2 | None) -> None:
-        """Go on to a pose, if it is known and far enough from the last."""
+        """Add a pose, if it is known and far enough from the last."""
         if pose is None:
             return
         if self._points:
@@ -36,7 +36,7 @@ class Path:
         self._points.append((pose.x, pose.y))
 
     def segments(self, *, every: int = 1) -> Array:
-        """Lines (n, 2, 2) [m] between positions; ``every`` 2 leaves out each second (dashed)."""
+        """Lines (n, 2, 2) [m] between positions; ``every=2`` drops each second one (dashed)."""
         points = np.array(self._points).reshape(-1, 2)
         joined = ~np.array(self._breaks, dtype=bool)[1:]
         lines = np.stack([points[:-1], points[1:]], axis=1) if len(points) else np.empty((0, 2, 2))

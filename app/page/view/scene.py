@@ -1,7 +1,7 @@
 """The 3D view: floor, robot, particles, rays and paths, drawn by viser.
 
-Only shows; everything that acts is on our own page. Nodes are made once and their arrays replaced:
-that costs the server a millisecond, whatever the number of viewers.
+The view has no controls; these are on our own page. Nodes are made once, and only their arrays are
+replaced: that costs the server a millisecond, whatever the number of viewers.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ from robot.scanning.line_scanner import LineScan
 TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)
 HEADINGS = 150
-"""Particles that are drawn with their heading."""
+"""About this many particles are drawn with their heading."""
 LIKELY = 0.05
-"""Hypotheses that weigh less are not drawn."""
+"""Hypotheses of less weight are not drawn."""
 FAR_AWAY = -100.0
-"""Where what is not to be seen is put [m]."""
+"""Coordinate of things that must not be visible [m]."""
 LARGEST_FLOOR_PX = 1536
 """Longer side of the floor's texture: larger ones take a viewer long to load."""
 RAY_STEP = 3
-"""Of so many rays one is drawn: all of them would hide the floor."""
+"""One of this many rays is drawn: all of them would hide the floor."""
 LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "estimate": 0.006}
-"""Heights above the floor [m], so that nothing flickers through."""
+"""Heights above the floor [m]; they differ, so that layers do not flicker through each other."""
 
 
 class Scene:
-    """One viser server's scene."""
+    """The scene of one viser server."""
 
     def __init__(self, server: viser.ViserServer, field: Field, spec: RobotSpec) -> None:
         self._server = server
@@ -173,7 +173,7 @@ class Scene:
     def _show_cloud(self, snapshot: Snapshot) -> None:
         poses, weights = snapshot.cloud.poses, snapshot.cloud.weights
         if not len(poses):
-            # A filter that knows nothing has none, and nodes without points are not drawn anew.
+            # A filter that knows nothing has no particles; viser does not redraw empty nodes.
             poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
         particles = self._nodes["particles"]
         particles.points = _lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
@@ -200,7 +200,7 @@ class Scene:
 
     def _show_scan(self, snapshot: Snapshot) -> None:
         if snapshot.line_scan is None or snapshot.scan_pose is None:
-            # Nobody knows from where they would start.
+            # The start of the rays is not known.
             self._nodes["rays"].points = np.full((1, 2, 3), FAR_AWAY)
             self._nodes["hits"].points = np.full((1, 3), FAR_AWAY, dtype=np.float32)
             return
@@ -234,7 +234,7 @@ def covariance_ellipse(pose: Pose2, covariance: Array, points: int = 40) -> Arra
 
 
 def hypothesis_mark(pose: Pose2, covariance: Array) -> Array:
-    """Lines (n, 2, 2) [m]: the ellipse, and a stroke from its middle along the heading."""
+    """Lines (n, 2, 2) [m]: the ellipse, and a line from its centre along the heading."""
     ahead = pose.apply(np.array([[0.0, 0.0], [0.08, 0.0]]))
     return np.concatenate([covariance_ellipse(pose, covariance), ahead[None]])
 
@@ -245,14 +245,14 @@ def _lifted(points: Array, height: float) -> Array:
 
 
 def _quaternions(headings: Array) -> Array:
-    """Turns about z (n, 4) in the order w, x, y, z."""
+    """Quaternions (n, 4) of turns about z, in the order w, x, y, z."""
     half = heading_vectors(headings / 2)
     nothing = np.zeros(len(headings))
     return np.column_stack([half[:, 0], nothing, nothing, half[:, 1]])
 
 
 def _by_weight(weights: Array) -> NDArray[np.uint8]:
-    """Colours (n, 3): from pale, which weighs little, to the estimate's blue."""
+    """Colours (n, 3): from pale for small weights to the estimate's blue."""
     part = (weights / weights.max())[:, None]
     pale = np.array([190, 205, 220])
     colours: NDArray[np.uint8] = (pale + part * (np.array(ESTIMATE) - pale)).astype(np.uint8)

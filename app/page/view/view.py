@@ -1,4 +1,4 @@
-"""viser on our own port: its page at ``/view/``, its websocket handed on at ``/view``."""
+"""viser on our own port: its page at ``/view/``, its websocket forwarded at ``/view``."""
 
 from __future__ import annotations
 
@@ -28,43 +28,43 @@ from robot.fields.field import Field
 
 UPDATES_HZ = 15
 SMALL_BUFFER = 16 * 1024
-"""Socket buffers [bytes]: what waits in them is old by the time that a slow viewer gets it."""
+"""Size of socket buffers [bytes]: data in larger ones is old when a slow viewer gets it."""
 
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 """viser's whole client is this one file."""
 
 IN_OUR_PAGE = b"""<style>[data-floating-window]{display:none!important}</style>
 <script>document.hasFocus = () => true;</script>"""
-"""Our page has the controls, so viser's panel is hidden. viser's client connects again only while
-it has the focus, which a frame in a page often has not."""
+"""Added to viser's page. Our page has the controls, so viser's panel is hidden. viser's client
+reconnects only while it has the focus, which a frame in a page often lacks."""
 
 
 class View:
-    """A viser server of our own, reachable through our port only by who may see the page."""
+    """A viser server behind our port: only viewers who may see the page can reach it."""
 
     def __init__(self, field: Field, spec: RobotSpec, latest: Latest[Snapshot]) -> None:
-        with contextlib.redirect_stdout(io.StringIO()):  # it greets with an address of its own
+        with contextlib.redirect_stdout(io.StringIO()):  # viser prints its own address
             self._server = viser.ViserServer(host="127.0.0.1", port=18080, verbose=False)
         infra = self._server._websock_server
-        # Its share button would make this server call one on the internet.
+        # viser's share button would make this server call one on the internet.
         infra.unregister_handler(viser._messages.ShareUrlRequest)
         infra.on_client_connect(self._shrink_buffer)
         self._scene = Scene(self._server, field, spec)
         self._latest = latest
         self.failure: str | None = None
-        """Why it stopped, if it failed."""
+        """Why the view stopped, if it failed."""
         self._page = _page()
         self._tag = f'"{hashlib.sha256(self._page).hexdigest()[:16]}"'
 
     def page(self, request: Request) -> Response:
-        """viser's page; a browser that has it is told so."""
+        """Return viser's page, or status 304 to a browser that has it."""
         headers = {"ETag": self._tag, "Cache-Control": "no-cache"}
         if request.headers.get("if-none-match") == self._tag:
             return Response(status_code=304, headers=headers)
         return Response(self._page, media_type="text/html", headers=headers)
 
     async def follow(self) -> None:
-        """Keep the scene up to date, until cancelled; a failure ends the 3D view alone."""
+        """Keep the scene up to date, until cancelled; a failure ends only the 3D view."""
         try:
             with self._latest.subscribe() as subscription:
                 while True:
@@ -76,7 +76,7 @@ class View:
             self.failure = f"The 3D view stopped: {error}"
 
     async def serve(self, socket: WebSocket) -> None:
-        """Hand one viewer's messages on, both ways, until one side ends."""
+        """Forward one viewer's messages in both directions, until one side ends."""
         offered = socket.scope.get("subprotocols", [])
         try:
             upstream = await connect(
@@ -97,7 +97,7 @@ class View:
                 tasks.start_soon(_pass_down, upstream, socket, tasks.cancel_scope)
                 tasks.start_soon(_pass_up, socket, upstream, tasks.cancel_scope)
         finally:
-            # A polite close would wait for viser; at the end of the program nobody waits.
+            # A clean close would wait for viser, but the end of the program must not wait.
             upstream.transport.abort()
 
     def close(self) -> None:
@@ -119,7 +119,7 @@ async def _pass_down(upstream: Any, socket: WebSocket, scope: anyio.CancelScope)
             else:
                 await socket.send_text(message)
     except (WebSocketDisconnect, RuntimeError, websockets.ConnectionClosed):
-        pass  # either side has gone: both end
+        pass  # one side is gone: both end
     scope.cancel()
 
 
@@ -132,7 +132,7 @@ async def _pass_up(socket: WebSocket, upstream: Any, scope: anyio.CancelScope) -
             content = message.get("bytes")
             await upstream.send(content if content is not None else message["text"])
     except websockets.ConnectionClosed:
-        pass  # viser has gone: both end
+        pass  # viser is gone: both end
     scope.cancel()
 
 

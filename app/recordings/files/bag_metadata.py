@@ -1,4 +1,4 @@
-"""``metadata.yaml``, by which ROS 2's own tools know a recording (rosbag2 of Jazzy, version 9)."""
+"""``metadata.yaml``, which ROS 2's own tools need for a recording (rosbag2 of Jazzy, version 9)."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from app.ros2.topic import Quality
 
 VERSION = 9
 DISTRIBUTION = "jazzy"
-"""Whose message definitions these are."""
+"""The ROS distribution of the message definitions."""
 
 FOREVER = {"sec": 9223372036, "nsec": 854775807}
-"""The longest duration of ROS 2: no deadline, no end of life."""
+"""The longest duration of ROS 2: no deadline, no end of the lifespan."""
 
 
 @dataclass(slots=True)
@@ -39,7 +39,7 @@ class Span:
     end_ns: int
 
     def add(self, time_ns: int) -> None:
-        """Have another message in it."""
+        """Extend the span to the time of another message."""
         if time_ns > self.end_ns:
             self.end_ns = time_ns
         elif time_ns < self.start_ns:
@@ -47,7 +47,7 @@ class Span:
 
 
 def quality_profiles(quality: Quality) -> list[dict[str, Any]]:
-    """Quality of service of the one publisher of a topic, as rosbag2 has it."""
+    """Quality of service of a topic's only publisher, in the form of rosbag2."""
     return [
         {
             "history": "keep_last",
@@ -64,7 +64,7 @@ def quality_profiles(quality: Quality) -> list[dict[str, Any]]:
 
 
 def channel_metadata(topic: RecordedTopic) -> dict[str, str]:
-    """What rosbag2 keeps beside a topic within the MCAP file."""
+    """What rosbag2 stores with a topic in the MCAP file."""
     return {
         "offered_qos_profiles": _as_yaml(quality_profiles(topic.quality)),
         "topic_type_hash": type_hash(topic.type),
@@ -74,13 +74,13 @@ def channel_metadata(topic: RecordedTopic) -> dict[str, str]:
 def bag_metadata(
     file: str, topics: list[RecordedTopic], span: Span | None, facts: Mapping[str, str]
 ) -> dict[str, Any]:
-    """All that is known of a recording.
+    """Collect the metadata of a recording.
 
     Args:
-        file: name of its one file, beside ``metadata.yaml``.
+        file: name of its only file, beside ``metadata.yaml``.
         topics: in the order of their first messages.
         span: None while there are no messages.
-        facts: whatever else is worth knowing.
+        facts: other important facts, by name.
     """
     start = {"nanoseconds_since_epoch": span.start_ns if span else 0}
     duration = {"nanoseconds": span.end_ns - span.start_ns if span else 0}
@@ -114,7 +114,7 @@ def as_text(metadata: dict[str, Any]) -> str:
 
 
 def in_file(metadata: dict[str, Any]) -> dict[str, str]:
-    """The same within the MCAP file, as the record ``rosbag2``."""
+    """The same metadata for the record ``rosbag2`` in the MCAP file."""
     return {"serialized_metadata": _as_yaml(metadata)}
 
 
@@ -136,11 +136,11 @@ def _as_yaml(content: object) -> str:
 
 
 _Dumper: Any = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
-"""In C it takes a tenth of the time, which counts: it is written while the robot drives."""
+"""The version in C takes a tenth of the time, which matters: it runs while the robot drives."""
 
 
 class _Plain(_Dumper):  # type: ignore[misc]
-    """Writes what stands twice twice: not every reader of YAML knows references."""
+    """Writes repeated values in full: not every reader of YAML knows references."""
 
     def ignore_aliases(self, data: object) -> bool:
         return True

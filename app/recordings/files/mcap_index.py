@@ -1,7 +1,7 @@
-"""What an MCAP file holds and where: from its summary, or by going through all of it.
+"""Index of an MCAP file, what it holds and where: from its summary, or from reading all of it.
 
-A file that was not finished (the program was killed, the disk was full) has no summary, and may end
-in the middle of a record; all that is whole before is used.
+An unfinished file (the program was killed, the disk was full) has no summary, and may end in the
+middle of a record. All whole records before that are used.
 """
 
 from __future__ import annotations
@@ -25,24 +25,24 @@ from app.recordings.files.mcap_records import (
 )
 
 FIRST_PRIVATE_OPCODE = 0x80
-"""From here on opcodes are a writer's own."""
+"""Opcodes from here on are private to the writer."""
 
 RUN = 1 << 20
-"""Messages outside of chunks are read in runs of about so many bytes."""
+"""Approximate length of the runs in which messages outside of chunks are read [bytes]."""
 
 
 class Piece(NamedTuple):
-    """Some messages that lie together: a chunk, or a run of messages outside of chunks."""
+    """Messages that lie together: a chunk, or a run of messages outside of chunks."""
 
     start_ns: int
     offset: int
-    """In the file [bytes]."""
+    """Position in the file [bytes]."""
     length: int
     end_ns: int
     channels: frozenset[int]
-    """Those with messages in it; empty if that is not known."""
+    """The channels that have messages in it; empty if they are not known."""
     loose: bool = False
-    """Whether it is no chunk."""
+    """Whether it is a run outside of chunks."""
 
 
 @dataclass(slots=True)
@@ -58,10 +58,10 @@ class Index:
     complete: bool = False
     """Whether the file was finished."""
     damage: str = ""
-    """What is wrong where the readable part ends; empty if it ends with a whole record."""
+    """What is wrong at the end of the readable part; empty if that ends with a whole record."""
 
     def take(self, record: records.McapRecord) -> None:
-        """Have what a record says."""
+        """Add the content of a record."""
         match record:
             case records.Schema():
                 self.schemas[record.id] = record
@@ -73,7 +73,7 @@ class Index:
                 self.attachments[record.name] = (record.offset, record.length)
 
     def add(self, piece: Piece) -> None:
-        """Have another piece, behind the others."""
+        """Append a piece; adjacent runs outside of chunks are joined, up to about ``RUN`` bytes."""
         last = self.pieces[-1] if self.pieces else piece
         ends = last.offset + last.length
         if last.loose and piece.loose and ends == piece.offset and last.length < RUN:
@@ -85,7 +85,7 @@ class Index:
 
 
 def index_of(file: BinaryIO) -> Index:
-    """What a file holds; its beginning has been checked."""
+    """Return the index of a file whose beginning has been checked."""
     try:
         return _from_summary(file)
     except DamageError:
@@ -93,8 +93,8 @@ def index_of(file: BinaryIO) -> Index:
 
 
 def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
-    """Bytes of a file; DamageError if it ends before."""
-    # A length that is damaged must not be asked for: memory is set aside for it first.
+    """Read bytes of a file; DamageError if the file ends before."""
+    # Never read a damaged length: the memory for it would be allocated first.
     if offset + length <= _size(file):
         file.seek(offset)
         data = file.read(length)
@@ -132,7 +132,7 @@ def _from_summary(file: BinaryIO) -> Index:
 
 
 def _summary(file: BinaryIO) -> bytes:
-    """All from the first record of the summary to the file's end."""
+    """Read the bytes from the first record of the summary to the file's end."""
     size, tail = _size(file), FOOTER_SIZE + MAGIC_SIZE
     if size < 2 * tail:
         raise DamageError("the file is too short for a summary")
@@ -147,7 +147,7 @@ def _summary(file: BinaryIO) -> bytes:
 
 
 def _from_all(file: BinaryIO) -> Index:
-    """By going through the file to its end, or to the first damage."""
+    """Index the file by reading it to its end, or to the first damage."""
     index, offset, size = Index(), MAGIC_SIZE, _size(file)
     try:
         while not index.complete and offset != size:
@@ -171,7 +171,7 @@ def _take(index: Index, file: BinaryIO, opcode: int, offset: int, length: int) -
         case Opcode.SCHEMA | Opcode.CHANNEL | Opcode.METADATA:
             index.take(record_of(read_at(file, offset, length), records.McapRecord))
         case Opcode.ATTACHMENT:
-            # No more than the name is read: damage to an attachment must not end the recording.
+            # Only the name is parsed: damage to an attachment must not end the recording.
             data = read_at(file, offset, length)[HEAD.size + 16 :]
             name = data[4 : 4 + int.from_bytes(data[:4], "little")].decode(errors="replace")
             index.attachments[name] = (offset, length)

@@ -1,4 +1,4 @@
-"""Reads recordings: an MCAP file with ROS 2 messages or a folder of such, finished or not."""
+"""Reads recordings, finished or not: an MCAP file with ROS 2 messages, or a folder of such."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ OTHERS = {
     b"\x1f\x8b": "compressed as a whole by gzip (gunzip unpacks it)",
     b"PK\x03\x04": "a zip archive",
 }
-"""What files begin with that are taken for recordings."""
+"""First bytes of files that people mistake for recordings, and what these files are."""
 
 CDR = "cdr"
 
 
 def open_recording(path: Path) -> RecordingReader:
-    """Look into an MCAP file, or into a folder with one or several of the same recording.
+    """Open an MCAP file, or a folder with one or several files of the same recording.
 
-    A ``metadata.yaml`` is not needed. A recording that was not finished can be read up to where it
-    is whole.
+    A ``metadata.yaml`` is not needed. An unfinished recording can be read up to the end of its last
+    whole record.
 
     Raises:
-        RecordingError: there is no such file, it is something else, damaged from the beginning, or
-            without any messages in CDR; says what it is and what would be valid.
+        RecordingError: the file does not exist, is something else, is damaged from the beginning,
+            or has no messages in CDR; says what it is and what is valid.
     """
     reader = RecordingReader(path, [McapFile(each) for each in _files(path)])
     if not reader.topics:
@@ -48,19 +48,19 @@ def open_recording(path: Path) -> RecordingReader:
 
 
 class RecordingReader:
-    """One recording; holds no file open, so that several threads may read at once."""
+    """One recording; it keeps no file open, so several threads may read at the same time."""
 
     def __init__(self, path: Path, files: list[McapFile]) -> None:
         self.path = path
         self.files = files
         self.topics: dict[str, str] = {}
-        """Types by topic, of all that can be read as CDR, whether there are messages or not."""
+        """Types by topic, of all topics in CDR, with or without messages."""
         self.metadata: dict[str, dict[str, str]] = {}
         self.attachments: Mapping[str, bytes] = _Attachments(files)
         for file in files:
             self.topics |= dict(file.names.values())
             self.metadata |= file.index.metadata
-        # Empty chunks have their end before their beginning.
+        # In an empty chunk, the end time is before the start time.
         pieces = [each for file in files for each in file.pieces if each.start_ns <= each.end_ns]
         self.start_ns = min((item.start_ns for item in pieces), default=0)
         """Log time of the first message."""
@@ -68,7 +68,7 @@ class RecordingReader:
         self.unfinished = any(not file.index.complete for file in files)
         """Whether it was cut off: the program was killed, or the disk was full."""
         self.damage = " ".join(file.index.damage for file in files if file.index.damage)
-        """What is wrong where the readable part of an unfinished file ends."""
+        """What is wrong at the end of the readable part of an unfinished file."""
 
     @property
     def duration(self) -> float:
@@ -78,21 +78,21 @@ class RecordingReader:
     def messages(
         self, topics: Collection[str] | None = None, start_ns: int = 0
     ) -> Iterator[RecordedMessage]:
-        """Messages in the order of their log time; of the same time, as they were written.
+        """Yield messages in the order of their log time; at the same time, as they were written.
 
         Args:
             topics: only these, named as in ``topics``; None for all.
-            start_ns: only those logged then or later.
+            start_ns: only those logged at this time or later [ns since 1970].
 
         Raises:
-            RecordingError: the file is damaged in the middle or gone.
+            RecordingError: the file is damaged in the middle, or does not exist any more.
         """
         streams = [file.messages(topics, start_ns) for file in self.files]
         return heapq.merge(*streams, key=lambda item: item.log_time_ns)
 
 
 class _Attachments(Mapping[str, bytes]):
-    """Attachments by name, read when they are asked for; raises RecordingError on damage."""
+    """Attachments by name, read at each access; raises RecordingError on damage."""
 
     def __init__(self, files: list[McapFile]) -> None:
         self._files = {name: file for file in files for name in file.index.attachments}
@@ -108,10 +108,10 @@ class _Attachments(Mapping[str, bytes]):
 
 
 class McapFile:
-    """One file of a recording, looked through when it is made; opened anew for each reading."""
+    """One file of a recording; indexed by the constructor, and opened again for each read."""
 
     def __init__(self, path: Path) -> None:
-        """Look through the file; RecordingError if it is missing or no MCAP file."""
+        """Index the file; RecordingError if it is missing or not an MCAP file."""
         self.path = path
         with self._open() as file:
             _check_beginning(path, file)
@@ -123,7 +123,7 @@ class McapFile:
             for channel in self.index.channels.values()
             if channel.message_encoding == CDR and channel.schema_id in schemas
         }
-        """Topic and type by channel, of all that can be read as CDR."""
+        """Topic and type by channel, of all channels in CDR."""
 
     def attachment(self, name: str) -> bytes:
         """The content of an attachment; RecordingError if it is damaged."""
@@ -132,17 +132,17 @@ class McapFile:
             return record_of(read_at(file, *place), Attachment).data
 
     def messages(self, topics: Collection[str] | None, start_ns: int) -> Iterator[RecordedMessage]:
-        """As ``RecordingReader.messages``."""
+        """Yield messages as ``RecordingReader.messages`` does."""
         names = {n: name for n, name in self.names.items() if topics is None or name[0] in topics}
         queue: list[tuple[int, int, RecordedMessage]] = []
         count = 0
         with self._open() as file:
             for piece in self.pieces:
-                # A writer that keeps no index of messages tells no channels either.
+                # A file without an index of messages does not list the channels of a chunk either.
                 channels = piece.channels or names.keys()
                 if piece.end_ns < start_ns or channels.isdisjoint(names):
                     continue
-                # Chunks may overlap: what is older than all of the next one can go out.
+                # Chunks may overlap: only messages up to the start of the next one can go out.
                 while queue and queue[0][0] <= piece.start_ns:
                     yield heapq.heappop(queue)[2]
                 for channel, time_ns, cdr in messages_of(read_at(file, piece.offset, piece.length)):
@@ -184,7 +184,7 @@ def _files(path: Path) -> list[Path]:
 
 
 def _check_beginning(path: Path, file: BinaryIO) -> None:
-    """Refuse what is no MCAP file, and say what it is."""
+    """Raise RecordingError if the file is not an MCAP file; it says what the file is."""
     begin = file.read(len(MAGIC) + HEAD.size)
     others = [what for start, what in OTHERS.items() if begin.startswith(start)]
     if not begin:

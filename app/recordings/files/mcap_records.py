@@ -1,7 +1,8 @@
-"""The records of an MCAP file, from bytes that may be damaged (https://mcap.dev/spec).
+"""Parses the records of an MCAP file from bytes that may be damaged (https://mcap.dev/spec).
 
-The mcap package reads their fields; what it takes on trust is checked here. Messages, which are
-many, are told apart without it, in a tenth of the time. All functions raise DamageError.
+The mcap package reads their fields; this module checks what the package does not check. There are
+many messages, so this module parses them without the package, in a tenth of the time. All
+functions raise DamageError.
 """
 
 from __future__ import annotations
@@ -21,29 +22,31 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
 HEAD = struct.Struct("<BQ")
-"""Before each record's content: opcode and length."""
+"""Head of each record: opcode, and length of the content."""
 MESSAGE = struct.Struct("<HIQQ")
-"""Channel, sequence, log time, publish time; the rest of the record is the message."""
+"""First fields of a message's record: channel, sequence, log time, publish time; the rest of the
+record is the message."""
 
 END = HEAD.pack(Opcode.FOOTER, 20) + bytes(20) + MCAP0_MAGIC
-"""What a file ends with; a length that reaches beyond the bytes before it destroys it."""
+"""The end of a file, put behind data that are parsed: a record that claims to be longer than the
+data runs into it, and is noticed."""
 
 LARGEST_CHUNK = 1 << 29
-"""A larger chunk is refused [bytes]: it has to fit into the memory of a small computer."""
+"""Largest chunk [bytes]: it has to fit into the memory of a small computer."""
 
 Record = TypeVar("Record", bound=McapRecord)
 
 
 class DamageError(ValueError):
-    """Bytes that are no such record."""
+    """The bytes are not a valid record."""
 
 
 def records_of(data: bytes, end: bytes = END) -> list[McapRecord]:
-    """Records with their fields, a footer the last of them; chunks remain as they are.
+    """Parse records with their fields; the last one is a footer, and chunks are not unpacked.
 
     Args:
         data: whole records.
-        end: what follows; nothing if the data go to the file's end.
+        end: the bytes to put behind the data; empty if the data reach to the file's end.
     """
     stream = io.BytesIO(data + end)
     try:
@@ -54,7 +57,7 @@ def records_of(data: bytes, end: bytes = END) -> list[McapRecord]:
 
 
 def record_of(data: bytes, kind: type[Record]) -> Record:
-    """The one record that some bytes are, of a certain kind."""
+    """Parse bytes that are exactly one record, of a certain kind."""
     match records_of(data):
         case [record, Footer()] if isinstance(record, kind):
             return record
@@ -64,11 +67,11 @@ def record_of(data: bytes, kind: type[Record]) -> Record:
 def messages_of(
     data: bytes, take: Callable[[McapRecord], None] | None = None
 ) -> Iterator[tuple[int, int, bytes]]:
-    """Channel, log time [ns] and content of the messages in a chunk, or in a run outside of chunks.
+    """Yield channel, log time [ns] and content of messages in a chunk, or in a run outside chunks.
 
     Args:
         data: a chunk's record, or the messages' records.
-        take: called with schemas and channels.
+        take: called with each schema and each channel.
     """
     if data[:1] != bytes([Opcode.MESSAGE]):
         data = _unpacked(record_of(data, Chunk))
@@ -105,13 +108,13 @@ def _unpacked(chunk: Chunk) -> bytes:
 
 
 def _decompressed(chunk: Chunk) -> bytes:
-    """No more than the chunk says: a few bytes may stand for gigabytes."""
+    """Decompress at most the size that the chunk states: a few bytes may become gigabytes."""
     size = chunk.uncompressed_size
     match chunk.compression:
         case "":
             return chunk.data
         case "zstd":
-            # The frame's own word on its size is taken for memory before anything is decompressed.
+            # The library allocates the size that the frame states before it decompresses anything.
             if zstandard.frame_content_size(chunk.data) > size:
                 raise DamageError("a chunk is larger than it says")
             return zstandard.decompress(chunk.data, max_output_size=size)

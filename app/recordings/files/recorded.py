@@ -1,4 +1,4 @@
-"""What a recording holds, whoever wrote it."""
+"""The messages of a recording, whichever program wrote it."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 
 class RecordingError(ValueError):
-    """A file that cannot be used as a recording; the message says what it is and what would be."""
+    """A recording cannot be read or made; the message says why, and what is valid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,9 +14,9 @@ class RecordedMessage:
     """One message."""
 
     topic: str
-    """As the file has it: recordings of ROS 2 begin it with a slash."""
+    """The topic's name in the file; in recordings of ROS 2, it begins with a slash."""
     type: str
-    """``sensor_msgs/msg/LaserScan``."""
+    """As ``sensor_msgs/msg/LaserScan``."""
     log_time_ns: int
     """When it was recorded [ns since 1970]."""
     cdr: bytes = field(repr=False)

@@ -1,10 +1,10 @@
-"""The recording on the disk: a folder as ``ros2 bag`` makes it, written as things happen.
+"""Writes a recording to the disk while it is made: a folder as ``ros2 bag`` makes it.
 
-    NAME/NAME_0.mcap     messages, and all that a replay needs besides (attachments)
+    NAME/NAME_0.mcap     messages, and attachments with all else that a replay needs
     NAME/metadata.yaml   for ROS 2's tools
 
-What is written is readable at once: half a second of messages at a time goes to the file as a chunk
-that is whole in itself. So a program that is killed, or a disk that is full, costs the last chunk.
+What is written is readable at once: 0.4 s of messages at a time go to the file as one complete
+chunk. So if the program is killed or the disk is full, only the last chunk is lost.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ MESSAGE_ENCODING = "cdr"
 METADATA_FILE = "metadata.yaml"
 
 FLUSH_NS = 400_000_000
-"""So much at most waits for the file, by the messages' log time."""
+"""Longest time that messages wait to be written, by their log time [ns]."""
 
 METADATA_NS = 5_000_000_000
-"""``metadata.yaml`` is written anew so often."""
+"""Interval of writing ``metadata.yaml`` again [ns]."""
 
 MOST_NAMES = 1000
-"""Recordings that may begin in the same second."""
+"""Limit of recordings that begin in the same second."""
 
 
 class RecordingFile:
@@ -52,12 +52,12 @@ class RecordingFile:
         """Begin a recording.
 
         Args:
-            folder: made for it; its name is that of the recording.
-            facts: what is worth knowing: robot, map, seed, version.
+            folder: made by this call; its name is that of the recording.
+            facts: the most important facts: robot, map, seed, version.
 
         Raises:
-            RecordingError: the folder is there already.
-            OSError: it cannot be written.
+            RecordingError: the folder exists already.
+            OSError: the folder cannot be written.
         """
         try:
             folder.mkdir(parents=True)
@@ -84,7 +84,7 @@ class RecordingFile:
 
     @property
     def size(self) -> int:
-        """Of the file [bytes]; what waits does not count."""
+        """Size of the file [bytes], without messages that wait."""
         return self._stream.good
 
     @property
@@ -93,7 +93,7 @@ class RecordingFile:
         return (self._span.end_ns - self._span.start_ns) / 1e9 if self._span else 0.0
 
     def attach(self, name: str, data: bytes, media_type: str, time_ns: int = 0) -> None:
-        """Put a file in.
+        """Add a file as an attachment.
 
         Raises:
             OSError: it cannot be written.
@@ -102,7 +102,7 @@ class RecordingFile:
         self.flush()
 
     def note(self, name: str, facts: Mapping[str, str]) -> None:
-        """Put in a record of facts by name.
+        """Add a named record of facts.
 
         Raises:
             OSError: it cannot be written.
@@ -122,11 +122,11 @@ class RecordingFile:
         """Add a message.
 
         Args:
-            topic: with its slash.
+            topic: its name, with a leading slash.
             type_name: as ``nav_msgs/msg/Odometry``.
-            quality: of the topic.
+            quality: the topic's quality of service.
             log_time_ns: when it was recorded [ns since 1970].
-            publish_time_ns: of its content [ns since 1970].
+            publish_time_ns: time of its content [ns since 1970].
             cdr: the message with its encapsulation header.
 
         Raises:
@@ -142,14 +142,14 @@ class RecordingFile:
             self._span = Span(log_time_ns, log_time_ns)
             self._flushed_ns = log_time_ns
         self._span.add(log_time_ns)
-        # A clock that was set back must not make the file wait until it has caught up.
+        # If the clock is set back, the file must not wait until it has caught up.
         if abs(log_time_ns - self._flushed_ns) >= FLUSH_NS:
             self._flushed_ns = log_time_ns
             self.flush()
             self._write_metadata_now_and_then(log_time_ns)
 
     def flush(self) -> None:
-        """Bring all that waits to the file.
+        """Write all waiting messages to the file.
 
         Raises:
             OSError: it cannot be written; what was written before remains.
@@ -173,7 +173,7 @@ class RecordingFile:
             self._stream.close()
 
     def abandon(self) -> None:
-        """Let go of a file that cannot be written any more; it ends with what was whole."""
+        """Close a file that cannot be written any more; it ends with its last complete record."""
         self._stream.close()
 
     def _add_topic(self, topic: RecordedTopic) -> None:
@@ -198,7 +198,7 @@ class RecordingFile:
             self._write_metadata()
 
     def _write_metadata(self) -> None:
-        # A file that was deleted takes all that is written, and nobody ever sees it.
+        # A deleted file still accepts all writes, but nobody ever sees them.
         if not self.path.exists():
             raise FileNotFoundError(errno.ENOENT, "its file was deleted", str(self.path))
         with file_written_whole(self.folder / METADATA_FILE) as new:
@@ -206,10 +206,10 @@ class RecordingFile:
 
 
 def free_folder(parent: Path, name: str) -> Path:
-    """A folder that is not there yet: of that name, or with a number behind it.
+    """Return a folder that does not exist yet: with this name, or with a number behind it.
 
     Raises:
-        RecordingError: there are too many.
+        RecordingError: there are too many folders of this name.
     """
     for number in range(1, MOST_NAMES):
         folder = parent / (name if number == 1 else f"{name}-{number}")
@@ -219,12 +219,12 @@ def free_folder(parent: Path, name: str) -> Path:
 
 
 class _Stream:
-    """A file without a buffer, which ends with what was whole when it cannot be written."""
+    """A file without a buffer; if a write fails, it is cut off after its last complete part."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("xb", buffering=0)
         self.good = 0
-        """Up to here it is whole [bytes]."""
+        """Length of the complete part [bytes]."""
 
     def write(self, data: bytes) -> int:
         rest = memoryview(data)
@@ -241,7 +241,7 @@ class _Stream:
         return self._file.tell()
 
     def flush(self) -> None:
-        """Nothing waits."""
+        """Do nothing: there is no buffer."""
 
     def mark(self) -> None:
         self.good = self._file.tell()

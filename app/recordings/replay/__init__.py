@@ -1,1 +1,1 @@
-"""A recording in place of a robot: the filter runs again on what was recorded."""
+"""Replay: a recording takes the place of the robot, and the filter runs again on it."""

@@ -1,4 +1,4 @@
-"""The checkpoints of one replay: many where that costs little, fewer where they are large."""
+"""The checkpoints of one replay: many if they are small, fewer if they are large."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from dataclasses import dataclass, field
 from app.engine.checkpoint import Checkpoint
 
 MOST_BYTES = 100_000_000
-"""Together; beyond it every second one is given up."""
+"""Largest size of all checkpoints together; beyond it, every second one is dropped."""
 
 SPACING_NS = 2_000_000_000
-"""From one to the next, at first."""
+"""Initial interval between two checkpoints [ns]."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class StoredCheckpoint:
-    """A checkpoint after the tick of a time."""
+    """A checkpoint, taken after the tick at a time."""
 
     log_ns: int
     checkpoint: Checkpoint = field(compare=False)
 
 
 class Checkpoints:
-    """By time; all are of the same settings."""
+    """Checkpoints by time; all belong to the same settings."""
 
     def __init__(self, most_bytes: int = MOST_BYTES) -> None:
         self._most_bytes = most_bytes
@@ -35,29 +35,29 @@ class Checkpoints:
 
     @property
     def size(self) -> int:
-        """All together [bytes]; a block that several share counts once."""
+        """Size of all checkpoints [bytes]; a block that several of them share counts once."""
         blocks = {id(b): len(b.content) for each in self._kept for b in each.checkpoint.blocks}
         return sum(len(item.checkpoint.content) for item in self._kept) + sum(blocks.values())
 
     def due(self, log_ns: int) -> bool:
-        """Whether there should be one at a time, as there is none near it."""
+        """Whether a checkpoint is due at a time, because none is near it."""
         after = bisect_left(self._kept, log_ns, key=lambda item: item.log_ns)
         near = self._kept[max(after - 1, 0) : after + 1]
         return all(abs(each.log_ns - log_ns) >= self._spacing_ns for each in near)
 
     def add(self, log_ns: int, checkpoint: Checkpoint) -> None:
-        """Keep one more."""
+        """Store a checkpoint; drop every second one if they are too large together."""
         insort(self._kept, StoredCheckpoint(log_ns, checkpoint))
         while len(self._kept) > 1 and self.size > self._most_bytes:
             del self._kept[1::2]
             self._spacing_ns *= 2
 
     def before(self, log_ns: int) -> StoredCheckpoint | None:
-        """The last one before a time."""
+        """The last checkpoint before a time; None if there is none."""
         result = bisect_left(self._kept, log_ns, key=lambda item: item.log_ns)
         return self._kept[result - 1] if result else None
 
     def clear(self) -> None:
-        """Give all up: other settings hold."""
+        """Drop all checkpoints, because the settings changed."""
         self._kept.clear()
         self._spacing_ns = SPACING_NS

@@ -1,4 +1,4 @@
-"""Settings that a replay has otherwise than the recording."""
+"""Settings of a replay that differ from those of the recording."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from app.settings.config import Config, by_path, read_toml, with_settings
 from robot.settings import SettingError
 
 TABLES = ("localization", "scanner", "odometry", "drive", "start_pose")
-"""What changes a replay."""
+"""The tables of settings that affect a replay."""
 
 
 def read_filter_config(path: Path) -> dict[str, Any]:
-    """Settings by their path (``localization.filter.max_particles``), of a TOML file.
+    """Read settings by their path (``localization.filter.max_particles``) from a TOML file.
 
     Raises:
-        SettingError: it cannot be read, or has settings that change no replay.
+        SettingError: the file cannot be read, or has settings that do not affect a replay.
     """
     content = read_toml(path)
     others = sorted(content.keys() - set(TABLES))
@@ -28,10 +28,10 @@ def read_filter_config(path: Path) -> dict[str, Any]:
 
 
 def with_filter_config(config: Config, path: Path) -> tuple[Config, frozenset[str]]:
-    """The settings with those of a file over them, and the names of the filter's among these.
+    """Replace settings by those of a file; return them, and the names of the filter's in the file.
 
     Raises:
-        SettingError: one is misspelt or out of range.
+        SettingError: a setting is misspelt or out of range.
     """
     given = read_filter_config(path)
     try:

@@ -1,4 +1,4 @@
-"""A program on a recording: the same parts as with a robot, put together of what it has."""
+"""Makes a program that replays a recording, from the same parts as a program with a robot."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ from robot.settings import SettingError
 
 @dataclass(frozen=True)
 class ReplayOptions:
-    """What may be otherwise than in the recording; None is as it was then."""
+    """What may differ from the recording; None keeps what was recorded."""
 
     map: str | None = None
     """A field by name, or a file."""
     filter_config: Path | None = None
-    """Settings over those of then."""
+    """A file of settings that replace the recorded ones."""
     sensor_model: str = ""
-    """A model of the user's own, as FILE.py:CLASS."""
+    """The user's own model, as FILE.py:CLASS."""
     motion_model: str = ""
     models: str = ""
-    """A folder of such."""
+    """A folder of the user's own models."""
     seed: int | None = None
     speed: float = 1.0
     paused: bool = False
@@ -61,10 +61,10 @@ class ReplayProgram(Program):
 
 
 def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
-    """A program that replays a recording.
+    """Make a program that replays a recording.
 
     Raises:
-        RecordingError: the file cannot be used; says what it is and has.
+        RecordingError: the file cannot be used; says what it is and what it has.
         SettingError, FieldError, SpecError: a setting, the map or the robot cannot be used.
     """
     reader = open_recording(path)
@@ -91,7 +91,7 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     replay = Replay(
         timeline, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
     )
-    # It is never written: the robot is elsewhere by now.
+    # The pose file is never written: the robot is elsewhere by now.
     pose_file = path.absolute()
     return ReplayProgram(
         engine,
@@ -108,7 +108,7 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
 
 @dataclass(frozen=True)
 class _Begin:
-    """Makes an engine before its first tick, as often as it is needed."""
+    """Makes an engine in its initial state, as often as one is needed."""
 
     config: Config
     field: Field
@@ -118,7 +118,7 @@ class _Begin:
     robot: RecordedRobot
 
     def engine(self, changed: dict[str, Any], entries: EntryField | None) -> Engine:
-        """A new one, with some parameters changed by name; what cannot be any more is left out."""
+        """Make an engine with some parameters changed by name; impossible changes are left out."""
         config, own = self.config, self.own
         own.reset()
         parameters = config.localization
@@ -134,20 +134,20 @@ class _Begin:
 
 
 def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozenset[str]]:
-    """The settings of the replay, and the names of the filter's that were chosen for it."""
+    """Return the settings of the replay, and the names of the filter's that were given for it."""
     given: frozenset[str] = frozenset()
     if options.filter_config is not None:
         config, given = with_filter_config(config, options.filter_config)
     config = replace(
         config,
-        map=options.map or "",  # else it is the recording's own
+        map=options.map or "",  # without a name, it is the recording's own map
         host=options.host,
         port=options.port,
         seed=config.seed if options.seed is None else options.seed,
         sensor_model=options.sensor_model,
         motion_model=options.motion_model,
         models=options.models,
-        # What is replayed is not where the robot is now.
+        # Save no pose: the replayed pose is not where the robot is now.
         start_pose=replace(config.start_pose, save_pose_rate=-1.0, pose_file=""),
     )
     if options.sensor_model:
@@ -168,7 +168,7 @@ def _field(parts: RecordedParts, options: ReplayOptions, reader: RecordingReader
 
 
 def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRobot) -> Start:
-    """Where the filter began then, as far as that can be known."""
+    """Return where the recorded filter began, as far as that is known."""
     wanted = config.start_pose
     as_configured = parts.told and parts.from_start and not wanted.restore_pose
     if not as_configured:
@@ -207,5 +207,5 @@ def _duration(reader: RecordingReader, robot: RecordedRobot) -> float:
 
 
 def _name(path: Path) -> str:
-    """A recording's folder or file; the folder's file has only a number more."""
+    """The name of a recording's folder, or of its file without the suffix."""
     return path.absolute().stem if path.suffix == ".mcap" else path.absolute().name

@@ -1,6 +1,6 @@
-"""A replay as it runs: pause, scrub, step by picture, slower and faster.
+"""A running replay: pause, seek, step by picture, slower and faster.
 
-Takes the place of the engine's own loop, in the engine's thread.
+It replaces the engine's own loop, in the engine's thread.
 """
 
 from __future__ import annotations
@@ -24,46 +24,46 @@ from robot.interface import Frame
 from robot.localization.filter import Cloud
 
 STANDING_S = 0.1
-"""While it stands, everybody is told so often that it does."""
+"""Interval of status messages while paused or waiting [s]."""
 
 PIECE_S = 0.03
-"""Of hurrying, between two looks at what is asked."""
+"""How long a seek goes on between two checks for requests [s]."""
 
 TOLD_S = 0.1
-"""Between two words on how far it has got."""
+"""Interval of progress messages during a seek [s]."""
 
 LONGEST_GAP_S = 2.0
-"""A gap in the recording is waited for no longer [s of the recording]."""
+"""Longest wait for a gap in the recording [s of the recording]."""
 
 SHORT_S = 0.002
-"""Not worth waiting for again."""
+"""A remaining wait this short is ignored [s]."""
 
 BEHIND_S = 0.1
-"""When it is later than this, it does not try to make up for it."""
+"""A delay longer than this is not made up for [s]."""
 
 LOADED = 500
-"""Ticks after which compiled code has been loaded, as in the engine's own loop."""
+"""Ticks after which all compiled code is loaded, as in the engine's own loop."""
 
 NOTHING = Cloud(np.empty((0, 3)), np.empty(0))
-"""Shown while the filter has not got there."""
+"""The empty cloud, shown during a seek."""
 
 
 @dataclass(slots=True)
 class _Way:
-    """To where somebody wanted to be."""
+    """A seek or a step that is under way."""
 
     from_ns: int
     to_ns: int | None
-    """None is a step: wherever the pictures are."""
+    """Time to seek to; None for a step, whose end depends on the pictures."""
     ticks: Iterator[Snapshot]
     there: Snapshot | None
-    """What was recorded there, to be shown meanwhile."""
+    """What was recorded at the target, to be shown meanwhile."""
     said: float = 0.0
-    """When its progress was last told, on the computer's clock [s]."""
+    """When its progress was last shown, on the computer's monotonic clock [s]."""
 
 
 class Replay:
-    """Owns the pace; ``asked`` from any thread, all else from the engine's."""
+    """Controls the pace; ``asked`` is for any thread, everything else for the engine's."""
 
     def __init__(
         self,
@@ -83,14 +83,15 @@ class Replay:
         self._speed = speed
         self._way: _Way | None = None
         self._later: list[Command] = []
-        """What the filter is told when it has got there."""
+        """Commands for the filter at the end of the seek."""
         self._shown: Snapshot | None = None
         self._ticks = 0
         self._zero: float | None = None
-        """When the recording began, as played at this speed without a stop [s]."""
+        """When the recording would have begun if it had been played at this speed without a stop,
+        on the computer's monotonic clock [s]."""
 
     def run(self, stop: threading.Event) -> None:
-        """Replay until told to stop; the file is closed whatever happens."""
+        """Replay until ``stop`` is set; the recording is closed whatever happens."""
         engine = self.timeline.engine
         try:
             self._show(self._tick())
@@ -120,7 +121,7 @@ class Replay:
         if requests.position_s is not None:
             self._go_to(self._start_ns + round(1e9 * requests.position_s))
         if requests.steps and self._way is not None:
-            self.asked.ask(step=requests.steps)  # when it has got there
+            self.asked.ask(step=requests.steps)  # after the seek
         elif requests.steps:
             self._paused = True
             self._step(requests.steps)
@@ -130,7 +131,7 @@ class Replay:
         return self.timeline.robot.start_ns
 
     def _play(self) -> None:
-        """Wait for the next tick's time, and let it come."""
+        """Wait until the next tick is due, and run it; end early after a request or a status."""
         following = self.timeline.robot.next_ns
         if following is None:
             self._paused = True
@@ -152,12 +153,12 @@ class Replay:
         self._show(self._tick(self.timeline.engine.commands.take()))
 
     def _stand(self) -> None:
-        """Say that it stands, and take what is told meanwhile."""
+        """Show that the replay is paused, and carry out commands."""
         self._show(self.timeline.linger(self.timeline.engine.commands.take()))
         self.asked.wait(STANDING_S)
 
     def _step(self, pictures: int) -> None:
-        """On by pictures, or back."""
+        """Step forward by a number of pictures, or back if it is negative."""
         if pictures < 0:
             self._go_to(self.timeline.picture_before(-pictures))
         else:
@@ -165,7 +166,7 @@ class Replay:
             self._way = _Way(self.timeline.log_ns, None, enabled, None, time.monotonic())
 
     def _go_to(self, log_ns: int) -> None:
-        """Set out for a time; the first tick is the nearest to anything before it."""
+        """Start to seek to a time; a time before the first tick becomes that of the first tick."""
         log_ns = max(log_ns, self._start_ns)
         target = self.timeline.go_near(log_ns)
         self._zero = None
@@ -179,7 +180,7 @@ class Replay:
         )
 
     def _hurry(self, way: _Way) -> None:
-        """Go on towards where somebody wanted to be, as fast as it goes, for a moment."""
+        """Continue a seek or a step for ``PIECE_S``, as fast as possible."""
         until = time.monotonic() + PIECE_S
         while time.monotonic() < until:
             snapshot = next(way.ticks, None)
@@ -198,7 +199,7 @@ class Replay:
         self._show(self.timeline.linger(commands))
 
     def _change_on_the_way(self, way: _Way) -> bool:
-        """Whether other settings are wanted, so that the way begins anew."""
+        """Take commands during a seek; return whether it starts again because of new settings."""
         given = self.timeline.engine.commands.take()
         if way.to_ns is None:
             self._later += given
@@ -226,7 +227,7 @@ class Replay:
             gc.freeze()
 
     def _show(self, snapshot: Snapshot) -> None:
-        """Let everybody see a tick, and where the replay stands."""
+        """Publish a snapshot, with the state of the replay."""
         self._shown = snapshot
         self.timeline.engine.publish(replace(snapshot, replay=self._state(snapshot)))
 
@@ -248,12 +249,12 @@ class Replay:
         )
 
     def _glimpsed(self, preview: Preview | None) -> Snapshot | None:
-        """The last tick with what was recorded elsewhere: picture, scan, and what was estimated."""
+        """The last snapshot, with the recorded picture, scan and estimate of another time."""
         last = self._shown
         if preview is None or last is None:
             return None
         scanner = self.timeline.engine.localization.scanner
-        # The stamp as if none had jumped; only shown while the filter is on its way.
+        # The stamp as if no stamp had jumped; it is only shown during the seek.
         stamp = (preview.log_ns - self._start_ns) / 1e9
         frame = preview.frame and Frame(stamp, preview.frame.image)
         return replace(

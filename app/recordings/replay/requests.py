@@ -1,4 +1,4 @@
-"""What people ask of a replay: from any thread, in any order, and the newest wins."""
+"""Requests to a replay, from any thread, in any order; the newest one wins."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import threading
 from dataclasses import dataclass
 
 SLOWEST, FASTEST = 0.05, 50.0
-"""Seconds of the recording in one second."""
+"""Limits of the speed: seconds of the recording in one second."""
 
 
 @dataclass(slots=True)
 class Requests:
-    """Since the last look; None is no wish."""
+    """The requests since they were last taken; None means no request."""
 
     paused: bool | None = None
     speed: float | None = None
     position_s: float | None = None
     steps: int = 0
-    """Pictures to go on, or back."""
+    """Pictures to step forward; negative to step back."""
 
 
 class RequestMailbox:
-    """The mailbox."""
+    """Collects requests until the replay takes them."""
 
     def __init__(self) -> None:
         self._wishes = Requests()
@@ -35,7 +35,7 @@ class RequestMailbox:
         position_s: float | None = None,
         step: int | None = None,
     ) -> None:
-        """Ask for something; a new position outdates steps that were not yet taken."""
+        """Add requests; a new position cancels steps that were not taken yet."""
         with self._changed:
             requests = self._wishes
             requests.paused = requests.paused if paused is None else paused
@@ -49,12 +49,12 @@ class RequestMailbox:
             self._changed.notify_all()
 
     def take(self) -> Requests:
-        """All that was asked since the last time."""
+        """Take all requests since the last call."""
         with self._changed:
             requests, self._wishes, self._some = self._wishes, Requests(), False
         return requests
 
     def wait(self, seconds: float) -> bool:
-        """Until something is asked, but not longer; whether something was."""
+        """Wait for a request, at most some seconds; return whether there is one."""
         with self._changed:
             return self._changed.wait_for(lambda: self._some, max(seconds, 0.0))

@@ -1,4 +1,4 @@
-"""The filter's settings in a replay: those of then, and what somebody wants to be otherwise."""
+"""The filter's settings in a replay: the recorded settings plus the viewer's changes."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from robot.fields.field import Field
 
 
 class ReplaySettings:
-    """What is changed during the replay holds for the whole of it, whatever was changed then."""
+    """A change during the replay holds for the whole replay, and overrides recorded changes."""
 
     def __init__(self, given: Collection[str] = ()) -> None:
-        """``given`` are names of parameters that were chosen for the replay before it began."""
+        """``given`` are the names of parameters that were chosen before the replay began."""
         self.changed: dict[str, Any] = {}
-        """Parameters and models of the user's own that were chosen during the replay, by name."""
+        """Parameters and the user's own models that were chosen during the replay, by name."""
         self._given = frozenset(given)
 
     def change(self, command: SetParametersCommand | ResetCommand) -> None:
-        """Take what somebody wants now; ``reset`` is back to the replay's beginning."""
+        """Take a viewer's change; ``reset`` undoes all changes since the replay began."""
         if isinstance(command, ResetCommand):
             self.changed = {}
         else:
             self.changed = {**self.changed, **command.values}
 
     def again(self, command: Command) -> tuple[Command, ...]:
-        """What a command of then means in this replay."""
+        """Return the commands that repeat a recorded command in this replay."""
         match command:
             case SetParametersCommand():
                 chosen = self._given | self.changed.keys()

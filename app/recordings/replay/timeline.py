@@ -1,7 +1,7 @@
-"""The filter's way through a recording: on by ticks, back by checkpoints.
+"""Moves the filter through a recording: forward by ticks, back by checkpoints.
 
-What it is at a time depends on the recording, the settings, the seed and the time alone, however
-often somebody went back and forth before.
+Apart from the viewer's commands, the filter's state depends only on the recording, the settings,
+the seed and the time. It does not depend on earlier seeks.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from robot.geometry import Pose2
 from robot.localization.models.entry_field import EntryField
 
 NEAR_NS = 2_000_000_000
-"""To go on so far needs no checkpoint."""
+"""A shorter seek forward needs no checkpoint [ns]."""
 
 LONGEST_STEP_NS = 2_000_000_000
-"""A step from picture to picture is no longer than this."""
+"""Longest step from picture to picture [ns]."""
 
 Then = tuple[Pose2, Pose2]
-"""What was estimated then, and dead reckoning at its stamp."""
+"""A recorded estimate, and dead reckoning at its stamp."""
 
 
 class Timeline:
-    """Owns the engine's state; one thread."""
+    """Owns the engine's state; for one thread."""
 
     def __init__(
         self,
@@ -44,15 +44,15 @@ class Timeline:
         settings: ReplaySettings,
         begin: Callable[[dict[str, Any], EntryField | None], Engine],
     ) -> None:
-        """At the beginning, before the first tick.
+        """Start at the beginning, before the first tick.
 
         Args:
-            engine: in its first state.
+            engine: an engine in its initial state.
             robot: the recording.
             field: the map.
-            settings: of the filter.
-            begin: an engine in its first state, with some parameters changed; the table of the
-                field, if there is one already, saves some seconds.
+            settings: the settings of the filter.
+            begin: makes an engine in its initial state, with some parameters changed. It takes the
+                table of the field if there is one already, which saves some seconds.
         """
         self.engine = engine
         self.robot = robot
@@ -62,7 +62,7 @@ class Timeline:
         self._begin = begin
         self._then: Then | None = None
         self._pure = True
-        """Whether the state depends on nothing but the recording, the settings and the time."""
+        """Whether the state depends only on the recording, the settings and the time."""
         self._can_keep = True
         own, scanner = engine.localization.own, engine.localization.scanner
         self._saves = own.saves
@@ -75,21 +75,21 @@ class Timeline:
 
     @property
     def pure(self) -> bool:
-        """Whether the state is that of the recording, the settings and the time alone."""
+        """Whether the state depends only on the recording, the settings and the time."""
         return self._pure
 
     def estimate_then(self, snapshot: Snapshot) -> Pose2 | None:
-        """What was estimated then, carried forward by the wheels."""
+        """The recorded estimate, carried forward by the wheels; None if there is none yet."""
         if self._then is None:
             return None
         pose, odom_then = self._then
         return pose @ (odom_then.inverse() @ snapshot.odom_from_robot)
 
     def tick(self, commands: tuple[Command, ...] = ()) -> Snapshot:
-        """The next tick; there must be one.
+        """Run the next tick; there must be one.
 
         Args:
-            commands: what somebody tells the filter now, besides what it was told then.
+            commands: the viewer's commands now, in addition to the recorded ones.
         """
         recorded = [item for command in self.robot.commands() for item in self._again(command)]
         self._note(commands)
@@ -101,39 +101,40 @@ class Timeline:
         return snapshot
 
     def linger(self, commands: tuple[Command, ...]) -> Snapshot:
-        """Tell the filter something between two ticks."""
+        """Carry out commands between two ticks."""
         self._note(commands)
         snapshot = self.engine.linger(commands)
         self._mind_own_models()
         return snapshot
 
     def forget(self) -> None:
-        """Other settings hold: what is next gone to is worked out from the beginning."""
+        """Drop all checkpoints because of new settings: the next seek starts from the beginning."""
         self.checkpoints.clear()
         self._pure = False
 
     def change(self, command: SetParametersCommand | ResetCommand) -> None:
-        """Let other settings hold from the next ``go_near`` on."""
+        """Change settings, with effect from the next ``go_near`` on."""
         self._settings.change(command)
         self.forget()
 
     def look(self, log_ns: int) -> Preview | None:
-        """What was recorded at a time."""
+        """Return what was recorded last up to a time; None if there is nothing."""
         lens = self.robot.spec.lens
         size = lens.height, lens.width
         return preview(self.robot.reader, self.robot.topics, log_ns, size)
 
     def go_near(self, log_ns: int) -> Preview | None:
-        """Get to the nearest state before a time that is known; ticks up to it are the rest.
+        """Go to the nearest known state before a time; ``ticks_up_to`` does the rest.
 
-        Returns what was recorded at that time, if it had to be looked up.
+        Returns:
+            What was recorded at that time, if it had to be looked up.
         """
         ahead = log_ns - self.log_ns
         if self._pure and 0 <= ahead < NEAR_NS:
             return None
         target = self.look(log_ns)
         picture_ns = target.picture_log_ns if target else None
-        # At least one picture has to come in between: a checkpoint has none.
+        # At least one picture has to come between them, because a checkpoint holds no picture.
         kept = self.checkpoints.before(picture_ns if picture_ns is not None else -1)
         if self._pure and ahead >= 0 and (kept is None or kept.log_ns <= self.log_ns):
             return target
@@ -148,15 +149,15 @@ class Timeline:
         return target
 
     def ticks_up_to(self, log_ns: int) -> Iterator[Snapshot]:
-        """The ticks from here to a time."""
+        """Run the ticks from here to a time."""
         while (following := self.robot.next_ns) is not None and following <= log_ns:
             yield self.tick()
 
     def ticks_with_pictures(self, pictures: int) -> Iterator[Snapshot]:
-        """The ticks from here to the one with the last of so many more pictures."""
+        """Run the ticks from here to the one that brings the last of ``pictures`` new pictures."""
         quiet_ns = self.log_ns
         while pictures > 0 and (following := self.robot.next_ns) is not None:
-            # Where no picture comes for long, that is a step, too.
+            # If no picture comes for a long time, the step ends there.
             if following - quiet_ns > LONGEST_STEP_NS and quiet_ns != self.log_ns:
                 return
             snapshot = self.tick()
@@ -166,7 +167,7 @@ class Timeline:
             yield snapshot
 
     def picture_before(self, pictures: int) -> int:
-        """Time of the tick with the picture so many before the last one [ns since 1970]."""
+        """Time of the tick with the picture ``pictures`` before the last one [ns since 1970]."""
         robot = self.robot
         return picture_before(
             robot.reader, robot.topics, robot.at.picture_log_ns, pictures, robot.start_ns
@@ -197,10 +198,10 @@ class Timeline:
         try:
             return pose, self.engine.controls.odometry.at(stamp).odom_from_robot
         except LookupError:
-            return self._then  # older than what is remembered of the wheels
+            return self._then  # the stamp is older than the stored odometry
 
     def _mind_own_models(self) -> None:
-        """A model of the user's own that was saved is another setting."""
+        """Treat a user's own model that was saved again as a change of settings."""
         saves = self.engine.localization.own.saves
         if saves != self._saves:
             self._saves = saves

@@ -1,1 +1,1 @@
-"""Commands that come as messages."""
+"""Commands that arrive as messages."""

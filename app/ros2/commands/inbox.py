@@ -1,4 +1,4 @@
-"""The one door for commands from routes; they are checked as those of the page are."""
+"""Entry point for the commands of all routes; they are checked like those of the page."""
 
 from __future__ import annotations
 
@@ -21,33 +21,35 @@ from app.ros2.source import TopicSource
 
 
 class Inbox:
-    """Takes messages from any thread and puts what they mean into the engine's queue."""
+    """Takes messages from any thread, and puts their commands into the engine's queue."""
 
     def __init__(self, program: Program, source: TopicSource) -> None:
         self.source = source
         self._program = program
 
     def incoming(self) -> tuple[IncomingTopic, ...]:
-        """The topics that are listened to; cmd_vel has one type, by setting."""
+        """The topics that the robot subscribes to; a setting chooses the type of cmd_vel."""
         unwanted = TWIST if self.source.settings.stamped_cmd_vel else STAMPED_TWIST
         return tuple(item for item in INCOMING if item.type != unwanted)
 
     def services(self) -> tuple[Service, ...]:
-        """The services that are offered."""
+        """The services that the robot offers."""
         return SERVICES
 
     def take(self, name: str, type_name: str, message: Message | bytes) -> Command:
-        """Carry out a message; returns the command that it was.
+        """Carry out the command in a message, and return it.
 
-        What comes on cmd_vel and cannot be carried out stops the robot: it is not what was meant.
+        A message on cmd_vel that cannot be carried out stops the robot, because its sender wanted
+        something else than the present motion.
 
         Args:
-            name: of the topic, without slash and namespace.
-            type_name: that the sender gave it.
-            message: as rosbags has it, or CDR with its header.
+            name: the topic's name, without slash and namespace.
+            type_name: the topic's type, as the sender gave it.
+            message: an object of rosbags, or CDR with its header.
 
         Raises:
-            MessageError, ValueError: no such topic or type, or it may not be done; says why.
+            MessageError, ValueError: there is no such topic or type, or the command is not allowed;
+                says why.
         """
         try:
             topic = self._topic(name, type_name)
@@ -59,15 +61,16 @@ class Inbox:
             raise
 
     def refuse(self, name: str) -> None:
-        """Stop the robot for what came on cmd_vel and could not even be read."""
+        """Stop the robot if the topic is cmd_vel: its message could not be read or carried out."""
         if name == "cmd_vel":
             self._program.engine.commands.put(StopCommand(type="stop"))
 
     def call(self, name: str, request: Message) -> Command:
-        """Carry out a request to a service; returns the command that it was.
+        """Carry out a request to a service, and return its command.
 
         Raises:
-            MessageError, ValueError: no such service, or it may not be done; says why.
+            MessageError, ValueError: there is no such service, or the command is not allowed; says
+                why.
         """
         for service in self.services():
             if service.name == name:

@@ -1,4 +1,4 @@
-"""The one list of commands that come by topic or by service, and what each means."""
+"""The list of all commands that arrive by topic or service, and how each is converted."""
 
 from __future__ import annotations
 
@@ -24,37 +24,37 @@ STAMPED_TWIST = "geometry_msgs/msg/TwistStamped"
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
 LEVEL = 0.1
-"""A pose on the floor leans by no more [rad]."""
+"""Largest tilt of a pose on the floor [rad]."""
 
 
 @dataclass(frozen=True, slots=True)
 class IncomingTopic:
-    """A topic that is listened to."""
+    """A topic that the robot subscribes to."""
 
     name: str
-    """Without slash."""
+    """Without a leading slash."""
     type: str
     command: Callable[[TopicSource, Message], Command]
-    """What a message means.
+    """Converts a message to a command.
 
     Raises:
-        MessageError, ValueError: it means nothing that may be done; says why.
+        MessageError, ValueError: the message is not a valid command; says why.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service that is offered; its answer is empty."""
+    """A service that the robot offers; its answer is empty."""
 
     name: str
     type: str
     """As ``std_srvs/srv/Empty``."""
     command: Callable[[TopicSource, Message], Command]
-    """What a request means; raises as that of a topic."""
+    """Converts a request to a command; raises the same errors as that of a topic."""
 
 
 def drive(source: TopicSource, message: Message) -> DriveCommand:
-    """A geometry_msgs/Twist as it is; beyond the limits it is limited."""
+    """Convert a geometry_msgs/Twist unchanged; the drive limits apply later."""
     parts = {
         "linear.x": message.linear.x,
         "linear.y": message.linear.y,
@@ -74,7 +74,7 @@ def drive(source: TopicSource, message: Message) -> DriveCommand:
 
 
 def drive_in_time(source: TopicSource, message: Message) -> DriveCommand:
-    """A TwistStamped that is not too old; a stamp of zero is now (diff_drive_controller)."""
+    """Convert a TwistStamped with a recent stamp; zero means now, as in diff_drive_controller."""
     stamp = message.header.stamp
     sent = stamp.sec * SECOND_NS + stamp.nanosec
     age = source.clock.age(sent)
@@ -87,7 +87,7 @@ def drive_in_time(source: TopicSource, message: Message) -> DriveCommand:
 
 
 def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
-    """A PoseWithCovarianceStamped in the map, as RViz sends it."""
+    """Convert a PoseWithCovarianceStamped in the map frame, as RViz sends it."""
     frame, wanted = message.header.frame_id.lstrip("/"), source.settings.global_frame_id
     if frame not in ("", wanted):
         raise MessageError(f"initialpose: its frame is {frame!r}; valid is {wanted!r}")
@@ -102,13 +102,13 @@ def set_pose(source: TopicSource, message: Message) -> SetPoseCommand:
         x=position.x,
         y=position.y,
         theta=_heading(turn),
-        # Nothing said of how sure it is: as sure as is usual.
+        # Without a covariance, the default uncertainty is used.
         covariance=flat.ravel().tolist() if flat.any() else None,
     )
 
 
 def _heading(turn: Message) -> float:
-    """The heading of a quaternion that turns about z [rad]."""
+    """The heading of a quaternion that rotates about z [rad]."""
     length = math.hypot(turn.x, turn.y, turn.z, turn.w)
     if length < 0.5:
         raise MessageError("initialpose: its orientation is no quaternion of length 1")
@@ -134,7 +134,7 @@ INCOMING: tuple[IncomingTopic, ...] = (
     IncomingTopic("cmd_vel", TWIST, drive),
     IncomingTopic("initialpose", POSE, set_pose),
 )
-"""Of cmd_vel, the setting chooses one."""
+"""All topics; a setting chooses one of the two types of cmd_vel."""
 
 SERVICES: tuple[Service, ...] = (
     Service("reinitialize_global_localization", "std_srvs/srv/Empty", _scatter),

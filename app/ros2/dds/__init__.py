@@ -1,1 +1,1 @@
-"""The topics over DDS, in a process of its own, as the nodes of ROS 2 speak it."""
+"""The topics over DDS, in a separate process that speaks it like the nodes of ROS 2."""

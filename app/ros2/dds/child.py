@@ -1,4 +1,4 @@
-"""One life of the DDS process, seen from the program."""
+"""One run of the DDS process, seen from the program."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from app.ros2.dds.plan import Plan
 COMMAND = (sys.executable, "-m", "app.ros2.dds.process")
 
 START_S = 30.0
-"""Until it publishes [s]; a Pi takes 2."""
+"""Longest time until the process publishes [s]; a Pi takes 2."""
 
 SILENCE_S = 5 * ALIVE_S
-"""Without a sign of life [s]."""
+"""Longest time without a sign of life [s]."""
 
 END_S = 2.0
 PIPE_BYTES = 256 * 1024
@@ -29,11 +29,11 @@ CHUNK = 16 * 1024
 
 
 class ChildError(RuntimeError):
-    """The process ended or went wrong; says how."""
+    """The process ended or failed; says how."""
 
 
 class Child:
-    """Started at once; end it with ``close``. One thread offers, another receives."""
+    """Starts the process; ``close`` ends it. One thread offers messages, another receives them."""
 
     def __init__(self, plan: Plan) -> None:
         ours, its = socket.socketpair()
@@ -49,12 +49,12 @@ class Child:
             )
         self._end = ours
         self._out = ours.dup()
-        """Nobody waits for this one."""
+        """The same socket, for sending without blocking."""
         self._out.setblocking(False)
         self._rest = bytearray()
-        """Of what was offered: the pipe was full."""
+        """The offered bytes that are not sent yet, because the pipe was full."""
         self._took = 0.0
-        """When the process last took something, on the computer's clock [s]."""
+        """When the process last took something, on the computer's monotonic clock [s]."""
         self._sending = threading.Lock()
         self._frames = Frames(LONGEST_IN)
         self._cause: str | None = None
@@ -63,7 +63,7 @@ class Child:
         self.send(PLAN, plan.to_json())
 
     def send(self, number: int, payload: bytes) -> None:
-        """Hand a message over, and wait until it is.
+        """Send a message; waits until all of it is in the pipe.
 
         Raises:
             ChildError: the process takes nothing, or has ended.
@@ -74,21 +74,21 @@ class Child:
             raise self._error() from error
 
     def offer(self, messages: Callable[[], Iterable[tuple[int, bytes]]]) -> None:
-        """Hand messages over in one piece, without waiting; they are asked for only if it has room.
+        """Send messages in one piece without waiting; ``messages`` is called only if there is room.
 
         Raises:
-            ChildError: it takes nothing, or has ended.
+            ChildError: the process takes nothing, or has ended.
         """
         try:
             with self._sending:
                 if self._push(b""):
                     self._push(b"".join(header(n, data) + data for n, data in messages()))
         except OSError as error:
-            # The other thread waits for the end and says all of it.
+            # The receiving thread waits for the end of the process and reports its full cause.
             raise ChildError(f"the DDS process: {self._cause or 'it has ended'}") from error
 
     def _push(self, data: bytes) -> bool:
-        """Whether all is handed over."""
+        """Send as much as fits into the pipe; return whether everything is sent."""
         if not self._rest:
             self._took = time.monotonic()
         self._rest += data
@@ -104,10 +104,10 @@ class Child:
         return True
 
     def wait_until_ready(self) -> None:
-        """Until it publishes.
+        """Wait until the process publishes.
 
         Raises:
-            ChildError: it does not.
+            ChildError: it does not start to publish.
         """
         for number, _ in self.receive():
             if number == READY:
@@ -115,16 +115,16 @@ class Child:
                 return
 
     def receive(self) -> Iterator[tuple[int, bytes]]:
-        """Messages as they come, without signs of life; for ever.
+        """Yield messages as they come, without signs of life; never ends.
 
         Raises:
-            ChildError: it is silent, ends, or sends what makes no sense.
+            ChildError: the process is silent, ends, or sends invalid data.
         """
         while True:
             yield from self.receive_some()
 
     def receive_some(self) -> list[tuple[int, bytes]]:
-        """Those of the next few kilobytes; raises as ``receive`` does."""
+        """Return the messages in the next few kilobytes; raises the errors of ``receive``."""
         try:
             data = self._end.recv(CHUNK)
             came = list(self._frames.feed(data))
@@ -144,17 +144,20 @@ class Child:
         return [(number, payload) for number, payload in came if number not in (ALIVE, WORDS)]
 
     def kill(self, cause: str) -> None:
-        """End it now, even one that is stopped."""
+        """Kill the process at once, even if it is suspended; ``cause`` is reported."""
         self._cause = self._cause or cause
         self.process.kill()
 
     def let_end(self) -> None:
-        """Hang up: it ends, and who sends or receives here gets an error; from any thread."""
+        """Close the connection, from any thread.
+
+        The process ends, and threads that send or receive here get an error.
+        """
         with contextlib.suppress(OSError):
             self._end.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
-        """See that it ends; when nobody sends or receives any more."""
+        """Make sure that the process ends; call it when no thread sends or receives any more."""
         self.let_end()
         try:
             self.process.wait(END_S)
@@ -166,7 +169,7 @@ class Child:
         self._end.close()
 
     def _error(self) -> ChildError:
-        """What is to be said now that it is over."""
+        """Wait for the process to end, and return an error with the cause."""
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(END_S)
         return ChildError(f"the DDS process: {self._cause or self._words or self._ending()}")

@@ -1,4 +1,4 @@
-"""Where the DDS process takes part: domain, reach, and what it publishes and hears."""
+"""Configuration of the DDS process: domain, reach, and the topics that it writes and reads."""
 
 from __future__ import annotations
 
@@ -17,32 +17,33 @@ from app.settings.ros2 import Ros2Settings
 
 NODE = "brickpose"
 MOST_DOMAIN = 232
-"""DDS has no ports for more."""
+"""The highest domain: DDS has no ports for more."""
 
 NEWEST_COUNTS = ("cmd_vel",)
-"""Heard with best effort, which matches any publisher: the next message beats a late one."""
+"""Topics read with best effort, which matches any publisher: a new message beats a late one."""
 
 URI = "CYCLONEDDS_URI"
-"""Cyclone DDS's own configuration: who sets it has the say."""
+"""Environment variable of Cyclone DDS's own configuration: if it is set, it takes precedence."""
 
 LOOPBACK = "<Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
 
 ALONE = (
     "<CycloneDDS><Domain Id='any'><General>" + LOOPBACK + "<AllowMulticast>false</AllowMulticast>"
-    # Loopback takes a whole picture at once; as for Ethernet it would be 24 packets a reader.
+    # Loopback takes a whole picture at once; at Ethernet's size it would be 24 packets per reader.
     "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize></General>"
-    # Loopback knows no multicast, so participants of this machine are told one by one, and often:
-    # who comes later hears of us only then.
+    # Loopback has no multicast, so this process announces itself to each participant on this
+    # machine, and does so often: late participants learn of it only then.
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><SPDPInterval>1s</SPDPInterval>"
     "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     "<Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
     "</Domain></CycloneDDS>"
 )
-"""Only this machine."""
+"""Configuration for this machine only."""
 
 ALONE_BEFORE_11 = ALONE.replace(LOOPBACK, "")
-"""Cyclone DDS 0.10, which a Pi has, finds no way from the loopback to who announces this machine's
-other addresses; its sockets are kept to the loopback device all the same."""
+"""The same without the loopback interface, for Cyclone DDS 0.10, which a Pi has: from that
+interface, it does not reach participants that announce other addresses of this machine. Its
+sockets are bound to the loopback device all the same."""
 
 ONE_ADDRESS = (
     "<CycloneDDS><Domain Id='any'><General><Interfaces>"
@@ -51,14 +52,14 @@ ONE_ADDRESS = (
 
 
 class DomainError(ValueError):
-    """No domain of DDS."""
+    """The domain is not a valid domain of DDS."""
 
 
 def domain(settings: Ros2Settings, environment: Mapping[str, str]) -> int:
-    """The domain to take part in.
+    """Return the domain to join.
 
     Raises:
-        DomainError: ROS_DOMAIN_ID is none.
+        DomainError: ROS_DOMAIN_ID is not a valid domain.
     """
     if settings.domain_id >= 0:
         return settings.domain_id
@@ -69,7 +70,7 @@ def domain(settings: Ros2Settings, environment: Mapping[str, str]) -> int:
 
 
 def alone() -> str:
-    """The configuration for this machine only, as the library that is installed needs it."""
+    """The configuration for this machine only, for the installed version of Cyclone DDS."""
     with contextlib.suppress(PackageNotFoundError):
         if version("cyclonedds").startswith("0."):
             return ALONE_BEFORE_11
@@ -77,7 +78,11 @@ def alone() -> str:
 
 
 def reach(host: str, environment: Mapping[str, str]) -> tuple[str | None, bool]:
-    """Cyclone DDS's configuration, and whether to keep others out, for what the page listens on."""
+    """Return Cyclone DDS's configuration, and whether to keep other machines out.
+
+    Both follow the address that the page listens on. A configuration of None leaves Cyclone DDS to
+    its own environment variable and defaults.
+    """
     if environment.get(URI):
         return None, False
     try:
@@ -96,16 +101,16 @@ def plan(
     incoming: Iterable[IncomingTopic],
     environment: Mapping[str, str] | None = None,
 ) -> Plan:
-    """Everything that the process needs to know.
+    """Return everything that the process needs to know.
 
     Args:
         settings: names and domain.
-        host: what the page listens on; DDS reaches as far.
-        incoming: the commands to hear.
-        environment: this program's by default.
+        host: the address that the page listens on; DDS has the same reach.
+        incoming: the topics of the commands to read.
+        environment: environment variables; those of this program by default.
 
     Raises:
-        DomainError: ROS_DOMAIN_ID is none.
+        DomainError: ROS_DOMAIN_ID is not a valid domain.
     """
     environment = os.environ if environment is None else environment
     configuration, confined = reach(host, environment)

@@ -1,6 +1,7 @@
-"""Messages between the program and its DDS process: a length, a number, bytes; no input or output.
+"""Framing of messages between the program and its DDS process: a length, a number, bytes.
 
-This module and all that the process imports from us are light: the process is to start quickly.
+This module does no input or output. It and everything else of BrickPose that the process imports
+are light, so that the process starts quickly.
 """
 
 from __future__ import annotations
@@ -9,43 +10,44 @@ import struct
 from collections.abc import Iterator
 
 HEADER = struct.Struct("<IH")
-"""Bytes that follow, and what they are: a topic's place in the plan, or one of those below."""
+"""Length and number of the payload; the number is a topic's index in the plan, or one of those
+below."""
 
 PLAN = 0xFFFF
-"""To the process, first: what it is to publish and to hear, in JSON."""
+"""To the process, first: the plan of what to publish and to receive, in JSON."""
 READY = 0xFFFE
-"""From the process: it publishes and hears."""
+"""From the process: it publishes and receives."""
 ALIVE = 0xFFFD
-"""From the process, at least each ``ALIVE_S``."""
+"""From the process, as a sign of life: at least every 2 ``ALIVE_S``."""
 WORDS = 0xFFFC
 """From the process: why it ends, in words."""
 TROUBLE = 0xFFFB
-"""From the process: a topic that it cannot publish, in words; it goes on."""
+"""From the process: a message that it cannot pass on, in words; the process goes on."""
 
 ALIVE_S = 1.0
 
 
 class FramingError(ValueError):
-    """Bytes that nobody who keeps to this form sends."""
+    """The bytes do not follow this framing."""
 
 
 def header(number: int, payload: bytes) -> bytes:
-    """What goes before a payload."""
+    """The header of a payload."""
     return HEADER.pack(len(payload), number)
 
 
 class Frames:
-    """Puts together what arrives in pieces."""
+    """Assembles messages that arrive in pieces."""
 
     def __init__(self, longest: int) -> None:
         self._longest = longest
         self._waiting = bytearray()
 
     def feed(self, data: bytes) -> Iterator[tuple[int, bytes]]:
-        """Each whole message: its number and its payload.
+        """Take more bytes; yield the number and payload of each complete message.
 
         Raises:
-            FramingError: one is said to be longer than any may be.
+            FramingError: the length of a message is above the limit.
         """
         self._waiting += data
         while len(self._waiting) >= HEADER.size:

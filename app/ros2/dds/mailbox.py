@@ -1,4 +1,4 @@
-"""What waits for the DDS process: the newest message of each topic."""
+"""Messages that wait for the DDS process: the newest one of each topic."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from app.ros2.topic import Topic
 
 
 class Mailbox:
-    """Bounded by the number of topics; whoever puts something in never waits."""
+    """Holds at most one message per topic; ``put`` never waits."""
 
     def __init__(self) -> None:
         self._waiting: dict[Topic, Published] = {}
         self._latched: dict[Topic, Published] = {}
         self._lock = threading.Lock()
         self.replaced = 0
-        """Messages that a newer one took the place of."""
+        """How many messages were replaced by a newer one."""
 
     def put(self, published: Published) -> None:
-        """Leave a message; it takes the place of an older one of its topic."""
+        """Put a message in; it replaces an older one of its topic."""
         topic = published.topic
         with self._lock:
             self.replaced += topic in self._waiting
@@ -28,12 +28,12 @@ class Mailbox:
                 self._latched[topic] = published
 
     def take_all(self) -> list[Published]:
-        """Everything that waits."""
+        """Take all waiting messages out."""
         with self._lock:
             taken, self._waiting = list(self._waiting.values()), {}
             return taken
 
     def begin_anew(self) -> None:
-        """For a process that knows nothing yet: what is latched waits again, the rest is old."""
+        """Prepare for a new process: latched messages wait again, the others are dropped as old."""
         with self._lock:
             self._waiting = dict(self._latched)

@@ -1,4 +1,4 @@
-"""What the DDS process is told at its start: where to take part, what to publish and to hear."""
+"""The plan that the DDS process gets at its start: its domain, what to publish and to receive."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 Kind = str | list[Any]
-"""Of a field: a base type's or a message's name, or ``[name, "array" | "sequence", size]``."""
+"""A field's type: name of a base type or message, or ``[name, "array" | "sequence", size]``."""
 
 Shapes = dict[str, list[tuple[str, Kind]]]
-"""The fields of each message type, in an order in which all parts come before the whole."""
+"""The fields of each message type; the types that it contains come before it."""
 
 
 @dataclass(frozen=True)
 class Endpoint:
-    """One topic, seen from here."""
+    """One topic that the process writes or reads."""
 
     topic: str
-    """With slash, as ``/robot1/scan``."""
+    """With a leading slash, as ``/robot1/scan``."""
     type: str
     """As ``sensor_msgs/msg/LaserScan``."""
     type_hash: str = ""
@@ -29,28 +29,28 @@ class Endpoint:
 
 @dataclass(frozen=True)
 class Plan:
-    """All of it."""
+    """Everything that the process needs to know."""
 
     domain: int
     namespace: str
-    """Of the node, with slash, as ``/`` or ``/robot1``."""
+    """Namespace of the node, with a leading slash, as ``/`` or ``/robot1``."""
     name: str
-    """Of the node."""
+    """Name of the node."""
     configuration: str | None
-    """Cyclone DDS's, in XML; None leaves it to its own environment variable and defaults."""
+    """Cyclone DDS's configuration in XML; None for its own environment variable and defaults."""
     confined: bool
-    """Whether nothing may come from another machine."""
+    """Whether messages from other machines are kept out."""
     shapes: Shapes
     writers: tuple[Endpoint, ...]
     readers: tuple[Endpoint, ...]
 
     def to_json(self) -> bytes:
-        """For the way to the process."""
+        """Encode the plan, to send it to the process."""
         return json.dumps(asdict(self)).encode()
 
     @classmethod
     def from_json(cls, data: bytes) -> Plan:
-        """As it arrives."""
+        """Decode a plan that the process received."""
         fields = json.loads(data)
         for name in ("writers", "readers"):
             fields[name] = tuple(Endpoint(**field) for field in fields[name])
@@ -58,11 +58,11 @@ class Plan:
 
 
 def dds_topic(topic: str) -> str:
-    """The name in DDS of a topic of ROS 2, as ``rt/scan``."""
+    """The DDS name of a ROS 2 topic, as ``rt/scan``."""
     return f"rt{topic}"
 
 
 def dds_type(name: str) -> str:
-    """The name in DDS of a message type, as ``sensor_msgs::msg::dds_::LaserScan_``."""
+    """The DDS name of a message type, as ``sensor_msgs::msg::dds_::LaserScan_``."""
     package, kind, message = name.split("/")
     return f"{package}::{kind}::dds_::{message}_"

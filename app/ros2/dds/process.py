@@ -1,6 +1,6 @@
 """The DDS process: ``python -m app.ros2.dds.process DESCRIPTOR``, started by the program itself.
 
-It ends when the program does, however that ends: the socket that it was given then closes.
+It ends when the program ends, for whatever reason: the socket to the program then closes.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ from app.ros2.dds.plan import Plan
 
 LONGEST_OUT = 64 * 1024 * 1024
 LONGEST_IN = 16 * 1024
-"""Commands are short; what is longer is none."""
+"""Longest command [bytes]: commands are short."""
 
 PAUSE_S = 0.005
-"""After commands: whoever sends more than 200 a second is heard no oftener, newest first."""
+"""Pause after commands [s]: they are read at most 200 times a second, each time the newest."""
 
 
 class Wire:
-    """The way to the program; any thread may send."""
+    """The connection to the program; any thread may send."""
 
     def __init__(self, end: socket.socket) -> None:
         self.end = end
         self._lock = threading.Lock()
 
     def send(self, number: int, payload: bytes = b"") -> None:
-        """Hand a message over; waits while the program does not take any."""
+        """Send a message; waits while the program does not take any."""
         with self._lock:
             self.end.sendall(header(number, payload) + payload)
 
 
 class Hearing(threading.Thread):
-    """Hands over what comes, until told to end."""
+    """Passes received messages to the program, until ``end`` is called."""
 
     def __init__(self, participant: Participant, wire: Wire) -> None:
         super().__init__(name="hearing", daemon=True)
@@ -47,7 +47,7 @@ class Hearing(threading.Thread):
         self._ending = threading.Event()
 
     def run(self) -> None:
-        """Wait for messages and hand them over."""
+        """Wait for messages and pass them on."""
         while not self._ending.is_set():
             came = self._participant.heard(ALIVE_S)
             for number, data in came:
@@ -63,15 +63,16 @@ class Hearing(threading.Thread):
             self._wire.send(TROUBLE, words.encode())
 
     def end(self) -> None:
-        """Let it end, and wait for that."""
+        """End the thread, and wait for it."""
         self._ending.set()
         self._participant.wake()
         self.join(ALIVE_S)
 
 
 def main(descriptor: int) -> int:
-    """Publish and hear until the program ends."""
-    # It ends by the socket; with a service's SIGTERM to all, the program would see it die.
+    """Publish and receive until the program ends."""
+    # The process ends by its socket. A service sends SIGTERM to all its processes: if that ended
+    # this one first, the program would see it die.
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     wire = Wire(socket.socket(fileno=descriptor))
     frames = Frames(LONGEST_OUT)
@@ -83,7 +84,7 @@ def main(descriptor: int) -> int:
         hearing.start()
         _publish(participant, wire, frames, rest, hearing)
         hearing.end()
-        # Cyclone's objects end as they are collected, and say goodbye to the others then.
+        # Cyclone's objects end when they are collected; then they tell the other participants.
         del hearing, participant
         gc.collect()
     except (BrokenPipeError, ConnectionResetError, EOFError):
@@ -95,7 +96,7 @@ def main(descriptor: int) -> int:
 
 
 def _plan(end: socket.socket, frames: Frames) -> tuple[Plan, list[tuple[int, bytes]]]:
-    """The plan, and what came in one piece with it."""
+    """Receive the plan; return it, and the messages that arrived in one piece with it."""
     while data := end.recv(65536):
         came = list(frames.feed(data))
         if came:

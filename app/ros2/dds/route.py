@@ -24,16 +24,17 @@ from app.settings.ros2 import Ros2Settings
 
 FIRST_WAIT_S = 1.0
 LONGEST_WAIT_S = 30.0
-"""Before the process is started again; doubled each time."""
+"""Wait before the process is started again [s]: the first one and the longest; doubled each
+time."""
 
 SOUND_S = 60.0
-"""A process that lived so long was well: the next wait is a short one."""
+"""A process that ran this long [s] was healthy: the next wait is the first one again."""
 
 PAUSE_S = 0.005
-"""Between commands, however fast they come."""
+"""Pause between commands, however fast they come [s]."""
 
 TELL_S = 5.0
-"""Between two lines of the log about refused commands [s]."""
+"""Least time between two log lines about refused commands [s]."""
 
 LOOK_S = 0.2
 JOIN_S = 3.0
@@ -49,10 +50,10 @@ class DdsError(RuntimeError):
 
 
 class DdsRoute(Route):
-    """Messages to the DDS process and commands from it; the process is replaced when it fails.
+    """Sends messages to the DDS process, and takes commands from it; restarts it when it fails.
 
-    Nothing here can hold up the engine: messages wait in a mailbox with one place for each topic
-    until the process has room, a thread hears it, and what goes wrong stands in ``failure``.
+    Nothing here can block the engine. Messages wait in a mailbox, one per topic, until the process
+    has room. A thread receives from the process. ``failure`` says what goes wrong.
     """
 
     name = "ROS 2 over DDS"
@@ -61,10 +62,10 @@ class DdsRoute(Route):
         self, publisher: TopicPublisher, inbox: Inbox, settings: Ros2Settings, host: str
     ) -> None:
         self.refused: str | None = None
-        """Why the newest command that came was not carried out; None if it was."""
+        """Why the newest command was not carried out; None if it was."""
         self.child: Child | None = None
         self.ready = threading.Event()
-        """While a process publishes."""
+        """Set while a process publishes."""
         self._publisher = publisher
         self._inbox = inbox
         self._settings = settings
@@ -79,15 +80,15 @@ class DdsRoute(Route):
 
     @property
     def failure(self) -> str | None:
-        """What is wrong now, in words: with the process, or else with a topic."""
+        """What is wrong now, in words: with the process or, if it runs, with a message."""
         return self._down or self._trouble
 
     def start(self) -> None:
-        """Begin to publish; the process needs a second until it does.
+        """Start to publish; the process needs a second for that.
 
         Raises:
             DdsError: the package is missing.
-            DomainError: ROS_DOMAIN_ID is none.
+            DomainError: ROS_DOMAIN_ID is not a valid domain.
         """
         if find_spec("cyclonedds") is None:
             raise DdsError(NO_CYCLONE)
@@ -98,22 +99,22 @@ class DdsRoute(Route):
         self._publisher.add(self)
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """New content of live topics, at the rates of the settings."""
+        """Whether the topic is live, and its new content is due at the rate in the settings."""
         return topic.live and self._pace.due(topic, stamp)
 
     def take(self, published: Published) -> None:
-        """Into the mailbox."""
+        """Put the message into the mailbox."""
         self._mailbox.put(published)
 
     def flush(self) -> None:
-        """To the process, if it has room; what is wrong with it, the other thread says."""
+        """Send the waiting messages if the process has room; the other thread reports failures."""
         child = self.child
         if child is not None and self.ready.is_set():
             with contextlib.suppress(ChildError):
                 child.offer(lambda: self._in_bytes(self._mailbox.take_all()))
 
     def close(self) -> None:
-        """End the process and the threads; may be called twice."""
+        """End the process and its thread here; may be called twice."""
         self._publisher.remove(self)
         self._stop.set()
         child = self.child
@@ -141,7 +142,7 @@ class DdsRoute(Route):
             wait = min(2 * wait, LONGEST_WAIT_S)
 
     def _live(self) -> None:
-        """One process, from its start to its end, which is always an error."""
+        """Run one process from its start to its end; the end is always an error."""
         child = self.child = Child(self._plan)
         try:
             if self._stop.is_set():

@@ -1,4 +1,4 @@
-"""The fields of message types, for a process that does not know them."""
+"""The fields of message types, for the DDS process, which does not know them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from app.ros2.message_types import typestore
 
 
 def shapes(type_names: Iterable[str]) -> Shapes:
-    """Of these message types and of all that is in them, parts before the whole."""
+    """Return the fields of message types and of all types in them, contained types first."""
     result: Shapes = {}
     for name in type_names:
         _add(name, result)
@@ -24,7 +24,7 @@ def _add(name: str, result: Shapes) -> None:
 
 
 def _kind(described: Any, result: Shapes) -> Kind:
-    """Of a field as rosbags describes it: (form, what it is made of)."""
+    """Convert a field's type as rosbags describes it: (form, content)."""
     form, of = described
     match form.name:
         case "BASE":

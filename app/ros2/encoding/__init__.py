@@ -1,1 +1,1 @@
-"""From a snapshot to the messages of the topics."""
+"""Converts a snapshot to the messages of the topics."""

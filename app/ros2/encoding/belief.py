@@ -1,4 +1,4 @@
-"""amcl_pose and the clouds: what the filter believes; and the truth, where a simulator knows it."""
+"""amcl_pose and the clouds: the filter's belief; and the truth, which only a simulator knows."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from robot.geometry import Array
 from robot.scan import evenly
 
 LITTLE_ENDIAN = b"\x00\x01\x00\x00"
-"""Before every XCDR1 message: how it is written."""
+"""Encapsulation header of an XCDR1 message in little endian."""
 
 
 def estimate_stamp(snapshot: Snapshot) -> float | None:
-    """When the filter last said something."""
+    """Stamp of the filter's newest estimate; None before the first one."""
     return snapshot.estimate.stamp if snapshot.estimate else None
 
 
 def amcl_pose(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The estimate at its own stamp."""
+    """The estimate, with its own stamp."""
     estimate = snapshot.estimate
-    assert estimate is not None  # else there is no stamp
+    assert estimate is not None  # otherwise the stamp is None
     return new(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header(source, estimate.stamp, source.settings.global_frame_id),
@@ -34,22 +34,22 @@ def amcl_pose(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def particle_cloud(source: TopicSource, snapshot: Snapshot) -> bytes:
-    """nav2_msgs/ParticleCloud: a header, a count, and eight numbers a particle.
+    """nav2_msgs/ParticleCloud: a header, a count, and eight numbers per particle.
 
-    Written directly, as to make an object of each pose takes fifty times as long.
+    The bytes are written directly: making an object of each pose takes fifty times as long.
     """
     poses, weights = _chosen(source, snapshot)
     return _counted(source, snapshot, np.column_stack([_poses(poses), weights]))
 
 
 def pose_array(source: TopicSource, snapshot: Snapshot) -> bytes:
-    """geometry_msgs/PoseArray: as the cloud, without weights; what older RViz shows."""
+    """geometry_msgs/PoseArray: the cloud without weights, for older versions of RViz."""
     poses, _ = _chosen(source, snapshot)
     return _counted(source, snapshot, _poses(poses))
 
 
 def _chosen(source: TopicSource, snapshot: Snapshot) -> tuple[Array, Array]:
-    """At most so many of the poses (n, 3), with weights (n,) that sum to one."""
+    """At most ``most_particles`` poses (n, 3), with weights (n,) that sum to one."""
     cloud = snapshot.cloud
     chosen = evenly(len(cloud.weights), source.settings.most_particles)
     weights = cloud.weights[chosen]
@@ -57,7 +57,7 @@ def _chosen(source: TopicSource, snapshot: Snapshot) -> tuple[Array, Array]:
 
 
 def _poses(poses: Array) -> Array:
-    """x, y, z and a quaternion (n, 7)."""
+    """Convert poses (n, 3) to x, y, z and a quaternion (n, 7)."""
     x, y, theta = poses.T
     nought = np.zeros(len(poses))
     half = theta / 2
@@ -65,7 +65,7 @@ def _poses(poses: Array) -> Array:
 
 
 def _counted(source: TopicSource, snapshot: Snapshot, rows: Array) -> bytes:
-    """A header and a sequence of rows (n, k) of doubles as CDR."""
+    """Encode a header and a sequence of rows (n, k) of doubles as CDR."""
     frame = source.settings.global_frame_id.encode() + b"\0"
     seconds, nanoseconds = divmod(source.clock.ns(snapshot.stamp), SECOND_NS)
     body = struct.pack(f"<iII{len(frame)}s", seconds, nanoseconds, len(frame), frame)
@@ -75,8 +75,8 @@ def _counted(source: TopicSource, snapshot: Snapshot, rows: Array) -> bytes:
 
 
 def true_pose(source: TopicSource, snapshot: Snapshot) -> Message:
-    """Where the simulator has the robot."""
-    assert snapshot.truth is not None  # else there is no stamp
+    """The true pose, from the simulator."""
+    assert snapshot.truth is not None  # otherwise the stamp is None
     frame = source.settings.global_frame_id
     return new(
         "geometry_msgs/msg/PoseStamped",
@@ -86,5 +86,5 @@ def true_pose(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def truth_stamp(snapshot: Snapshot) -> float | None:
-    """Now, where the truth is known."""
+    """The tick's stamp if the truth is known, else None."""
     return None if snapshot.truth is None else snapshot.stamp

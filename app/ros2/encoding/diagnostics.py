@@ -1,4 +1,4 @@
-"""diagnostics: how program, robot and localization are, and what is wrong in plain words."""
+"""diagnostics: the state of program, robot and localization; what is wrong, in plain words."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ LEVELS = {
     State.SEARCHING: WARN,
     State.LOST: ERROR,
 }
-"""Without a reason for doubt; with one, no less than WARN."""
+"""Level of each state without alerts; with an alert, it is at least WARN."""
 
 
 def diagnostics(source: TopicSource, snapshot: Snapshot) -> Message:
-    """How the program keeps up, how the robot is, and how far the estimate may be relied on."""
+    """The status of the program's loop, of the robot, and of the estimate's integrity."""
     problems, faults = " ".join(snapshot.problems), " ".join(snapshot.reading.faults)
     status = [
         _health(source, "brickpose: program", problems, _figures(snapshot)),

@@ -1,4 +1,4 @@
-"""Headers, poses and transforms: what most messages consist of."""
+"""Headers, poses and transforms: the parts of most messages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from robot.geometry import Array, Pose2
 SECOND_NS = 1_000_000_000
 
 IN_SPACE = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
-"""Where x, y and the heading are among the 36 numbers of a covariance in space."""
+"""Indices of the covariance of x, y and heading in the 36 numbers of a covariance in space."""
 
 
 def time(time_ns: int) -> Message:
@@ -24,7 +24,7 @@ def time(time_ns: int) -> Message:
 
 
 def header(source: TopicSource, stamp: float, frame_id: str) -> Message:
-    """A header of the robot's time [s]."""
+    """A header with a stamp of the robot's clock [s]."""
     return new("std_msgs/msg/Header", stamp=time(source.clock.ns(stamp)), frame_id=frame_id)
 
 
@@ -40,7 +40,7 @@ def turned(theta: float) -> Message:
 
 
 def heading_of(turn: Message) -> float:
-    """The heading [rad] of a quaternion: where it turns the x axis, seen from above."""
+    """The heading [rad] of a quaternion: the direction of the rotated x axis, seen from above."""
     x, y, z, w = turn.x, turn.y, turn.z, turn.w
     return math.atan2(2 * (w * z + x * y), w * w + x * x - y * y - z * z)
 
@@ -52,14 +52,17 @@ def pose(pose2: Pose2) -> Message:
 
 
 def pose_with_covariance(pose2: Pose2, covariance: Array) -> Message:
-    """geometry_msgs/PoseWithCovariance of a covariance (3, 3) [m, m, rad]."""
+    """geometry_msgs/PoseWithCovariance of a pose and a covariance (3, 3) [m², m rad, rad²]."""
     return new(
         "geometry_msgs/msg/PoseWithCovariance", pose=pose(pose2), covariance=in_space(covariance)
     )
 
 
 def in_space(covariance: Array) -> Array:
-    """36 numbers by rows over (x, y, z, about x, about y, about z), from (3, 3) on the floor."""
+    """Expand a covariance (3, 3) on the floor to 36 numbers, row by row.
+
+    The order is x, y, z, rotation about x, about y, about z.
+    """
     whole = np.zeros(36)
     whole[IN_SPACE] = covariance.ravel()
     return whole
@@ -73,7 +76,7 @@ def transform(source: TopicSource, stamp: float, parent: str, child: str, pose2:
 
 
 def link_transform(source: TopicSource, stamp: float, link: Link, turn: Quaternion) -> Message:
-    """geometry_msgs/TransformStamped of a link that is turned so on its parent."""
+    """geometry_msgs/TransformStamped of a link that has this rotation relative to its parent."""
     x, y, z, w = turn
     orientation = new("geometry_msgs/msg/Quaternion", x=x, y=y, z=z, w=w)
     place = vector(*link.place)
@@ -83,7 +86,7 @@ def link_transform(source: TopicSource, stamp: float, link: Link, turn: Quaterni
 def stamped_transform(
     source: TopicSource, stamp: float, parent: str, child: str, place: Message, turn: Message
 ) -> Message:
-    """geometry_msgs/TransformStamped of its parts."""
+    """geometry_msgs/TransformStamped from its parts."""
     return new(
         "geometry_msgs/msg/TransformStamped",
         header=header(source, stamp, parent),

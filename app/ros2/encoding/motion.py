@@ -1,4 +1,4 @@
-"""odom, tf, joint_states, cmd_vel: how the robot moves."""
+"""odom, tf, joint_states, cmd_vel: the robot's motion."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from app.ros2.topic import UNCHANGING
 from robot.geometry import Array, Twist2
 
 POSE_VARIANCE = (1e-3, 1e-3, 1e-2)
-"""Of odom [m^2, m^2, rad^2]: fixed figures, as diff_drive_controller has them, for users who need
-some. Odometry's true error grows with the way."""
+"""Variances of the pose in odom [m^2, m^2, rad^2]. They are constant, as in diff_drive_controller,
+for users who need some; the true error of odometry grows with the distance."""
 
 TWIST_VARIANCE = (1e-4, 1e-6, 1e-3)
-"""[m^2/s^2, m^2/s^2, rad^2/s^2]"""
+"""Variances of the twist in odom [m^2/s^2, m^2/s^2, rad^2/s^2]."""
 
 POSE_COVARIANCE = np.diag(POSE_VARIANCE)
 TWIST_COVARIANCE = in_space(np.diag(TWIST_VARIANCE))
 
 
 def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
-    """Dead reckoning, and the velocity that the wheels were measured at."""
+    """Dead reckoning, and the velocity from the measured wheel velocities."""
     settings = source.settings
     twist = source.drive.twist(snapshot.reading.velocities)
     return new(
@@ -47,7 +47,7 @@ def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
-    """map -> odom once the robot knows where it is, odom -> robot, and the wheels."""
+    """odom -> robot, the wheels, and with ``tf_broadcast`` map -> odom once there is a pose."""
     stamp, settings = snapshot.stamp, source.settings
     odom, base = settings.odom_frame_id, settings.base_frame_id
     result = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
@@ -61,14 +61,14 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
-    """Where everything sits that does not move on the robot."""
+    """The transforms of the robot's fixed links."""
     stamp = snapshot.stamp
     result = [link_transform(source, stamp, item, item.turn) for item in source.links.fixed]
     return new("tf2_msgs/msg/TFMessage", transforms=result)
 
 
 def joint_states(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The wheels as the robot read them."""
+    """The wheels' positions and velocities, as the robot read them."""
     reading = snapshot.reading
     return new(
         "sensor_msgs/msg/JointState",
@@ -81,7 +81,7 @@ def joint_states(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def applied_velocity(source: TopicSource, snapshot: Snapshot) -> Message:
-    """What the robot was told in this tick, after limits."""
+    """The velocity that was commanded in this tick, after limits."""
     return new(
         "geometry_msgs/msg/TwistStamped",
         header=header(source, snapshot.stamp, source.settings.base_frame_id),
@@ -95,15 +95,15 @@ def _twist(twist: Twist2) -> Message:
 
 
 def now(snapshot: Snapshot) -> float:
-    """The stamp of what each tick tells."""
+    """The stamp of content that is new in each tick."""
     return snapshot.stamp
 
 
 def each_second(snapshot: Snapshot) -> float:
-    """The stamp of what is told once a second."""
+    """The stamp of content that is new once a second."""
     return float(np.floor(snapshot.stamp))
 
 
 def never_changes(snapshot: Snapshot) -> float:
-    """The stamp of what is told once."""
+    """The stamp of content that never changes."""
     return UNCHANGING

@@ -1,4 +1,4 @@
-"""robot_description, battery_state: the robot itself; and what it was told."""
+"""robot_description, battery_state: the robot itself; initialpose, command: its commands."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from app.ros2.source import TopicSource
 from robot.geometry import Array, Pose2
 
 UNMEASURED = ("temperature", "current", "charge", "capacity", "design_capacity", "percentage")
-"""Fields of sensor_msgs/BatteryState; what is not measured is NaN there."""
+"""Fields of sensor_msgs/BatteryState that are not measured: they are NaN."""
 
 
 def robot_description(source: TopicSource, snapshot: Snapshot) -> Message:
@@ -25,14 +25,14 @@ def robot_description(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def battery_stamp(snapshot: Snapshot) -> float | None:
-    """Once a second, where the voltage is measured."""
+    """A stamp that changes once a second; None if the voltage is not measured."""
     return None if snapshot.battery_v is None else each_second(snapshot)
 
 
 def battery_state(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The supply voltage; all else is not measured."""
+    """The supply voltage; nothing else is measured."""
     unknown = dict.fromkeys(UNMEASURED, math.nan)
-    assert snapshot.battery_v is not None  # else there is no stamp
+    assert snapshot.battery_v is not None  # otherwise the stamp is None
     return new(
         "sensor_msgs/msg/BatteryState",
         header=header(source, snapshot.stamp, source.settings.base_frame_id),
@@ -50,7 +50,7 @@ def battery_state(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def told_stamp(snapshot: Snapshot) -> float | None:
-    """Now, if the robot or the filter was told anything."""
+    """The tick's stamp if the tick has commands for the robot or the filter, else None."""
     return snapshot.stamp if _told(snapshot) else None
 
 
@@ -68,14 +68,14 @@ def _told(snapshot: Snapshot) -> list[dict[str, object]]:
 
 
 def initial_pose_stamp(snapshot: Snapshot) -> float | None:
-    """Now, if a pose was told."""
+    """The tick's stamp if a pose was set in it, else None."""
     return snapshot.stamp if _initial_pose(snapshot) else None
 
 
 def initial_pose(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The last pose that was told, as RViz would have told it."""
+    """The last pose that was set, as RViz would have sent it."""
     command = _initial_pose(snapshot)
-    assert command is not None  # else there is no stamp
+    assert command is not None  # otherwise the stamp is None
     return new(
         "geometry_msgs/msg/PoseWithCovarianceStamped",
         header=header(source, snapshot.stamp, source.settings.global_frame_id),

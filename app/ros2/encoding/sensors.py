@@ -1,4 +1,4 @@
-"""scan, map and the camera's topics: what the robot sees, and what it knows of the field."""
+"""scan, map and the camera's topics: what the robot sees and what it knows of the field."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from app.ros2.source import TopicSource
 
 
 def scan_stamp(snapshot: Snapshot) -> float | None:
-    """The exposure of the picture that was scanned last."""
+    """Stamp of the last scanned picture (its exposure); None before the first one."""
     return snapshot.line_scan.scan.stamp if snapshot.line_scan else None
 
 
 def laser_scan(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The distances to tape as if a laser had measured them; no return is +inf (REP-117)."""
-    assert snapshot.line_scan is not None  # else there is no stamp
+    """The distances to tape, as a laser would measure them; no return is +inf (REP-117)."""
+    assert snapshot.line_scan is not None  # otherwise the stamp is None
     scan = snapshot.line_scan.scan
     bearings = scan.bearings
     return new(
@@ -56,14 +56,14 @@ def occupancy_grid(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def picture_stamp(snapshot: Snapshot) -> float | None:
-    """The exposure of the picture that came in this tick."""
+    """Stamp of the picture of this tick (its exposure); None without a picture."""
     return snapshot.reading.frame.stamp if snapshot.reading.frame else None
 
 
 def compressed_image(source: TopicSource, snapshot: Snapshot) -> Message:
     """The picture as JPEG."""
     frame = snapshot.reading.frame
-    assert frame is not None  # else there is no stamp
+    assert frame is not None  # otherwise the stamp is None
     quality = [cv2.IMWRITE_JPEG_QUALITY, source.settings.jpeg_quality]
     fine, data = cv2.imencode(".jpg", frame.image, quality)
     if not fine:
@@ -72,16 +72,16 @@ def compressed_image(source: TopicSource, snapshot: Snapshot) -> Message:
     return new(
         "sensor_msgs/msg/CompressedImage",
         header=header(source, frame.stamp, source.links.camera),
-        # As image_transport writes it: the picture's coding, and that of what was compressed.
+        # As image_transport writes it: the encoding of the picture, and of the compressed data.
         format=f"{coding}; jpeg compressed {coding}",
         data=np.asarray(data).ravel(),
     )
 
 
 def camera_info(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The lens, with the stamp of the picture."""
+    """The lens parameters, with the stamp of the picture."""
     frame = snapshot.reading.frame
-    assert frame is not None  # else there is no stamp
+    assert frame is not None  # otherwise the stamp is None
     lens = source.spec.lens
     return new(
         "sensor_msgs/msg/CameraInfo",

@@ -11,11 +11,11 @@ from robot.description.spec import RobotSpec
 
 UPDATE_HZ = 100
 UNUSED_VARIANCE = 1e6
-"""Of what a robot on a floor does not do: up, and leaning."""
+"""Variance of the motions that a robot on a floor does not make: z, roll and pitch."""
 
 
 def controllers(spec: RobotSpec, config: Config) -> dict[str, Any]:
-    """As ``ros2_control_node`` reads it (Jazzy: limits that are .nan do not hold)."""
+    """The parameters as ``ros2_control_node`` reads them (in Jazzy, .nan means no limit)."""
     manager = {
         "update_rate": UPDATE_HZ,
         "joint_state_broadcaster": {"type": "joint_state_broadcaster/JointStateBroadcaster"},
@@ -58,7 +58,7 @@ def diff_drive(spec: RobotSpec, config: Config) -> dict[str, Any]:
 
 
 def _limits(velocity: float, acceleration: float, deceleration: float) -> dict[str, float]:
-    """The same both ways; signs as the controller wants them."""
+    """The same limits in both directions, with the signs that the controller expects."""
     return {
         "max_velocity": velocity,
         "min_velocity": -velocity,

@@ -1,4 +1,4 @@
-"""Writes the folder: everything in it comes from the robot's description and the settings."""
+"""Writes the exported folder, entirely from the robot's description and the settings."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 
 MOCK = "mock_components/GenericSystem"
-"""ros2_control's own stand-in for hardware: wheels that do at once what they are told."""
+"""ros2_control's own mock of hardware: its wheels follow each command at once."""
 
 
 def export_ros2(folder: Path, config: Config, plugin: str = MOCK) -> list[Path]:
-    """Write description, parameters and map; returns the files.
+    """Write description, parameters and map; return the paths of the files.
 
     Args:
-        folder: where they belong; made if it is not there.
-        config: whose settings and map they are of.
-        plugin: ros2_control's hardware for the wheels.
+        folder: where to write them; made if it does not exist.
+        config: the settings and the map.
+        plugin: ros2_control's hardware plugin for the wheels.
 
     Raises:
-        SettingError: the folder cannot be one.
-        OSError: it cannot be written.
+        SettingError: the folder cannot be made.
+        OSError: a file cannot be written.
     """
     spec, field = RobotSpec.load(), load_field(config.map, MAPS)
     for name in ("urdf", "config", "maps"):
@@ -51,7 +51,7 @@ def export_ros2(folder: Path, config: Config, plugin: str = MOCK) -> list[Path]:
 
 
 def with_plugin(urdf: str, plugin: str) -> str:
-    """A description whose wheels are driven by another of ros2_control's hardware plugins."""
+    """Replace the description's ros2_control hardware plugin for the wheels."""
     parse_xml(urdf)
     before, tag, after = urdf.partition("<plugin>")
     _, end, rest = after.partition("</plugin>")
@@ -60,7 +60,7 @@ def with_plugin(urdf: str, plugin: str) -> str:
 
 def _lens_file(spec: RobotSpec) -> str:
     named = parse_xml(spec.urdf).find("ros2_control/sensor/param[@name='camera_info']")
-    assert named is not None and named.text  # a robot without a camera has no RobotSpec
+    assert named is not None and named.text  # every RobotSpec has a camera
     return named.text.strip()
 
 

@@ -1,4 +1,4 @@
-"""Parameters for nav2 around this robot: amcl, map server, costmaps, controller, planner."""
+"""Parameters of nav2 for this robot: amcl, map server, costmaps, controller, planner."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ AMCL_MODELS = {
     "differential": "nav2_amcl::DifferentialMotionModel",
     "omni": "nav2_amcl::OmniMotionModel",
 }
-"""Ours that nav2 has, too."""
+"""The motion models of BrickPose that nav2 also has."""
 
 AMCL_NAMES = (
     "alpha1", "alpha2", "alpha3", "alpha4", "alpha5",
@@ -27,11 +27,11 @@ AMCL_NAMES = (
 """Parameters of the same name and meaning in nav2_amcl and here."""
 
 AHEAD_S = 1.5
-"""The pure pursuit looks so far ahead, by its speed [s]."""
+"""Lookahead time of the pure pursuit [s]: times the speed, it gives the lookahead distance."""
 
 
 def nav2(spec: RobotSpec, config: Config, field: Field) -> dict[str, Any]:
-    """As ``nav2_bringup`` reads it, a node each."""
+    """The parameters of each node, as ``nav2_bringup`` reads them."""
     nodes = {
         "amcl": amcl(config, field),
         "map_server": {"yaml_filename": f"maps/{field.name}.yaml"},
@@ -49,7 +49,7 @@ def nav2(spec: RobotSpec, config: Config, field: Field) -> dict[str, Any]:
 
 
 def amcl(config: Config, field: Field) -> dict[str, Any]:
-    """nav2_amcl's parameters, with the values that this program's filter has."""
+    """nav2_amcl's parameters, with the values of this program's filter."""
     ros2, start = config.ros2, field.start
     ours: dict[str, Any] = {}
     for group in dataclasses.fields(config.localization):

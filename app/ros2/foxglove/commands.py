@@ -1,4 +1,4 @@
-"""What Foxglove's viewers may send: messages on topics, and requests to services."""
+"""Carries out what Foxglove's viewers send: messages on topics, and requests to services."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from foxglove import Service as OfferedService
 
 MOST_CHANNELS = 1000
-"""That viewers may open; they have no use for more than a few."""
+"""Most open channels of all viewers; they need only a few. Beyond it, the oldest is dropped."""
 
 
 class Commands:
-    """From any thread of the SDK."""
+    """The viewers' commands; called from any thread of the SDK."""
 
     def __init__(self, inbox: Inbox) -> None:
         self._inbox = inbox
@@ -37,7 +37,7 @@ class Commands:
         """Topic, type and encoding by viewer and channel."""
 
     def advertise(self, client: int, channel: Any) -> str | None:
-        """Note what a viewer is about to send; returns a complaint if it may not."""
+        """Register a viewer's channel; return an error message if it is not allowed."""
         try:
             topic = self._names.told(channel.topic, channel.schema_name)
         except MessageError as error:
@@ -48,14 +48,14 @@ class Commands:
         return None
 
     def unadvertise(self, client: int, channel: int) -> None:
-        """Nothing more comes on a channel."""
+        """Remove a viewer's channel."""
         self._channels.pop((client, channel), None)
 
     def take(self, client: int, channel: int, data: bytes) -> str | None:
-        """Carry a message out; returns a complaint if it cannot be."""
+        """Carry out a message; return an error message if that is not possible."""
         known = self._channels.get((client, channel))
         if known is None:
-            return None  # complained about when it was advertised
+            return None  # refused when it was advertised
         name, type_name, encoding = known
         try:
             try:
@@ -69,7 +69,7 @@ class Commands:
         return None
 
     def services(self) -> list[OfferedService]:
-        """As the SDK wants them."""
+        """The services as objects of the SDK."""
         return [self._offered(service) for service in self._inbox.services()]
 
     def _offered(self, service: Service) -> OfferedService:
@@ -92,7 +92,7 @@ class Commands:
 
 def _decoded(data: bytes, type_name: str, encoding: str) -> Message:
     if not fields(type_name):
-        return message_of({}, type_name)  # some send a byte for it, and some none
+        return message_of({}, type_name)  # some viewers send one byte, others send none
     if encoding == "cdr":
         return from_cdr(data, type_name)
     if encoding != "json":
@@ -105,7 +105,7 @@ def _decoded(data: bytes, type_name: str, encoding: str) -> Message:
 
 
 def _empty(service: Service, encoding: str) -> bytes:
-    """The answer of every service: nothing, as nav2's have it."""
+    """The answer of every service: an empty message, as in nav2."""
     if encoding == "json":
         return b"{}"
     type_name = f"{service.type}_Response"

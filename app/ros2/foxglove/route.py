@@ -1,4 +1,4 @@
-"""A server of Foxglove's own protocol, on a port of its own."""
+"""Server of Foxglove's own protocol, on its own port."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from foxglove.websocket import ChannelView, Client, WebSocketServer
 
 BACKLOG = 128
-"""Messages that wait for a slow viewer; the oldest make room."""
+"""Most messages that wait for a slow viewer; beyond it, the oldest are dropped."""
 
 
 class FoxgloveMissingError(ImportError):
@@ -28,11 +28,11 @@ class FoxgloveMissingError(ImportError):
 
 
 class FoxglovePortError(OSError):
-    """The port cannot be listened on; the message says which could."""
+    """The server cannot listen on the port; the message says how to choose another one."""
 
 
 class FoxgloveRoute(Route):
-    """Every live topic; a message is made only while somebody looks at its topic."""
+    """Publishes every live topic; a message is made only while a viewer subscribes to its topic."""
 
     name = "Foxglove"
 
@@ -53,18 +53,18 @@ class FoxgloveRoute(Route):
 
     @property
     def port(self) -> int | None:
-        """That it listens on; None while it does not."""
+        """The port that the server listens on; None while it does not."""
         return None if self._server is None else self._server.port
 
     def start(self) -> None:
-        """Listen, from here on.
+        """Start the server.
 
         Raises:
             FoxgloveMissingError: the SDK is not installed.
-            FoxglovePortError: the port is taken, or the address is not of this machine.
+            FoxglovePortError: the port is in use, or the address does not belong to this machine.
         """
         foxglove = _sdk()
-        # Kept: with it, its channels would go.
+        # Keep the context: without it, its channels would be removed.
         self._context = context = foxglove.Context()
         topics = [topic for topic in TOPICS if topic.live]
         self._channels = {topic.name: self._channel(topic, context) for topic in topics}
@@ -73,7 +73,7 @@ class FoxgloveRoute(Route):
         self._publisher.add(self)
 
     def close(self) -> None:
-        """Let all viewers go; may be called twice."""
+        """Stop the server, and disconnect all viewers; may be called twice."""
         self._publisher.remove(self)
         with self._lock:
             server, self._server = self._server, None
@@ -84,19 +84,19 @@ class FoxgloveRoute(Route):
             channel.close()
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """Whether somebody looks at it, and it is due."""
+        """Whether a viewer subscribes to the topic, and its content is due."""
         channel = self._channels.get(topic.name)
         watched = channel is not None and channel.has_sinks()
         return watched and self._paces[topic.name].due(topic, stamp)
 
     def take(self, published: Published) -> None:
-        """Hand it to the SDK, whose own threads send it."""
+        """Hand the message to the SDK, which sends it from its own threads."""
         channel = self._channels.get(published.topic.name)
         if channel is not None:
             channel.log(published.cdr, log_time=published.log_time_ns)
 
     def anew(self, name: str) -> None:
-        """Somebody begins to look at a topic, by its full name: what is latched is due again."""
+        """Restart the pace of a topic, by its full name: a new subscriber gets latched content."""
         for topic in TOPICS:
             if self._settings.full_name(topic.name) == name:
                 self._paces[topic.name] = self._pace()
@@ -129,7 +129,7 @@ class FoxgloveRoute(Route):
                 server_listener=listener,
                 message_backlog_size=BACKLOG,
             )
-        except Exception as error:  # the SDK raises plain ones
+        except Exception as error:  # the SDK raises plain exceptions
             raise FoxglovePortError(
                 f"Foxglove cannot listen on {self._host} port {self._settings.foxglove_port}: "
                 f"{error}; another port is chosen by ros2.foxglove_port"
@@ -139,7 +139,7 @@ class FoxgloveRoute(Route):
 
 
 class _Listener:
-    """What the SDK calls, in threads of its own."""
+    """Callbacks of the SDK, which calls them in its own threads."""
 
     def __init__(self, route: FoxgloveRoute, commands: Commands) -> None:
         self.server: WebSocketServer | None = None
@@ -150,7 +150,7 @@ class _Listener:
         self._route.anew(channel.topic)
 
     def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
-        """Called, whether it is of interest or not."""
+        """Do nothing; the SDK calls it in any case."""
 
     def on_client_advertise(self, client: Client, channel: Any) -> None:
         self._say(self._commands.advertise(client.id, channel))

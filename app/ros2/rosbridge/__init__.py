@@ -1,1 +1,1 @@
-"""The rosbridge protocol, version 2: roslibjs, roslibpy, MATLAB and pages of one's own."""
+"""The rosbridge protocol, version 2, for roslibjs, roslibpy, MATLAB and custom web pages."""

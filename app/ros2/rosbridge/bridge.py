@@ -1,4 +1,4 @@
-"""What all clients of rosbridge share."""
+"""The objects that all clients of rosbridge share."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.ros2.rosbridge.values.reading import message_of
 
 
 class Bridge:
-    """One robot, as all of them see it."""
+    """One robot, as all clients see it."""
 
     def __init__(self, publisher: TopicPublisher, inbox: Inbox, drivers: Drivers) -> None:
         self.publisher = publisher
@@ -28,10 +28,10 @@ class Bridge:
         self.encoder = Encoder()
 
     def service(self, name: str) -> Service:
-        """A service that a client calls.
+        """Return a service that a client calls.
 
         Raises:
-            MessageError: there is none of that name; lists those that are.
+            MessageError: there is no service of that name; lists the valid names.
         """
         result = self.names.service(name)
         if result is None:
@@ -40,10 +40,10 @@ class Bridge:
         return result
 
     def request_of(self, service: Service, arguments: Any) -> Message:
-        """A request from its fields by name, or in a list in their order.
+        """Make a request from its arguments: fields by name, or a list in the order of the fields.
 
         Raises:
-            MessageError: they are not those of the service.
+            MessageError: the arguments do not fit the service.
         """
         type_name = f"{service.type}_Request"
         if isinstance(arguments, list):

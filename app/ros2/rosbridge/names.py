@@ -1,4 +1,4 @@
-"""Which topic or service a client means."""
+"""Resolves the names of topics and services that clients use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from app.settings.ros2 import Ros2Settings
 
 
 class Names:
-    """Of one robot, with and without the first slash and the namespace."""
+    """The names of one robot, with and without the leading slash and the namespace."""
 
     def __init__(self, inbox: Inbox) -> None:
         self.settings = inbox.source.settings
@@ -37,10 +37,10 @@ class Names:
         return {full(name): self.services[name].type for name in sorted(self.services)}
 
     def heard(self, name: str, type_name: str | None) -> Topic:
-        """The topic to subscribe to.
+        """Return the topic that a client subscribes to.
 
         Raises:
-            MessageError: there is none of that name and type.
+            MessageError: there is no topic of that name and type.
         """
         topic = self.outgoing.get(self.plain(name))
         if topic is None:
@@ -49,10 +49,10 @@ class Names:
         return topic
 
     def told(self, name: str, type_name: str | None) -> IncomingTopic:
-        """The topic to publish on.
+        """Return the topic that a client publishes on.
 
         Raises:
-            MessageError: there is none of that name and type.
+            MessageError: there is no topic of that name and type.
         """
         topic = self.incoming.get(self.plain(name))
         if topic is None:
@@ -62,27 +62,30 @@ class Names:
         return topic
 
     def service(self, name: str) -> Service | None:
-        """The service of that name, if there is one."""
+        """The service of that name; None if there is none."""
         return self.services.get(self.plain(name))
 
     def plain(self, name: str) -> str:
-        """Without slash and namespace; empty if it is none of ours."""
+        """The name without slash and namespace; empty if it is unknown."""
         return self._plain.get(name, "")
 
     def _listed(self, names: dict[str, Topic] | dict[str, IncomingTopic]) -> str:
         return ", ".join(self.settings.full_name(name) for name in names)
 
     def _may_be_heard(self, topic: Topic) -> bool:
-        """A name has one type: a Twist that is listened to is not told as a TwistStamped."""
+        """Whether clients may subscribe to the topic.
+
+        A name has only one type: if cmd_vel is received as Twist, it is not sent as TwistStamped.
+        """
         given = self.incoming.get(topic.name)
         return given is None or given.type == topic.type
 
 
 def check_type(topic: Topic | IncomingTopic | Service, type_name: str | None) -> None:
-    """Refuse another type than the topic's; None is any.
+    """Refuse a type that differs from the topic's; None matches any type.
 
     Raises:
-        MessageError: names the right one.
+        MessageError: the type differs; names the right one.
     """
     between = "srv" if isinstance(topic, Service) else "msg"
     if type_name and full_type(type_name, between) != topic.type:

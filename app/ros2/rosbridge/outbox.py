@@ -1,4 +1,4 @@
-"""What waits to be sent to one client: bounded, however slow it is."""
+"""Messages that wait to be sent to one client; bounded, however slow the client is."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import threading
 from collections import deque
 
 MOST_BYTES = 16_000_000
-"""That wait for one client; older messages make room."""
+"""Most bytes that wait for one client; beyond it, older messages of a name are dropped."""
 
 Data = str | bytes
 
@@ -20,7 +20,7 @@ class Outbox:
         self._lock = threading.Lock()
 
     def put(self, name: str, data: Data, most: int) -> None:
-        """Append; at most so many of that name wait, and the newest is always among them."""
+        """Append a message; at most ``most`` of this name wait, and the newest is always kept."""
         with self._lock:
             queue = self._queues.setdefault(name, deque())
             queue.append(data)
@@ -29,7 +29,7 @@ class Outbox:
                 self._size -= len(queue.popleft())
 
     def take(self) -> Data | None:
-        """The oldest of the name whose turn it is; None if nothing waits."""
+        """Take the oldest message of the name whose turn it is; None if nothing waits."""
         with self._lock:
             for name, queue in self._queues.items():
                 data = queue.popleft()
@@ -41,6 +41,6 @@ class Outbox:
         return None
 
     def drop(self, name: str) -> None:
-        """Forget what waits of a name."""
+        """Drop all waiting messages of a name."""
         with self._lock:
             self._size -= sum(map(len, self._queues.pop(name, ())))

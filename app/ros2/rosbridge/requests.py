@@ -1,4 +1,4 @@
-"""What a client sends: JSON, perhaps in pieces."""
+"""Parses what a client sends: JSON, possibly in fragments."""
 
 from __future__ import annotations
 
@@ -9,23 +9,23 @@ from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.values.reading import shown
 
 LONGEST = 200_000
-"""A longer message is refused [characters]; what is sent to a robot is shorter."""
+"""Longest message [characters]; messages to a robot are shorter."""
 
 LONGEST_NAME = 200
-"""Of topics, types and ids, which are repeated in answers [characters]."""
+"""Longest topic, type and id [characters]; answers repeat them."""
 
 MOST_PIECES = 1000
 MOST_OPEN = 10
-"""Messages that a client may send in pieces at a time."""
+"""Most messages that a client may send in fragments at the same time."""
 
 Request = dict[str, Any]
 
 
 def parse(data: str | bytes) -> Request:
-    """The operation in a message.
+    """Return the operation in a message.
 
     Raises:
-        MessageError: it is none; says what is.
+        MessageError: the message is not an operation; says what is valid.
     """
     if len(data) > LONGEST:
         raise MessageError(f"a message has at most {LONGEST} bytes; this has {len(data)}")
@@ -40,10 +40,10 @@ def parse(data: str | bytes) -> Request:
 
 
 def text(request: Request, name: str) -> str:
-    """A field that has to be there.
+    """Return a required text field.
 
     Raises:
-        MessageError: it is not, or is no text or a long one.
+        MessageError: it is missing, too long, or not a printable text.
     """
     value = request.get(name)
     if not isinstance(value, str) or not 0 < len(value) <= LONGEST_NAME or not value.isprintable():
@@ -52,12 +52,12 @@ def text(request: Request, name: str) -> str:
 
 
 def maybe_text(request: Request, name: str) -> str | None:
-    """A field that may be left out, or empty."""
+    """Return a text field that may be missing or empty; then it is None."""
     return text(request, name) if request.get(name) else None
 
 
 def request_id(request: Request) -> str | int | None:
-    """The id, as far as it can be repeated in an answer."""
+    """Return the id if it can be repeated in an answer, else None."""
     result = request.get("id")
     if isinstance(result, str):
         return result if len(result) <= LONGEST_NAME and result.isprintable() else None
@@ -65,16 +65,16 @@ def request_id(request: Request) -> str | int | None:
 
 
 class Pieces:
-    """Puts messages together that come as ``fragment`` operations."""
+    """Assembles messages that come as ``fragment`` operations."""
 
     def __init__(self) -> None:
         self._open: dict[str | int, dict[int, str]] = {}
 
     def add(self, request: Request) -> str | None:
-        """Take a piece; returns the message with the last of them.
+        """Add a fragment; return the whole message once all are there, else None.
 
         Raises:
-            MessageError: it is no piece, or too much waits for its rest.
+            MessageError: it is not a fragment, or its message is too long.
         """
         name, number, total = request_id(request), request.get("num"), request.get("total")
         data = request.get("data")
@@ -91,7 +91,7 @@ class Pieces:
 
     def _put(self, name: str | int, number: int, total: int, data: str) -> str | None:
         if name not in self._open and len(self._open) >= MOST_OPEN:
-            del self._open[next(iter(self._open))]  # the oldest: its rest was lost
+            del self._open[next(iter(self._open))]  # the oldest: its other fragments were lost
         pieces = self._open.setdefault(name, {})
         pieces[number] = data
         if sum(map(len, pieces.values())) > LONGEST:

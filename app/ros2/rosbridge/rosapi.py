@@ -1,4 +1,4 @@
-"""rosapi: what there is, for clients that ask. rosbridge_suite has it as a node of its own."""
+"""rosapi: lists topics, types and services for clients; in rosbridge_suite it is its own node."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Answer = dict[str, Any]
 
 
 class RosApi:
-    """Answers its services from the list of names."""
+    """Answers the services of rosapi from the list of names."""
 
     def __init__(self, names: Names) -> None:
         self._names = names
@@ -52,14 +52,14 @@ class RosApi:
         }
 
     def names(self) -> list[str]:
-        """Of its services, with slash."""
+        """The names of its services, with a leading slash."""
         return sorted(f"/{PACKAGE}/{name}" for name in (*self._plain, *self._with_one))
 
     def call(self, service: str, arguments: Any) -> Answer | None:
-        """The answer of a service; None if it is none of these.
+        """Return the answer of a service; None if the service is not one of rosapi.
 
         Raises:
-            MessageError: the arguments are not what it needs.
+            MessageError: rosapi has no such service, or the arguments do not fit it.
         """
         package, _, name = service.lstrip("/").partition("/")
         if package != PACKAGE:
@@ -112,7 +112,7 @@ class RosApi:
 
 def _get_time() -> Answer:
     sec, nanosec = divmod(time.time_ns(), SECOND_NS)
-    # By the names of ROS 1, too: roslibpy looks for those.
+    # Also under the names of ROS 1, which roslibpy reads.
     return {"time": {"sec": sec, "nanosec": nanosec, "secs": sec, "nsecs": nanosec}}
 
 
@@ -125,7 +125,7 @@ def _service_details(name: str, half: str) -> Answer:
 
 
 def _text(arguments: Any, name: str) -> str:
-    """The one argument, by its name or in a list of one."""
+    """Return the only argument, given by its name or as a list of one."""
     if isinstance(arguments, list):
         arguments = dict(zip([name], arguments, strict=False))
     value = arguments.get(name) if isinstance(arguments, dict) else None

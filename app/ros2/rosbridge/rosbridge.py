@@ -16,7 +16,7 @@ from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.session import Session
 
 MOST_CLIENTS = 50
-"""At a time: each costs a little in every tick."""
+"""Most clients at the same time: each costs a little in every tick."""
 
 TRY_AGAIN_LATER = 1013
 
@@ -42,7 +42,10 @@ class Rosbridge:
             self._clients -= 1
 
     async def _shared(self) -> Bridge:
-        """Made for the first client: to read the types takes 0.2 s, which others need not wait."""
+        """Return the bridge, made for the first client.
+
+        Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
+        """
         if self._bridge is None:
             made = await anyio.to_thread.run_sync(
                 Bridge, self._publisher, self._inbox, self._drivers
@@ -70,7 +73,7 @@ class _Client:
 
     def _wake(self) -> None:
         if not self._waiting.is_set():
-            # The loop may have ended; then nobody waits any more.
+            # The event loop may have ended; then no client waits any more.
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._waiting.set)
 
@@ -90,6 +93,6 @@ class _Client:
                 return
             data = message.get("text") or message.get("bytes") or ""
             for answer in self._session.receive(data):
-                # A client that does not read its answers is not listened to.
+                # While a client does not read its answers, its messages are not read either.
                 if not await self._outgoing.send(answer):
                     return

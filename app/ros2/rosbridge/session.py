@@ -1,4 +1,4 @@
-"""One client of rosbridge, without its socket: texts in; answers and messages out."""
+"""One client of rosbridge, without its socket: takes texts, gives answers and messages."""
 
 from __future__ import annotations
 
@@ -26,19 +26,23 @@ from app.ros2.route import Route
 from app.ros2.topic import Topic
 
 LEVELS = ("none", "error", "warning", "info")
-"""Of status messages that a client wants to have."""
+"""Levels of status messages, of which a client chooses one."""
 
 
 class Session(Route):
-    """A route to one client; ``receive`` and ``next`` in the event loop, the rest in any thread."""
+    """A route to one client.
+
+    ``receive`` and ``next`` are for the event loop, the other methods for any thread.
+    """
 
     name = "rosbridge"
 
     def __init__(self, bridge: Bridge, wake: Callable[[], None]) -> None:
-        """Args:
+        """Start a session.
 
-        bridge: what all sessions share.
-        wake: called from the topics' thread when ``next`` has something.
+        Args:
+            bridge: the objects that all sessions share.
+            wake: called from the topics' thread when ``next`` has a message.
         """
         self._bridge = bridge
         self._wake = wake
@@ -64,7 +68,7 @@ class Session(Route):
         }
 
     def receive(self, data: Data) -> list[str]:
-        """Do what a message asks for; returns the answers to be sent. Never fails."""
+        """Carry out a message; return the answers to send. An invalid message raises nothing."""
         request: Request = {}
         try:
             request = parse(data)
@@ -78,21 +82,21 @@ class Session(Route):
         return self._outbox.take()
 
     def close(self) -> None:
-        """Let everything go; nothing that this client drove goes on."""
+        """End all subscriptions; stop the robot if this client drives it and nobody else does."""
         self._bridge.publisher.remove(self)
         self._by_topic = {}
         self._hold_the_clock(False)
         self._bridge.drivers.leave(self)
 
     def wants(self, topic: Topic, stamp: float) -> bool:
-        """Whether one of its subscriptions is due."""
+        """Whether one of the client's subscriptions to the topic is due."""
         subscriptions = self._by_topic.get(topic.name, ())
-        # All are asked: each that says yes counts it as sent.
+        # Ask all of them: each one that is due counts the content as sent.
         self._due = [subscription for subscription in subscriptions if subscription.due(stamp)]
         return bool(self._due)
 
     def take(self, published: Published) -> None:
-        """Put the message where the event loop finds it."""
+        """Put the message into the outbox, where the event loop finds it."""
         for item in self._due:
             data = self._bridge.encoder.encode(published, item.name, item.compression)
             self._outbox.put(item.name, data, item.queue)
@@ -111,7 +115,7 @@ class Session(Route):
         return [_with_id(request, {"op": "status", "level": level, "msg": words})]
 
     def _nothing(self, request: Request) -> list[Request]:
-        """Allowed, and without effect here."""
+        """Accept an operation that has no effect here."""
         return []
 
     def _advertise(self, request: Request) -> list[Request]:
@@ -156,7 +160,10 @@ class Session(Route):
         return []
 
     def _sort(self) -> None:
-        """Subscriptions by topic; a route only while there are some, as each tick asks all."""
+        """Sort subscriptions by topic; register as a route only while there are any.
+
+        Each tick asks all routes, which costs time.
+        """
         before = self._by_topic
         after: dict[str, tuple[Subscription, ...]] = {}
         for subscription in self._subscriptions.values():
@@ -169,7 +176,7 @@ class Session(Route):
             self._bridge.publisher.remove(self)
 
     def _hold_the_clock(self, wanted: bool) -> None:
-        """What is recorded has one time, whatever is done to the clock on the wall."""
+        """Hold or release the clock: a recording has one time base, even if the clock is set."""
         clock = self._bridge.publisher.source.clock
         if wanted and not self._holds:
             clock.hold()

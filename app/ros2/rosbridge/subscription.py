@@ -1,4 +1,4 @@
-"""One topic that one client follows."""
+"""The subscription of one client to one topic."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from app.ros2.topic import Topic
 from app.settings.ros2 import Ros2Settings
 
 LONGEST_THROTTLE = 86_400_000
-"""A day [ms]."""
+"""Longest throttle: a day [ms]."""
 
 LONGEST_QUEUE = 10_000
-"""Messages that a client may let wait."""
+"""Most messages that a client may keep waiting."""
 
 MOST_REQUESTS = 100
-"""To follow one topic, by one client, with ids of their own."""
+"""Most requests of one client, with different ids, to follow one topic."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """How one request wants to follow a topic."""
+    """The options of one request to follow a topic."""
 
     throttle: float
     """Least time between two messages [ms]."""
     queue: int
-    """How many may wait; 0 is the newest only."""
+    """How many messages may wait; 0 means only the newest."""
     compression: str
     every: bool
-    """All that there is, as a recording has it: not at the rate of live topics."""
+    """Whether to send every message, as for a recording, without the rate limit of live topics."""
 
     @classmethod
     def of(cls, request: dict[str, Any]) -> Wish:
-        """What a ``subscribe`` operation asks for.
+        """Return the options in a ``subscribe`` operation.
 
         Raises:
-            MessageError: it cannot be had; says what can.
+            MessageError: an option is invalid; says what is valid.
         """
         compression = request.get("compression") or "none"
         if not isinstance(compression, str) or compression not in COMPRESSIONS:
@@ -51,7 +51,7 @@ class Wish:
 
 
 class Subscription:
-    """A topic by the name that the client gave it; all its requests get the same messages."""
+    """A topic under the name that the client uses; all its requests get the same messages."""
 
     def __init__(self, name: str, topic: Topic, settings: Ros2Settings) -> None:
         self.name = name
@@ -64,10 +64,10 @@ class Subscription:
         self._pace = Pace(lambda topic: self._period)
 
     def add(self, request_id: Any, wish: Wish) -> None:
-        """Follow for one request more; it gets what is known already at once.
+        """Add a request; content that is already known is due again at once.
 
         Raises:
-            MessageError: there are too many.
+            MessageError: there are too many requests.
         """
         if len(self._wishes) >= MOST_REQUESTS and request_id not in self._wishes:
             raise MessageError(f"{self.name} is subscribed {MOST_REQUESTS} times; unsubscribe some")
@@ -76,7 +76,7 @@ class Subscription:
         self._pace = Pace(lambda topic: self._period)
 
     def remove(self, request_id: Any) -> bool:
-        """End a request, or all by None; tells whether none is left."""
+        """Remove a request, or all of them by None; return whether none is left."""
         if request_id is None:
             self._wishes.clear()
         self._wishes.pop(request_id, None)
@@ -85,11 +85,14 @@ class Subscription:
         return not self._wishes
 
     def due(self, stamp: float) -> bool:
-        """Whether content of that stamp is to be sent; if so, it counts as sent."""
+        """Return whether content of this stamp is due; if so, count it as sent."""
         return self._pace.due(self.topic, stamp)
 
     def _settle(self) -> None:
-        """One stream serves all requests: the quickest and shortest, and the most compressed."""
+        """Set the one stream that serves all requests.
+
+        It has the shortest period, the shortest queue and the last compression in the list.
+        """
         wishes = self._wishes.values()
         usual = self._settings.period(self.topic.rate)
         self._period = min(

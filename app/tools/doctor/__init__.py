@@ -1,1 +1,1 @@
-"""``brickpose doctor``: what is wrong with this machine or this robot, and what to do about it."""
+"""``brickpose doctor``: finds what is wrong with this machine or robot, and says what to do."""

@@ -1,4 +1,4 @@
-"""Checks of the Build HAT and its motors by talking to them; nothing turns."""
+"""Checks of the Build HAT and its motors over the serial port; no motor turns."""
 
 from __future__ import annotations
 
@@ -19,28 +19,29 @@ from robot.hat.start.stage import Stage
 from robot.hat.supply import Supply
 
 LONGEST_S = 25.0
-"""An upload (5 s on the wire), the firmware's start and the motors' connection take 16 to 18 s."""
+"""Longest check [s]. The upload (5 s on the wire), the firmware's start and the connection of the
+motors take 16 to 18 s."""
 
 WELL_S = 1.2
 LOST_S = 1.0
 SILENT_S = 2.0
 PLUGGED_S = 3.0
 CONNECTING_S = 12.0
-"""How long it is waited for news [s]: when all is well (a power fault is told once a second), of a
-port that cannot be had, of a board that does not answer, of a motor on a board that ran already,
-of a motor after an upload."""
+"""How long to wait for a change [s]. WELL_S: all is well (a power fault is reported once a second).
+LOST_S: the port cannot be used. SILENT_S: the board does not answer. PLUGGED_S: a motor is missing
+on a board that was already running. CONNECTING_S: a motor is missing after an upload."""
 
 WARM_S = 2.5
-"""A board that takes longer to answer was started just now [s]."""
+"""A board that takes longer to answer has just been started [s]."""
 
 LOOK_S = 0.05
 
 WEAK_V, STRONG_V = 7.0, 9.0
-"""The board is made for 8 V, 10 % more or less [V]."""
+"""A supply outside these limits gets a warning [V]; the board is made for 8 V +-10 %."""
 
 
 def firmware_image() -> Finding:
-    """Whether the firmware that the board needs is on this computer."""
+    """Check that the firmware for the board is on this computer."""
     try:
         image = FirmwareImage.installed()
     except FirmwareImageError as error:
@@ -55,14 +56,14 @@ def check_board(
     tell: Callable[[str], None],
     reset: Callable[[], None] | None = None,
 ) -> list[Finding]:
-    """Start the board, as a robot does that is not told to move, and look at it.
+    """Start the board as a robot that stands still does, and check its state.
 
     Args:
-        device: its serial port.
+        device: the board's serial port.
         wirings: the joints that should be there.
-        settings: the robot's.
-        tell: takes what it waits for.
-        reset: pulls the board's pin; None for this Pi's.
+        settings: the robot's settings.
+        tell: called with a text that says what the check waits for.
+        reset: pulses the board's reset pin; None: the pin of this Pi.
     """
     try:
         SerialPort(device).close()
@@ -79,7 +80,7 @@ def check_board(
 
 
 def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> BoardState:
-    """Wait until all is well, or what is not will not change any more."""
+    """Wait until all is well, or until a problem no longer changes; return the last state."""
     begin = since = clock = time.monotonic()
     answered_after = LONGEST_S
     news = progress = ""
@@ -99,19 +100,19 @@ def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> Boa
 
 
 def _news(board: Board, state: BoardState) -> str:
-    """What makes it worth while to go on waiting, when it changes."""
+    """Return a text whose change means that it is worth waiting longer."""
     return f"{board.bring_up.stage} {board.bring_up.trouble} {state.ready} {state.faults}"
 
 
 def _progress(board: Board, state: BoardState) -> str:
-    """What is waited for, in plain words; empty if for nothing."""
+    """Return what the check waits for, in plain words; empty if it waits for nothing."""
     if board.bring_up.ready:
         return "" if state.ready else "waiting for the motors"
     return board.bring_up.stage.value
 
 
 def _patience(board: Board, state: BoardState, answered_after: float) -> float:
-    """How long to wait for something new [s]."""
+    """Return how long to wait for a change [s]."""
     if state.supply_v is not None:
         if state.ready:
             return WELL_S
@@ -125,13 +126,13 @@ def _patience(board: Board, state: BoardState, answered_after: float) -> float:
 def judged(
     board: Board, state: BoardState, settings: BuildHatSettings, current: float
 ) -> Iterator[Finding]:
-    """What the state of a board means.
+    """Yield the findings about a board's state.
 
     Args:
-        board: it, still at work.
+        board: the board; its link is still open.
         state: its state.
-        settings: the robot's.
-        current: the clock of the board [s].
+        settings: the robot's settings.
+        current: the time now on the board's clock [s].
     """
     if state.supply_v is None:
         yield problem(sentence("; ".join(state.faults)) or "The Build HAT does not answer")
@@ -147,7 +148,7 @@ def judged(
 
 
 def supply(volts: float, complaints: list[str]) -> Finding:
-    """What the motors are driven with [V], and what the driver has against it."""
+    """Judge the motors' supply [V], given the driver's complaints about it."""
     given = f"The Build HAT's supply is {volts:.2f} V"
     if complaints:
         return problem(f"{given}. {' '.join(complaints)}")
@@ -159,7 +160,7 @@ def supply(volts: float, complaints: list[str]) -> Finding:
 
 
 def motor_line(motor: Motor, current: float) -> Finding:
-    """Whether a joint's motor can be used."""
+    """Check that a joint's motor can be used."""
     fault = motor.fault(current)
     if fault is not None:
         return problem(fault)
@@ -173,7 +174,7 @@ def motor_line(motor: Motor, current: float) -> Finding:
 
 
 def _complaints(volts: float, low_v: float, current: float) -> list[str]:
-    """What the driver would say to a voltage that stays."""
+    """Return the driver's complaints about a voltage that stays the same."""
     judge = Supply(low_v)
     judge.told(volts)
     judge.told(volts)

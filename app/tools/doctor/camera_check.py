@@ -13,27 +13,27 @@ from robot.cameras.choice import open_camera
 from robot.cameras.settings import CameraSourceSettings
 
 START_S = 8.0
-"""How long the first picture may take [s]: a camera that is looked for opens one after another."""
+"""How long the first picture may take [s]: a search for a camera opens one after another."""
 
 WATCH_S = 1.0
 LOOK_S = 0.002
 
 SLOW = 0.8
-"""Fewer pictures than this share of the frame rate are too few."""
+"""A lower share of the frame rate than this gets a warning."""
 
 OLD_S = 0.15
-"""Pictures that are older when they come are late [s]; the robot drives 45 mm meanwhile."""
+"""Pictures that are older on arrival are late [s]; the robot drives 45 mm in this time."""
 
 
 def check_camera(
     lens: Lens, settings: CameraSourceSettings, patience: float = START_S
 ) -> Iterator[Finding]:
-    """Take pictures for a second.
+    """Take pictures for a second and check their rate and age.
 
     Args:
-        lens: tells their size.
-        settings: which camera, and how they are asked for.
-        patience: how long the first may take [s].
+        lens: gives the size of the pictures.
+        settings: which camera to use, and how it takes pictures.
+        patience: how long the first picture may take [s].
     """
     try:
         camera = open_camera(lens, settings)
@@ -65,7 +65,7 @@ def _watched(camera: Camera, lens: Lens, frame_rate: float, patience: float) -> 
 
 
 def pictures(name: str, lens: Lens, rate: float, wanted: float) -> Finding:
-    """Whether enough pictures come: ``rate`` of ``wanted`` a second."""
+    """Check that enough pictures come: ``rate`` of the ``wanted`` ones a second."""
     given = f"{sentence(name)}: {lens.width} x {lens.height}, {rate:.0f} pictures/s"
     if rate < SLOW * wanted:
         return warning(
@@ -75,7 +75,7 @@ def pictures(name: str, lens: Lens, rate: float, wanted: float) -> Finding:
 
 
 def age(seconds: float) -> Finding:
-    """Whether pictures are stamped by the clock that the wheels are, and come soon."""
+    """Check that pictures arrive soon, with stamps from the same clock as the wheels'."""
     given = f"Pictures are {1000 * seconds:.0f} ms old when they come"
     if seconds < 0:
         return problem(f"{given}: their stamps are of another clock")

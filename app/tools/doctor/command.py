@@ -1,4 +1,4 @@
-"""``brickpose doctor``: all checks one after another, and the verdict."""
+"""``brickpose doctor``: runs all checks one after another, and prints the verdict."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from robot.description.spec import RobotSpec
 
 
 def doctor(config: Config, machine: Machine | None = None) -> int:
-    """Check the machine, and with the robot ``buildhat`` that robot; returns 1 on a problem."""
+    """Check the machine, and the robot if it is ``buildhat``; return 1 on a problem, else 0."""
     result = []
     for finding in _findings(config, machine or Machine()):
         say(str(finding))
@@ -43,7 +43,7 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
 
 
 def _tell(what: str) -> None:
-    """What is waited for, beside the report."""
+    """Print what a check waits for to standard error, apart from the report."""
     if what:
         sys.stderr.write(f"         ... {what}\n")
         sys.stderr.flush()

@@ -20,7 +20,7 @@ REQUIREMENT = re.compile(r"^([\w.-]+)[^;]*(;.*)?$")
 
 
 def check_computer(config: Config) -> Iterator[Finding]:
-    """What every robot needs."""
+    """Check what every robot needs."""
     yield python_version(sys.version_info[:3])
     yield packages(tested_versions(CONSTRAINTS))
     yield simulator(config.robot)
@@ -29,7 +29,7 @@ def check_computer(config: Config) -> Iterator[Finding]:
 
 
 def python_version(version: tuple[int, ...]) -> Finding:
-    """Whether Python is new enough."""
+    """Check that Python is new enough."""
     text = ".".join(map(str, version))
     if version[:2] < OLDEST:
         return problem(
@@ -39,7 +39,7 @@ def python_version(version: tuple[int, ...]) -> Finding:
 
 
 def tested_versions(constraints: Path) -> dict[str, str]:
-    """The versions that the program was tested with; none where it was installed without them."""
+    """Return the tested version of each package; empty if there is no constraints file."""
     if not constraints.is_file():
         return {}
     lines = constraints.read_text(encoding="utf-8").split()
@@ -47,7 +47,7 @@ def tested_versions(constraints: Path) -> dict[str, str]:
 
 
 def packages(tested: dict[str, str]) -> Finding:
-    """Whether what the program imports is there, in the versions it was tested with."""
+    """Check that the packages that the program imports are installed, in the tested versions."""
     missing, other = [], []
     for name, optional in _requirements():
         try:
@@ -69,7 +69,7 @@ def packages(tested: dict[str, str]) -> Finding:
 
 
 def simulator(robot: str) -> Finding:
-    """Whether there is physics; only the robot named sim cannot do without."""
+    """Check that pybullet is installed; only the robot ``sim`` cannot run without it."""
     if robot in ("kinematic", "buildhat"):
         return ok(f"pybullet is not needed by the robot {robot}")
     try:
@@ -82,7 +82,7 @@ def simulator(robot: str) -> Finding:
 
 
 def compiled_code(folder: str | None) -> Finding:
-    """Whether the first start is quick."""
+    """Check that compiled code is there, so that the first start is quick."""
     if folder and any(Path(folder).rglob("*.nbi")):
         return ok("Compiled code is there")
     return warning(
@@ -92,7 +92,7 @@ def compiled_code(folder: str | None) -> Finding:
 
 
 def web_port(host: str, port: int) -> Finding:
-    """Whether the dashboard's port is free."""
+    """Check that the dashboard's port is free."""
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         socket.create_server(address[:2], family=family).close()
@@ -105,7 +105,7 @@ def web_port(host: str, port: int) -> Finding:
 
 
 def _requirements() -> Iterator[tuple[str, bool]]:
-    """Names of packages that the program needs, and whether it does only on some machines."""
+    """Yield the names of required packages, and whether only some machines need them."""
     try:
         lines = metadata.requires("brickpose") or []
     except metadata.PackageNotFoundError:
@@ -117,7 +117,7 @@ def _requirements() -> Iterator[tuple[str, bool]]:
 
 
 def _opencv() -> str:
-    import cv2  # noqa: PLC0415 - where it is missing, that was told before
+    import cv2  # noqa: PLC0415 - if it is missing, that is already reported
 
     return f"OpenCV {cv2.__version__}"
 

@@ -1,4 +1,4 @@
-"""What a check found: one line for people."""
+"""Result of a check: one line of the report."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ class Finding:
     """One line of the report."""
 
     level: str
-    """``ok``; ``warning``: it works, but; ``problem``: it does not work."""
+    """``ok``; ``warning``: it works, but could be better; ``problem``: it does not work."""
     what: str
-    """What was found."""
+    """What the check found."""
     cure: str = ""
-    """What to do, where ``what`` does not say it already."""
+    """What to do, if ``what`` does not already say it."""
 
     def __str__(self) -> str:
         line = f"{self.level:<8} {self.what}"
@@ -24,20 +24,20 @@ class Finding:
 
 
 def ok(what: str) -> Finding:
-    """All is well."""
+    """Return a finding that all is well."""
     return Finding(OK, what)
 
 
 def warning(what: str, cure: str = "") -> Finding:
-    """It works, but something should be better."""
+    """Return a finding that something works but should be better."""
     return Finding(WARNING, what, cure)
 
 
 def problem(what: str, cure: str = "") -> Finding:
-    """It does not work like this."""
+    """Return a finding that something does not work."""
     return Finding(PROBLEM, what, cure)
 
 
 def sentence(text: str) -> str:
-    """The same with a capital at its beginning."""
+    """Return a text with its first letter in upper case."""
     return text[:1].upper() + text[1:]

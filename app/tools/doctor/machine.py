@@ -1,4 +1,4 @@
-"""What the checks see of a machine: its files, and what its tools say."""
+"""The checks' view of a machine: its files, and the output of its tools."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 TOOL_S = 5.0
-"""A tool that takes longer is not waited for [s]."""
+"""Time limit for a tool [s]."""
 
 
 def output_of(command: Sequence[str]) -> str | None:
-    """What a command prints; None if there is no such command, or it fails."""
+    """Return the output of a command; None if it does not exist, fails or takes too long."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=TOOL_S, check=False)
     except (OSError, subprocess.TimeoutExpired):
@@ -22,31 +22,31 @@ def output_of(command: Sequence[str]) -> str | None:
 
 
 def readable_and_writable(path: Path) -> bool:
-    """Whether this user may."""
+    """Whether this user may read and write a file."""
     return os.access(path, os.R_OK | os.W_OK)
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A computer, or a folder that looks like one from the root down."""
+    """A computer, or a folder with the same layout as a computer's root folder."""
 
     root: Path = Path("/")
     run: Callable[[Sequence[str]], str | None] = output_of
     may_use: Callable[[Path], bool] = readable_and_writable
 
     def at(self, path: str | Path) -> Path:
-        """Where a path of that machine is; a relative one begins where we are."""
+        """Return a path of the machine under ``root``; a relative path starts in our own folder."""
         return self.root / Path(path).absolute().relative_to("/")
 
     def text(self, path: str) -> str:
-        """What a file says; nothing if it is not there or secret."""
+        """Return the text of a file; empty if it does not exist or may not be read."""
         try:
             return self.at(path).read_text(encoding="utf-8", errors="replace").strip("\0\n ")
         except OSError:
             return ""
 
     def processes(self) -> Iterator[Path]:
-        """The folders of what runs, as in /proc/42, but for our own."""
+        """Yield the folders of running processes, as /proc/42, except our own."""
         for folder in self.at("/proc").glob("[0-9]*"):
             if folder.name != str(os.getpid()):
                 yield folder

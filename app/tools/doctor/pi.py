@@ -1,4 +1,4 @@
-"""Checks of the Raspberry Pi itself: which it is, its power, its clock, the pin that resets."""
+"""Checks of the Raspberry Pi itself: its model, its power, its clock and the reset pin."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ TROUBLES = {
     18: "it was slowed down since it was switched on",
     19: "it was too hot since it was switched on",
 }
-"""Bits of what ``vcgencmd get_throttled`` says (Raspberry Pi documentation, Raspberry Pi OS)."""
+"""Bits printed by ``vcgencmd get_throttled`` (Raspberry Pi documentation, Raspberry Pi OS)."""
 
 
 def check_pi(machine: Machine) -> Iterator[Finding]:
-    """What is special to a Raspberry Pi; of another computer only that it is none."""
+    """Check what only a Raspberry Pi has; on another computer only warn that it is not a Pi."""
     name = model(machine)
     if not name:
         yield warning(
@@ -35,13 +35,13 @@ def check_pi(machine: Machine) -> Iterator[Finding]:
 
 
 def model(machine: Machine) -> str:
-    """The Pi's name; empty for another computer."""
+    """Return the Pi's model name; empty for another computer."""
     name = machine.text(MODEL)
     return name if name.startswith("Raspberry Pi") else ""
 
 
 def power(machine: Machine) -> Iterator[Finding]:
-    """Whether the Pi itself has power enough, and is cool; nothing where nobody knows."""
+    """Check that the Pi has enough power and is cool; yield nothing if that is not known."""
     said = machine.run(["vcgencmd", "get_throttled"])
     bits = _throttled(said)
     if bits is None:
@@ -57,7 +57,7 @@ def power(machine: Machine) -> Iterator[Finding]:
 
 
 def reset_pin(machine: Machine) -> Finding:
-    """Whether the Build HAT can be reset, which is needed when it runs another firmware."""
+    """Check that the Build HAT can be reset, which is needed if it runs another firmware."""
     chips = sorted(machine.at("/dev").glob("gpiochip*"))
     if not chips:
         return warning("There is no /dev/gpiochip*: the Build HAT's reset pin is out of reach")
@@ -70,7 +70,7 @@ def reset_pin(machine: Machine) -> Finding:
 
 
 def clock(machine: Machine) -> Iterator[Finding]:
-    """Whether the clock is right; the robot drives by another one, so no more than a warning."""
+    """Check that the clock is set; only a warning, since the robot drives by another clock."""
     said = machine.run(["timedatectl", "show", "--property=NTPSynchronized", "--value"])
     if said is None:
         return

@@ -1,4 +1,4 @@
-"""Checks of the serial port between Pi and Build HAT, without a word to the board."""
+"""Checks of the serial port between Pi and Build HAT, without sending anything to the board."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ ONE_WIRE_OFF = "sudo raspi-config nonint do_onewire 1; then sudo reboot"
 PERMISSION = "sudo usermod -aG dialout $USER; then log in again"
 
 BOOT = ("/boot/firmware/config.txt", "/boot/config.txt")
-"""Where the Pi's configuration is, since Bookworm and before."""
+"""Paths of the Pi's configuration: since Bookworm, and before."""
 
 RESET_GPIO = "4"
-"""The pin that resets the Build HAT, and that 1-Wire takes if it is not told another."""
+"""The pin that resets the Build HAT; it is also the default pin of 1-Wire."""
 
 HEADER_PORTS = {"serial0", "ttyS0", "ttyAMA0"}
-"""Names of the serial port at the header, where it is not there to be looked at."""
+"""Possible names of the header's serial port, used if the device does not exist."""
 
 
 def check_wire(machine: Machine, setting: str) -> Iterator[Finding]:
-    """Whether the port is there and ours.
+    """Check that the port exists, and that only this program uses it.
 
     Args:
-        machine: where.
-        setting: the device asked for, or ``auto``.
+        machine: the machine to check.
+        setting: the requested device, or ``auto``.
     """
     device = device_of(machine, setting)
     yield from _port(machine, device, device_of(machine, "auto"))
@@ -41,12 +41,12 @@ def check_wire(machine: Machine, setting: str) -> Iterator[Finding]:
 
 
 def device_of(machine: Machine, setting: str) -> str:
-    """The device that a setting stands for."""
+    """Return the device that a setting stands for."""
     return find_device(machine.at(MODEL)) if setting == "auto" else setting
 
 
 def usable(findings: list[Finding]) -> bool:
-    """Whether it is worth while to open the port."""
+    """Whether it is worth opening the port."""
     return all(finding.level != PROBLEM or finding.cure == CONSOLE_OFF for finding in findings)
 
 
@@ -82,28 +82,28 @@ def _cure_of_no_port(machine: Machine, device: str, right: str) -> str:
 
 
 def _leads_to_another(machine: Machine, device: str, right: str) -> bool:
-    """Whether a Pi 5 is told its debug connector, which is what /dev/serial0 is there."""
+    """Whether the device is the debug connector of a Pi 5; there /dev/serial0 is a link to it."""
     if not model(machine) or right != "/dev/ttyAMA0":
         return False
     return machine.at(device).resolve().name == "ttyAMA10"
 
 
 def users_of(machine: Machine, path: Path) -> Iterator[str]:
-    """Names of other programs that have a device open, as far as this user may know."""
+    """Yield the names of other programs that have a device open, as far as this user may see."""
     device = path.resolve()
     for process in machine.processes():
         try:
             open_files = [link.resolve() for link in (process / "fd").iterdir()]
         except OSError:
-            continue  # another user's, or it has just ended
-        # Who makes a pseudo-terminal holds both its ends: that is the emulator.
+            continue  # another user's process, or one that has just ended
+        # A process that also has the master end of a pseudo-terminal open is the emulator.
         if device in open_files and not any(file.name == "ptmx" for file in open_files):
             name = machine.text(f"/proc/{process.name}/comm") or "a program"
             yield f"{name} (process {process.name})"
 
 
 def console(machine: Machine, device: str) -> Finding:
-    """Whether the kernel or a login shell talks on the port too."""
+    """Check that neither the kernel nor a login shell also uses the port."""
     names = _names(machine, device)
     given = set(re.findall(r"console=(\w+)", machine.text("/proc/cmdline")))
     if given & names or _has_login_shell(machine, names):
@@ -112,7 +112,7 @@ def console(machine: Machine, device: str) -> Finding:
 
 
 def _names(machine: Machine, device: str) -> set[str]:
-    """All names of the port."""
+    """Return all names of the port."""
     path = machine.at(device)
     if not path.exists():
         return HEADER_PORTS
@@ -124,7 +124,7 @@ def _names(machine: Machine, device: str) -> set[str]:
 
 
 def _has_login_shell(machine: Machine, names: set[str]) -> bool:
-    """Whether an agetty waits at the port; root's, so only its command line can be seen."""
+    """Whether an agetty waits at the port; it is root's, so only its command line can be read."""
     for process in machine.processes():
         words = machine.text(f"/proc/{process.name}/cmdline").split("\0")
         if words[0].endswith("agetty") and names & {word.removeprefix("/dev/") for word in words}:
@@ -133,7 +133,7 @@ def _has_login_shell(machine: Machine, names: set[str]) -> bool:
 
 
 def one_wire(machine: Machine) -> Finding:
-    """Whether 1-Wire has taken the pin that resets the Build HAT."""
+    """Check that 1-Wire does not use the pin that resets the Build HAT."""
     lines = "\n".join(machine.text(path) for path in BOOT)
     for options in re.findall(r"^\s*dtoverlay=w1-gpio(?:-pullup|-pi5)?(\S*)", lines, re.MULTILINE):
         pin = re.search(r"gpiopin=(\d+)", options)

@@ -1,1 +1,1 @@
-"""``brickpose emulate-hat``: a Build HAT without the board."""
+"""``brickpose emulate-hat``: an emulated Build HAT."""

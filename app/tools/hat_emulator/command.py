@@ -1,4 +1,4 @@
-"""``brickpose emulate-hat``: puts board, surroundings, sockets and the clock together."""
+"""``brickpose emulate-hat``: connects board, surroundings, sockets and the clock."""
 
 from __future__ import annotations
 
@@ -33,26 +33,26 @@ from sim.hat_emulator.surroundings import RobotOnField, Surroundings, Table
 from sim.imperfections import draw
 
 SWITCH_INTERVAL = 0.0005
-"""How long one thread may keep the others waiting [s]: the board's ticks are 1 ms."""
+"""How long one thread may delay the others [s]: the board's ticks are 1 ms."""
 
 STANDARD_INPUT = 0
 
 
 def emulate_hat(options: Mapping[str, Any]) -> int:
-    """Emulate until Ctrl-C or SIGTERM; returns 0 then.
+    """Emulate the board until Ctrl-C or SIGTERM; return 0.
 
     Raises:
-        SettingError: an option that cannot be, or that has no effect.
+        SettingError: an option is not valid or has no effect.
         FieldError: the map cannot be used.
-        OSError: the serial port or a socket cannot be made.
-        BulletMissingError: the robot's world was asked for and pybullet is not installed.
+        OSError: the serial port or a socket cannot be created.
+        BulletMissingError: ``--world sim`` was asked for, but pybullet is not installed.
     """
     config = _config(options)
     spec = RobotSpec.load()
     world = _world(options)
     motors = _motors(options.get("motors"), spec)
     sys.setswitchinterval(SWITCH_INTERVAL)
-    # In the background of a shell, reading what is typed there would stop the program.
+    # Without this, a program in the background of a shell stops when it reads from the terminal.
     signal.signal(signal.SIGTTIN, signal.SIG_IGN)
     with ExitStack() as stack:
         try:
@@ -98,7 +98,7 @@ def _run(
 
 
 def _true_robot(config: Config, spec: RobotSpec) -> tuple[RobotSpec, np.random.Generator]:
-    """The same robot as ``run --robot sim`` has, and its luck."""
+    """Return the true robot, the same as in ``run --robot sim``, and its random generator."""
     rng = Streams.of(config.seed).robot
     return draw(spec, config.sim.imperfections, rng), rng
 
@@ -114,7 +114,7 @@ def _show_pictures(
     rng: np.random.Generator,
 ) -> None:
     camera = FloorCamera(true.floor_view, field.floor, config.sim.camera, rng)
-    # The first one takes long: compiled code is loaded, and the board would stall meanwhile.
+    # The first picture takes long, since it loads compiled code; later it would stall the board.
     camera.picture(around.truth, Twist2(0.0, 0.0))
     server = PictureServer(path, camera)
     stack.callback(server.close)
@@ -128,7 +128,7 @@ def _config(options: Mapping[str, Any]) -> Config:
 
 
 def _world(options: Mapping[str, Any]) -> str:
-    """Which world, and whether the other options go with it."""
+    """Return the name of the world; refuse options that do not go with it."""
     world = options.get("world") or _usual_world()
     if world == "sim":
         load_pybullet()
@@ -150,7 +150,7 @@ def _usual_world() -> str:
 
 
 def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorFigures]:
-    """Kinds of motors by port, from A=large,B=large."""
+    """Return the motors' figures by port, from a text such as A=large,B=large."""
     if text is None:
         return {PORTS.index(joint.port): figures_described(joint.motor) for joint in spec.joints}
     motors = {}

@@ -1,4 +1,4 @@
-"""The command line of ``brickpose emulate-hat``; what takes long to load is loaded when used."""
+"""The command line of ``brickpose emulate-hat``; slow imports happen only when it is used."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""``brickpose replay``: a recording on the dashboard, or through the filter to files."""
+"""``brickpose replay``: shows a recording on the dashboard, or runs the filter on it to files."""

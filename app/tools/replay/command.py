@@ -1,4 +1,4 @@
-"""``brickpose replay``."""
+"""``brickpose replay``: serves a recording, or writes its trajectories."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ ONLY_SERVED = ("host", "port", "speed", "paused")
 
 
 def run(given: dict[str, Any]) -> int:
-    """Carry out the command with its options by name.
+    """Run the command with its options by name; return 0.
 
     Raises:
         RecordingError, SettingError, FieldError, SpecError, OSError: says what cannot be used.
@@ -39,7 +39,7 @@ def run(given: dict[str, Any]) -> int:
 
 
 def _check(given: dict[str, Any], out: Path | None) -> None:
-    """Refuse what cannot be.
+    """Refuse options that are out of range, or that have no effect with ``--out``.
 
     Raises:
         SettingError: names the option, and what is valid.

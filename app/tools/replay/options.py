@@ -1,4 +1,4 @@
-"""The command line of ``brickpose replay``; what takes long to load is loaded when it is used."""
+"""The command line of ``brickpose replay``; slow imports happen only when it is used."""
 
 from __future__ import annotations
 

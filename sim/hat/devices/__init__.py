@@ -1,1 +1,1 @@
-"""What can be plugged into a Build HAT, and what a motor on it turns."""
+"""Devices that can be plugged into a Build HAT, and the physics of its motors."""

@@ -1,4 +1,4 @@
-"""How the firmware prints what a device has told about itself."""
+"""The firmware's listing of what a device reports about itself."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ SOFTWARE_VERSION = 0x10000000
 
 
 def active_description(device: Device, port: int) -> str:
-    """The block of an active device at a port, 0 to 3: whole lines, each ending in CR LF.
+    """Return the listing of an active device at a port, 0 to 3: lines that end in CR LF.
 
-    Smallest values all show as 0, for the firmware turns negative floats into unsigned numbers.
-    ``nmodes`` is the highest mode number, not their count.
+    All smallest values are 0, because the firmware converts negative floats to unsigned numbers.
+    ``nmodes`` is the highest mode number, not the number of modes.
     """
     lines = [
         f"P{port}: connected to active ID {device.type_id:02X}",

@@ -1,4 +1,4 @@
-"""What the board's firmware sees of a device on one of its ports, and of what its driver turns."""
+"""Interfaces of the devices at a board's ports, and of the motors that its drivers turn."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from enum import IntEnum
 from typing import Protocol
 
 PORTS = 4
-"""That a board has, A to D; on the wire 0 to 3."""
+"""Number of ports of a board: A to D, on the wire 0 to 3."""
 
 SAMPLE_PERIOD = 0.01
 """Time between two data messages of an active device [s]."""
 
 CONNECT_SECONDS = 2.0
-"""Usual time from plugging in until the device is usable [s]; real ones take up to 8 to 11 s."""
+"""Usual time from plugging in until a device is usable [s]; real devices take up to 8 to 11 s."""
 
 
 class ValueType(IntEnum):
-    """How a mode's values travel on the wire, by the number that the listing shows."""
+    """Types of a mode's values on the wire; the numbers are those in the listing."""
 
     INT8 = 0
     INT16 = 1
@@ -27,7 +27,7 @@ class ValueType(IntEnum):
 
     @property
     def size(self) -> int:
-        """Bytes of one value."""
+        """Size of one value [bytes]."""
         return (1, 2, 4, 4)[self]
 
 
@@ -36,18 +36,18 @@ class Mode:
     """One kind of data that a device can send."""
 
     name: str
-    """May have a blank in it."""
+    """Name of the mode; it may contain a blank."""
     unit: str
-    """May be empty."""
+    """Unit of the values; it may be empty."""
     type: ValueType
     count: int
-    """Numbers in one message."""
+    """Number of values in one message."""
     chars: int
-    """Characters that a display needs for one number."""
+    """Number of characters that a display needs for one value."""
     dp: int
-    """Digits after the point."""
+    """Number of digits after the decimal point."""
     raw: int
-    """Largest value in the device's own numbers; the listing shows every smallest one as 0."""
+    """Largest raw value; the listing shows every smallest value as 0."""
     pct: int
     """Largest value in percent."""
     si: int
@@ -55,21 +55,21 @@ class Mode:
 
 
 class Device(Protocol):
-    """Something plugged into a port. A passive device has no modes and sends nothing."""
+    """A device at a port. A passive device has no modes and sends nothing."""
 
     @property
     def type_id(self) -> int:
-        """LEGO's number of the kind of device."""
+        """LEGO's type number of the device."""
         ...
 
     @property
     def passive(self) -> bool:
-        """Whether it is known by its resistors only and cannot talk."""
+        """Whether the board identifies it by its resistors only; it then sends no data."""
         ...
 
     @property
     def modes(self) -> Sequence[Mode]:
-        """What it can send, by mode number."""
+        """The kinds of data that it can send, by mode number."""
         ...
 
     @property
@@ -79,33 +79,36 @@ class Device(Protocol):
 
     @property
     def pid_defaults(self) -> tuple[tuple[int, ...], tuple[int, ...]]:
-        """The device's own proposals for a speed and a position controller; four words each."""
+        """The device's defaults for a speed and a position controller; four words each."""
         ...
 
     connect_seconds: float
     """Time from plugging in until it is usable [s]."""
 
     responding: bool
-    """False: it stays plugged in but sends no data any more."""
+    """False: it is plugged in but no longer sends data."""
 
     def description(self, port: int) -> str:
-        """What ``list`` prints for it at a port, 0 to 3: whole lines, each ending in CR LF."""
+        """Return what ``list`` prints for it at a port, 0 to 3: lines that end in CR LF."""
         ...
 
     def power_up(self) -> None:
-        """It has just been given power: what it counts starts again from here."""
+        """Switch its power on: it starts to count again from here."""
         ...
 
     def sample(self, current: float) -> bool:
-        """Measure if its time has come; ``current`` [s] is the board's clock and never goes back.
+        """Measure if a sample is due; call it every millisecond, or as often as wanted.
+
+        Args:
+            current: time of the board's clock [s], which never goes back.
 
         Returns:
-            Whether there is a new message. To be called every millisecond, or as often as wanted.
+            Whether there is a new message.
         """
         ...
 
     def read(self, mode: int) -> tuple[int | float, ...]:
-        """The values of a mode in the newest message, in the device's own numbers.
+        """Return the raw values of a mode in the newest message.
 
         Raises:
             DeviceError: there is no such mode.
@@ -114,11 +117,11 @@ class Device(Protocol):
 
 
 class DeviceError(ValueError):
-    """A device was asked for something that it does not have."""
+    """A device does not have what was asked for."""
 
 
 class Plant(Protocol):
-    """What one port's driver turns; degrees here, since that is what a motor counts."""
+    """The motor that one port's driver turns; angles are in degrees, which a motor counts."""
 
     @property
     def angle(self) -> float:
@@ -131,21 +134,21 @@ class Plant(Protocol):
         ...
 
     def drive(self, duty: float | None) -> None:
-        """The driver puts out this part of its voltage from now on, -1..1.
+        """Set the share of its voltage that the driver puts out, -1..1.
 
-        0 brakes, for the driver then shorts the motor; None lets it run out, unconnected.
+        0 brakes, because the driver then shorts the motor. None disconnects the motor: it coasts.
         """
         ...
 
 
 class Plants(Protocol):
-    """What all ports' drivers turn; it has no clock but its steps."""
+    """The motors at all ports; time passes only in ``step``."""
 
     supply_v: float
-    """What the board is supplied with [V]; the board keeps it up to date."""
+    """Supply voltage of the board [V]; the board keeps it up to date."""
 
     def plant(self, port: int) -> Plant:
-        """What turns at a port, 0 to 3, whether or not a device is plugged in there."""
+        """Return the motor at a port, 0 to 3, even if no device is plugged in there."""
         ...
 
     def step(self, seconds: float) -> None:

@@ -1,4 +1,4 @@
-"""A LEGO angular motor as its port hears it: what it is, what it counts, when it tells it."""
+"""LEGO angular motor as seen by its port: its description, its data, and its sampling times."""
 
 from __future__ import annotations
 
@@ -27,18 +27,19 @@ MODES = (
 )
 
 SPEED_UNIT = 10.0
-"""What one unit of SPEED is worth [deg/s]."""
+"""One unit of SPEED [deg/s]."""
 
 SPEED_LAG = 0.02
-"""Time constant of the motor's own smoothing of its speed [s]; not known, two samples here."""
+"""Time constant with which the motor smooths its speed [s]; the true one is not known, here it is
+two samples."""
 
 
 class LegoMotor:
-    """Counts whole degrees of a plant's shaft and samples every 10 ms by its own clock.
+    """Counts whole degrees of a plant's shaft, and samples them every 10 ms by its own clock.
 
-    POS counts from where the shaft was at power-up. APOS is -180..179 against a mark on the motor,
-    and so is the same again after the next power-up. SPEED is the angle gained since the last
-    sample, smoothed, in tens of degrees a second.
+    POS counts from the shaft's angle at power-up. APOS is -180..179, relative to a mark on the
+    motor, so the next power-up does not change it. SPEED is the smoothed change of the angle since
+    the last sample, in units of 10 degrees a second.
     """
 
     passive = False
@@ -56,13 +57,13 @@ class LegoMotor:
         drift: float = 0.0,
         connect_seconds: float = CONNECT_SECONDS,
     ) -> None:
-        """One of the motors of ``MOTOR_FIGURES`` on a plant's shaft.
+        """Put one of the motors of ``MOTOR_FIGURES`` on a plant's shaft.
 
         Args:
             mark: the absolute angle at which the plant's angle is 0 [deg].
             phase: how much later than the board's clock its own samples are [s].
-            drift: how much slower its clock runs than the board's, as a share; so reports, which
-                go by the board's, are of every age up to 10 ms.
+            drift: how much slower its clock runs than the board's, as a share. The board reports
+                by its own clock, so the samples in reports have every age up to 10 ms.
 
         Raises:
             KindError: no angular motor has this type number.
@@ -83,11 +84,11 @@ class LegoMotor:
         self.power_up()
 
     def description(self, port: int) -> str:
-        """What ``list`` prints for it."""
+        """Return what ``list`` prints for it."""
         return active_description(self, port)
 
     def power_up(self) -> None:
-        """POS counts from here."""
+        """Switch its power on: POS counts from here."""
         self._angle = self._plant.angle
         self._smooth = 0.0
         self._samples: int | None = None
@@ -95,8 +96,8 @@ class LegoMotor:
         self._latch()
 
     def sample(self, current: float) -> bool:
-        """Measure if 10 ms have gone by, or for the first time since power-up; see ``Device``."""
-        # A clock that adds up milliseconds is a hair early or late.
+        """Measure if 10 ms have passed, or for the first time since power-up; see ``Device``."""
+        # The small term allows for the rounding of a clock that adds milliseconds.
         samples = math.floor((current - self._phase) / self._period + 1e-6)
         last = self._samples
         if not self.responding or (last is not None and samples <= last):
@@ -107,7 +108,7 @@ class LegoMotor:
         return True
 
     def read(self, mode: int) -> tuple[int, ...]:
-        """The newest values of a mode; POWER, CALIB and STATS are zeros, for nothing sets them."""
+        """Return the newest values of a mode; POWER, CALIB and STATS are always zeros."""
         if mode == SPEED:
             return (self._speed,)
         if mode == POS:
@@ -119,7 +120,7 @@ class LegoMotor:
         return (0,) * MODES[mode].count
 
     def _measure_speed(self, periods: int) -> None:
-        """From the angle gained since as many sample periods; 0: it is the first sample."""
+        """Update the speed from the angle gained in ``periods`` sample periods; 0: first sample."""
         angle = self._plant.angle
         if periods > 0:
             raw = (angle - self._angle) / (periods * self._period)
@@ -128,7 +129,7 @@ class LegoMotor:
         self._angle = angle
 
     def _count(self) -> int:
-        """Whole degrees from the mark; the edges between them are fixed on the shaft."""
+        """Return whole degrees from the mark; the edges between them are fixed on the shaft."""
         return math.floor(self._plant.angle + self._mark + 0.5)
 
     def _latch(self) -> None:

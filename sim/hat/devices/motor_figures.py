@@ -1,4 +1,4 @@
-"""LEGO's angular motors in figures: who they are and how fast and strong they turn."""
+"""Figures of LEGO's angular motors: type numbers, speeds and torques."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 SUPPLY_V = 8.0
-"""What a Build HAT should be supplied with [V]."""
+"""Nominal supply voltage of a Build HAT [V]."""
 
 RAIL_V = 7.2
-"""What reaches the motors then [V]; with another supply in proportion."""
+"""Voltage that reaches the motors with this supply [V]; it is proportional to the supply."""
 
 USUAL = "medium angular"
-"""What drives a joint whose description leaves it open."""
+"""Motor of a joint whose description names none."""
 
 
 class KindError(ValueError):
@@ -21,49 +21,49 @@ class KindError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class MotorFigures:
-    """Of one kind of motor, as measured at ``volts``; torques at the shaft.
+    """Figures of one kind of motor, measured at ``volts``; torques are at the shaft.
 
-    Speeds, stall torques, friction and accelerations are those of Pybricks' ``motor_data.py`` and
+    Speeds, stall torques, friction and accelerations are from Pybricks' ``motor_data.py`` and
     motor models. LEGO's own sheets give 10 to 17 % more speed and, for the large motor, 40 % less
     stall torque (its current is limited there), with a tolerance of 15 %.
     """
 
     name: str
-    """What commands call it: one word."""
+    """Its name in commands: one word."""
     kind: str
-    """What a robot's description calls it."""
+    """Its name in a robot's description."""
     type_id: int
     volts: float
-    """At which the figures were measured [V]."""
+    """Voltage at which the figures were measured [V]."""
     no_load_speed: float
-    """[deg/s], with the motor's own friction."""
+    """Speed without a load, with the motor's own friction [deg/s]."""
     stall_torque: float
-    """What holds the shaft still [N m], extrapolated linearly from a moderate load."""
+    """Torque that stops the shaft [N m], extrapolated linearly from a moderate load."""
     friction: float
     """Coulomb friction while it turns [N m]."""
     breakaway: float
-    """Friction that holds it while it stands [N m]."""
+    """Friction at standstill [N m]."""
     acceleration: float
-    """From standstill without a load [deg/s^2]."""
+    """Acceleration from standstill without a load [deg/s^2]."""
 
     @property
     def time_constant(self) -> float:
-        """Of the speed without a load [s]: no-load speed over initial acceleration."""
+        """Time constant of the speed without a load [s]: no-load speed over acceleration."""
         return self.no_load_speed / self.acceleration
 
     @property
     def torque(self) -> float:
-        """Of the magnet field alone, at standstill [N m]: what is seen, and the friction."""
+        """Magnetic torque at standstill [N m]: the stall torque plus the friction."""
         return self.stall_torque + self.friction
 
     @property
     def speed_per_torque(self) -> float:
-        """How much a load slows it down [deg/s per N m]: the slope of the torque-speed line."""
+        """Speed that it loses to a load [deg/s per N m]: the slope of the torque-speed line."""
         return self.no_load_speed / self.stall_torque
 
     @property
     def gain(self) -> float:
-        """Speed that it would reach without any friction [deg/s per V]."""
+        """Speed that it would reach without friction [deg/s per V]."""
         return self.torque * self.speed_per_torque / self.volts
 
 
@@ -81,24 +81,24 @@ MOTOR_FIGURES: Mapping[int, MotorFigures] = {
         MotorFigures("large-grey", "large angular", 0x4C, *_LARGE),
     )
 }
-"""By LEGO's type number. Breakaway is chosen so that a free motor starts at 10 % of full drive
-(large) and 14 % (medium, small); what is known is 8 to 15 %."""
+"""Figures by LEGO's type number. Breakaway is chosen so that a free motor starts at 10 % of full
+drive (large) and 14 % (medium, small); the known range is 8 to 15 %."""
 
 
 def figures_described(kind: str | None) -> MotorFigures:
-    """Of what a robot's description calls a joint's motor; a medium one where it leaves that open.
+    """Return the figures of a motor by its kind in a robot's description; None: a medium motor.
 
     Raises:
-        KindError: there is none; names those there are.
+        KindError: there is no such kind; names the valid ones.
     """
     return _first("kind", kind or USUAL)
 
 
 def figures_named(name: str) -> MotorFigures:
-    """Of the motor that commands call so.
+    """Return the figures of a motor by its name in commands.
 
     Raises:
-        KindError: there is none; names those there are.
+        KindError: there is no such name; names the valid ones.
     """
     return _first("name", name)
 

@@ -1,4 +1,4 @@
-"""A device without a chip: the board knows it by the resistors in its plug."""
+"""Device without a chip: the board identifies it by the resistors in its plug."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class PassiveDevice:
     pid_defaults: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
 
     def __init__(self, type_id: int, *, connect_seconds: float = CONNECT_SECONDS) -> None:
-        """A device of one of LEGO's passive type numbers, 1 to 11.
+        """Make a device with one of LEGO's passive type numbers, 1 to 11.
 
         Raises:
             DeviceError: no passive device has this number.
@@ -29,19 +29,19 @@ class PassiveDevice:
         self.connect_seconds = connect_seconds
         self.responding = True
         self.pressed = False
-        """For a button, type 5."""
+        """Whether it is pressed; for a button, type 5."""
 
     def description(self, port: int) -> str:
-        """What ``list`` prints for it: one line, with the number in decimal."""
+        """Return what ``list`` prints for it: one line, with the type number in decimal."""
         return f"P{port}: connected to passive ID {self.type_id}\r\n"
 
     def power_up(self) -> None:
-        """Nothing to start."""
+        """Do nothing: there is nothing to start."""
 
     def sample(self, current: float) -> bool:
-        """It never has a message."""
+        """Return False: it never has a message."""
         return False
 
     def read(self, mode: int) -> tuple[int | float, ...]:
-        """Always a ``DeviceError``: there are no modes."""
+        """Raise a ``DeviceError``: there are no modes."""
         raise DeviceError(f"passive device {self.type_id} has no modes, so none numbered {mode}")

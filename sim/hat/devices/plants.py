@@ -1,4 +1,4 @@
-"""Motors that turn freely, without a robot around them: first order, friction, brake and coast."""
+"""Motors that turn freely, without a robot: first-order model with friction, brake and coasting."""
 
 from __future__ import annotations
 
@@ -10,16 +10,17 @@ from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figure
 
 
 class PlantError(ValueError):
-    """A motor was asked for, or told, something that cannot be."""
+    """A port, duty or load of a motor is not valid."""
 
 
 class FreeMotor:
-    """A DC motor on a rigid shaft.
+    """DC motor on a rigid shaft.
 
-    While its driver is on, ``tau dw/dt = gain V - w - s (load + friction sign(w))``, with s the
-    slope of the torque-speed line; at V = 0 that is the brake of a shorted motor. While it coasts,
-    the terms of the current, ``gain V - w``, are missing. A shaft that stands stays where it is
-    until more than the breakaway torque pushes it. A step is solved exactly, turning points too.
+    While its driver is on, ``tau dw/dt = gain V - w - s (load + friction sign(w))``, where s is the
+    slope of the torque-speed line; V = 0 is the brake of a shorted motor. While it coasts, the
+    terms of the current, ``gain V - w``, are missing. A shaft at rest stays at rest until the
+    torque on it exceeds the breakaway torque. Steps are solved exactly, also when the shaft turns
+    back.
     """
 
     def __init__(self, figures: MotorFigures, supply_v: float = SUPPLY_V) -> None:
@@ -27,7 +28,7 @@ class FreeMotor:
         self.angle = 0.0
         self.speed = 0.0
         self.stalled = False
-        """Something blocks the shaft."""
+        """Whether something blocks the shaft."""
         self._tau = figures.time_constant
         self._gain = figures.gain * RAIL_V / SUPPLY_V
         self._friction = figures.friction * figures.speed_per_torque
@@ -39,14 +40,14 @@ class FreeMotor:
 
     @property
     def duty(self) -> float | None:
-        """What the driver puts out, -1..1; None: nothing."""
+        """Output of the driver, -1..1; None: it is off."""
         return self._duty
 
     def drive(self, duty: float | None) -> None:
-        """The driver puts out this part of its voltage from now on; see ``Plant``.
+        """Set the share of its voltage that the driver puts out; see ``Plant``.
 
         Raises:
-            PlantError: outside -1..1, or not a number.
+            PlantError: the duty is outside -1..1, or not a number.
         """
         if duty is not None and not -1 <= duty <= 1:
             raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
@@ -55,7 +56,7 @@ class FreeMotor:
 
     @property
     def load(self) -> float:
-        """Torque [N m] that turns the shaft anticlockwise, like a weight that hangs on it."""
+        """Torque [N m] that turns the shaft anticlockwise, as a hanging weight does."""
         return self._load / self.figures.speed_per_torque
 
     @load.setter
@@ -66,7 +67,7 @@ class FreeMotor:
 
     @property
     def supply_v(self) -> float:
-        """What the board is supplied with [V]."""
+        """Supply voltage of the board [V]."""
         return self._supply_v
 
     @supply_v.setter
@@ -80,7 +81,7 @@ class FreeMotor:
             self.speed = 0.0
             return
         left = seconds
-        # Each turn ends the time or brings the shaft to a stand, from where it goes the other way.
+        # Each pass ends the step, or stops the shaft, which may then turn the other way.
         while left > 0:
             direction = self._direction()
             if direction == 0:
@@ -89,7 +90,7 @@ class FreeMotor:
             left = self._coast(push, left) if self._duty is None else self._turn(push, left)
 
     def _direction(self) -> int:
-        """Which way it turns or, if it stands, will turn; 0: it stays."""
+        """Return the sign of its speed or, at rest, of the coming motion; 0: it stays at rest."""
         if self.speed != 0:
             return 1 if self.speed > 0 else -1
         push = self._pull - self._load
@@ -98,7 +99,7 @@ class FreeMotor:
         return 1 if push > 0 else -1
 
     def _turn(self, target: float, seconds: float) -> float:
-        """Approach a speed [deg/s] until the time is over or it stands; returns the time left."""
+        """Approach a speed [deg/s] until the time is over or it stops; return the time left."""
         start = self.speed
         fade = math.exp(-seconds / self._tau)
         end = target + (start - target) * fade
@@ -106,13 +107,13 @@ class FreeMotor:
         if start * end < 0:
             used = self._tau * math.log((target - start) / target)
             left, end = max(seconds - used, 0.0), 0.0
-        # From the equation of motion: what was not gained in speed was gained in angle.
+        # From the integrated equation of motion: angle = target * time - tau * (change of speed).
         self.angle += target * (seconds - left) - self._tau * (end - start)
         self.speed = end
         return left
 
     def _coast(self, push: float, seconds: float) -> float:
-        """Gain speed evenly until the time is over or it stands; returns the time left."""
+        """Change speed evenly until the time is over or it stops; return the time left."""
         start = self.speed
         end = start + push / self._tau * seconds
         left = 0.0
@@ -124,12 +125,12 @@ class FreeMotor:
 
 
 class FreeMotors:
-    """A free motor at each of the four ports."""
+    """Free motors at the four ports."""
 
     def __init__(
         self, figures: Mapping[int, MotorFigures] | None = None, supply_v: float = SUPPLY_V
     ) -> None:
-        """Kinds by port; where none is given, a medium one turns.
+        """Put motors at the ports, with ``figures`` by port; the default is a medium motor.
 
         Raises:
             PlantError: a port outside 0..3.
@@ -143,7 +144,7 @@ class FreeMotors:
 
     @property
     def supply_v(self) -> float:
-        """What the board is supplied with [V]."""
+        """Supply voltage of the board [V]."""
         return self._motors[0].supply_v
 
     @supply_v.setter
@@ -152,7 +153,7 @@ class FreeMotors:
             motor.supply_v = volts
 
     def plant(self, port: int) -> FreeMotor:
-        """The motor at a port.
+        """Return the motor at a port.
 
         Raises:
             PlantError: a port outside 0..3.

@@ -1,1 +1,1 @@
-"""What runs in the emulated Build HAT: ports, controllers, reports and its main loop."""
+"""Parts of the emulated Build HAT's firmware: ports, controllers, reports and power."""

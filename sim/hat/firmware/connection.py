@@ -1,4 +1,4 @@
-"""How a port finds a device, gets to know it, listens to it and loses it again."""
+"""Connection of a port: it detects a device, sets it up, receives its data and notices its loss."""
 
 from __future__ import annotations
 
@@ -12,35 +12,35 @@ from sim.hat.firmware.reports import Writer
 from sim.hat.firmware.variables import Modes
 
 PROBE = 98
-"""Looking for a device's resistors: eight times 11 ms after the first 10 ms [ms]."""
+"""Duration of one probe of a device's resistors [ms]: 10 ms, then eight times 11 ms."""
 
 PASSIVE_REPEAT = 100
-"""Pause between two looks at a passive device that is known [ms]."""
+"""Pause between two probes of a connected passive device [ms]."""
 
 MATCHES = 5
-"""So many equal looks after the first one make a passive device."""
+"""Number of equal probes, after the first one, that identify a passive device."""
 
 BUTTON, MATRIX = 5, 0x40
 LISTENING = 100
-"""An active device holds its line low for so long [ms]."""
+"""How long an active device holds its line low [ms]."""
 
 SETUP_SILENCE = 2000
-"""Longest pause while a device introduces itself [ms]."""
+"""Longest pause in a device's messages during setup [ms]."""
 
 DATA_SILENCE = 500
 """Longest pause between two data messages [ms]."""
 
 AFTER_ACKNOWLEDGE = 120
-"""From the device's last word in the slow part to the change of speed [ms]."""
+"""Time from the device's last message at the low baud rate to the change of baud rate [ms]."""
 
 FAULT_AFTER = 50
-"""When a fault of the introduction shows, after it began [ms]."""
+"""Time from the start of the setup until a framing or checksum error shows [ms]."""
 
 MOST_ERRORS = 5
 
 
 class SetupFault(Enum):
-    """How an introduction can fail; the value is what the firmware calls it."""
+    """How the setup of a device can fail; the value is the firmware's text."""
 
     FRAMING = "framing error"
     CHECKSUM = "checksum error"
@@ -51,7 +51,7 @@ BROKEN = (SetupFault.FRAMING, SetupFault.CHECKSUM)
 
 
 class Connection:
-    """A port's state machine; each of its steps says how many ms the next one is away."""
+    """State machine of a port; each step yields the time until the next one [ms]."""
 
     def __init__(
         self,
@@ -61,14 +61,14 @@ class Connection:
         has_room: Callable[[], bool],
         trace: Callable[[int, int, bytes], None],
     ) -> None:
-        """Find nothing yet.
+        """Start without a device.
 
         Args:
             port: the port it serves.
             modes: data of all ports.
-            write: where lines go.
-            has_room: whether the transmit ring is at most half full.
-            trace: is told port, mode and payload of each data message.
+            write: takes the lines that it prints.
+            has_room: whether the transmit ring is less than half full.
+            trace: called with port, mode and payload of each data message.
         """
         self._port = port
         self._modes = modes
@@ -86,15 +86,15 @@ class Connection:
         self._life = self._search()
 
     def plug(self, device: Device) -> None:
-        """A device with power is there now, in the place of any other."""
+        """Plug in a device that has power, replacing any other."""
         self._plugged = DeviceLink(device)
 
     def unplug(self) -> None:
-        """Nothing is there any more."""
+        """Remove the device."""
         self._plugged = None
 
     def meet(self) -> None:
-        """The device has introduced itself before: start where its data is listened to."""
+        """Continue as if the device had been set up before: start with receiving its data."""
         if self._plugged is None:
             return
         self._port.known = self._plugged.device
@@ -107,21 +107,21 @@ class Connection:
             self._life = self._known(self._plugged)
 
     def fail_setup(self, fault: SetupFault) -> None:
-        """The next introduction fails."""
+        """Make the next setup of a device fail."""
         self._fault = fault
 
     def fail_data(self, framing: int, checksum: int) -> None:
-        """So many errors come in the data of the device that is connected."""
+        """Set the numbers of errors in the data of the connected device."""
         self._errors = (framing, checksum)
 
     def passed(self, current: int, seconds: float) -> None:
-        """It is later: ``current`` [ms] by the firmware, ``seconds`` by the board's clock."""
+        """Advance to ``current`` [ms] of the firmware's clock; ``seconds``: the board's clock."""
         if current >= self._due:
             self._now, self._seconds = current, seconds
             self._due = current + next(self._life)
 
     def _search(self, known: int = 0) -> Iterator[int]:
-        """Look for devices for ever, ``known``: the type of a passive one that is connected."""
+        """Search for devices forever; ``known``: type of the passive device seen last, or 0."""
         while True:
             if not known:
                 self._vacate()
@@ -157,7 +157,7 @@ class Connection:
         return link is not None and not link.device.passive and link.device.responding
 
     def _passive(self, link: DeviceLink | None) -> Iterator[int]:
-        """A passive device that has been seen often enough."""
+        """Connect a passive device that was detected often enough, or poll a connected one."""
         assert link is not None
         device = link.device
         if not self._port.connected:
@@ -172,7 +172,7 @@ class Connection:
         self._pressed = pressed
 
     def _active(self) -> Iterator[int]:
-        """From the first low line to the end of a connection."""
+        """Handle an active device, from its first low line to the end of the connection."""
         self._matches = 0
         yield LISTENING
         link = self._plugged
@@ -190,7 +190,7 @@ class Connection:
         yield from self._listen(link)
 
     def _introduce(self, link: DeviceLink) -> Generator[int, None, SetupFault | None]:
-        """The slow part, at 2400 baud; returns how it failed, if it did."""
+        """Run the setup, at 2400 baud; return how it failed, or None."""
         fault, self._fault = self._fault, None
         start = heard = self._now
         end = start + max(round(link.device.connect_seconds * 1000) - AFTER_ACKNOWLEDGE - 1, 10)
@@ -214,12 +214,12 @@ class Connection:
         self._write(port.describe())
         self._say(f"established serial communication with active ID {device.type_id:02X}")
         if device.type_id == MATRIX:
-            # The matrix gives up if it is not given power at once.
+            # The light matrix gives up if it does not get power at once.
             port.wave.hold(1.0)
             port.coasting = False
 
     def _listen(self, link: DeviceLink) -> Iterator[int]:
-        """The fast part, until it has been silent for too long."""
+        """Receive data, at 115200 baud, until the device is silent for too long or has errors."""
         port, selection = self._port, self._port.selection
         heard = self._now
         while True:
@@ -239,7 +239,7 @@ class Connection:
         port.link = None
 
     def _receive(self, link: DeviceLink) -> bool:
-        """Whether there was a message."""
+        """Receive a message, if there is one; return whether there was."""
         if link is not self._plugged or not link.device.sample(self._seconds):
             return False
         payload = link.message()

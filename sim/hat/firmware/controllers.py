@@ -1,4 +1,4 @@
-"""The controller of a port: what it drives for a setpoint, directly or by PID."""
+"""Controller of a port: it computes the drive from the setpoint, directly or by PID."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ TICK = 0.01
 
 
 class Control(Enum):
-    """What the setpoint is."""
+    """Meaning of the setpoint."""
 
     DIRECT = 0
     """The drive itself."""
     VALUE = 1
-    """Of the watched variable."""
+    """The wanted value of the watched variable."""
     RATE = 2
-    """Of the watched variable's change [1/s]."""
+    """The wanted rate of change of the watched variable [1/s]."""
 
 
 class Controller:
-    """PID on ``e = value - setpoint`` in single precision; nothing resets its integral.
+    """PID on ``e = value - setpoint`` in single precision; no command resets its integral.
 
     ``drive = -(Kp e + Ki I + Kd D)``, with ``I += e dt`` within +-windup and ``D = de / dt``.
     """
@@ -53,12 +53,12 @@ class Controller:
     def drive(
         self, modes: Modes, setpoint: float, trace: Callable[[str], None] | None
     ) -> float | None:
-        """What to put out now, not limited; None: no data of the variable, so leave it as it is.
+        """Return the drive, without limits; None: no data of the variable, keep the last drive.
 
         Args:
             modes: data of all ports.
-            setpoint: what is asked for.
-            trace: is told all terms of a PID's run, if it wants to know.
+            setpoint: the wanted drive, value or rate.
+            trace: called with a text of all terms of the PID; None: no trace.
         """
         if self.control is Control.DIRECT:
             return setpoint

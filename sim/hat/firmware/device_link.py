@@ -1,4 +1,4 @@
-"""A device's end of the wire to its port: which mode it sends, and its messages."""
+"""The device's side of its link to a port: the mode that it sends, and its messages."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from struct import Struct
 from sim.hat.devices.device import Device, ValueType
 
 SELECT, COMBINE, EXTENDED = 0x43, 0x44, 0x46
-"""Types of messages to a device; the bits between tell the length."""
+"""Types of messages to a device; the bits outside ``TYPE_BITS`` give the length."""
 
 TYPE_BITS = 0xC7
 COMBINATION = 0x20
-"""Upper half of the first byte of a combination; the lower one is the count of its pairs."""
+"""Upper half of the first byte of a combination; the lower half is the number of its pairs."""
 
 LETTERS = {
     ValueType.INT8: "b",
@@ -25,18 +25,18 @@ LETTERS = {
 
 @dataclass(slots=True)
 class DeviceLink:
-    """One plugged-in device that talks; it starts in mode 0."""
+    """Link to one plugged-in device, which starts in mode 0."""
 
     device: Device
     mode: int = 0
     _upper: int = 0
-    """8 where the next selected mode is one of the upper ones."""
+    """8 if the next selected mode is 8 or higher, else 0."""
     _pairs: dict[int, tuple[tuple[int, int], ...]] = field(default_factory=dict)
-    """Mode and data set of what each combination sends."""
+    """Mode and data set of each value that a combination sends, by its number."""
     _layout: Struct | None = None
 
     def hear(self, kind: int, payload: bytes) -> None:
-        """A message from the board; what the device does not know it ignores."""
+        """Take a message from the board; the device ignores messages that it does not know."""
         kind &= TYPE_BITS
         if kind == SELECT and payload:
             self.mode = self._upper | payload[0] & 7
@@ -48,9 +48,9 @@ class DeviceLink:
             self._combine(payload[1] & 0x0F, payload[2 : 2 + count])
 
     def message(self) -> bytes:
-        """Payload of the newest data in the selected mode, padded to a power of two; may be none.
+        """Return the newest data of the selected mode, padded to a power of two [bytes].
 
-        Only devices that have the mode send something.
+        It is empty if the device does not have the mode.
         """
         pairs = self._pairs.get(self.mode)
         if pairs is None:

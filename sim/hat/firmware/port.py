@@ -1,4 +1,4 @@
-"""One port of the board: everything that its firmware knows of it."""
+"""One port of the board, with all of its state in the firmware."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Port:
         self.bridge = Bridge()
         self.selection = Selection()
         self.known: Device | None = None
-        """The device that has introduced itself; its type and modes stay known afterwards."""
+        """The device that was set up last; its type and modes stay known after it is lost."""
         self.link: DeviceLink | None = None
         """The open connection to an active device."""
         self.connected = False
@@ -41,14 +41,14 @@ class Port:
         self.reset_drive()
 
     def reset_drive(self) -> None:
-        """Settings and setpoint as they are without a device."""
+        """Reset settings and setpoint to those without a device."""
         self.wave = Waveform()
         self.controller = Controller()
         self.bridge.reset()
         self.coasting = False
 
     def forget_device(self) -> None:
-        """Nothing is known of what is plugged in, nothing has been received."""
+        """Forget the device, and all data that were received."""
         self.known = None
         self.connected = False
         self.combinations.clear()
@@ -57,13 +57,13 @@ class Port:
             data.content[:] = bytes(len(data.content))
 
     def describe(self) -> str:
-        """Its part of ``list``."""
+        """Return its part of ``list``."""
         if self.known is None or not self.connected:
             return f"P{self.number}: no device detected\r\n"
         return self.known.description(self.number)
 
     def run_drive(self, modes: Modes, trace: Callable[[str], None] | None) -> None:
-        """What happens every 10 ms: setpoint, controller, bridge."""
+        """Update setpoint, controller and bridge; called every 10 ms."""
         ended = self.wave.advance(modes)
         if ended is not None:
             self._write(f"P{self.number}: {'pulse' if ended is Shape.PULSE else 'ramp'} done\r\n")
@@ -77,13 +77,13 @@ class Port:
                 self.bridge.drive(wanted)
 
     def receive(self, payload: bytes, mode: int, current: int) -> None:
-        """A data message of the device, in a mode, at a time [ms]."""
+        """Take a data message of the device, in a mode, at a time [ms]."""
         self.data[mode].store(payload)
         if mode == self.selection.mode:
             self.selection.arrived(current)
 
     def report(self, modes: Modes) -> None:
-        """Write what is selected."""
+        """Write a report of the selected data."""
         number, mode = self.number, self.selection.mode
         assert mode is not None
         pairs = self.combinations.get(mode)
@@ -100,7 +100,7 @@ class Port:
         self._write(line)
 
     def select(self, mode: int, offset: int, layout: str, period: int) -> None:
-        """Report a mode or one number in it; the device is told if it is another mode."""
+        """Report a mode or one number in it; send the device its new mode if it changes."""
         chosen = self.selection
         chosen.offset, chosen.format, chosen.period = offset, layout, period
         if chosen.mode != mode:
@@ -110,11 +110,11 @@ class Port:
         chosen.fresh = False
 
     def combine(self, slot: int, pairs: Sequence[tuple[int, int]]) -> None:
-        """Tell the device which combination belongs to a slot; none removes it."""
+        """Send the device the combination of a slot; empty ``pairs`` remove it."""
         head = bytes([0x20 + len(pairs), slot])
         self.send(COMBINE, head + bytes((mode << 4) + part for mode, part in pairs))
 
     def send(self, kind: int, payload: bytes) -> None:
-        """A message to the device; without a connection it is lost."""
+        """Send a message to the device; without a connection it is lost."""
         if self.link is not None:
             self.link.hear(kind, payload)

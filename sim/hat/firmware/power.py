@@ -7,45 +7,45 @@ from dataclasses import dataclass
 from sim.hat.devices.device import PORTS
 
 CONVERTER = 4095
-"""Largest number of the analogue converter; 0 to 3.3 V behind a divider by 5.7."""
+"""Largest value of the analogue converter, which measures 0 to 3.3 V after a divider by 5.7."""
 
 NO_LIGHT, ORANGE, GREEN, BOTH = range(4)
 BY_SUPPLY = -1
-"""The light mode that shows the supply."""
+"""The light mode that shows the supply voltage."""
 
 DEBOUNCE = 10
-"""A fault line must be low for longer than this [ms]."""
+"""A fault is reported if it lasts longer than this [ms]."""
 
 REPEAT = 1000
-"""Time after which a lasting fault is told again [ms]; a motor fault needs ``DEBOUNCE`` more."""
+"""Time until a lasting fault is reported again [ms]; for a motor fault, ``DEBOUNCE`` more."""
 
 
 @dataclass(slots=True)
 class Power:
-    """The electrical side; it outlives a restart of the firmware."""
+    """Electrical state of the board; a restart of the firmware keeps it."""
 
     supply_v: float = 8.0
     motor_fault: bool = False
-    """The common fault line of the motor drivers is low."""
+    """Whether the common fault line of the motor drivers is low."""
     port_fault: bool = False
-    """The 3.3 V for the devices is overloaded."""
+    """Whether the 3.3 V supply of the devices is overloaded."""
 
     @property
     def millivolts(self) -> int:
-        """The supply as converted: steps of 4.6 mV."""
+        """The supply as measured by the converter [mV], in steps of 4.6 mV."""
         raw = round(self.supply_v / 5.7 / 3.3 * (CONVERTER + 1))
         raw = max(0, min(CONVERTER, raw))
         return raw * 57 // 10 * 3300 // 4096
 
 
 def supply_text(millivolts: int) -> str:
-    """What ``vin`` prints [V], two decimals rounded half up in the firmware's fixed point."""
+    """Return what ``vin`` prints [V]: two decimals, rounded half up in fixed point."""
     fixed = (millivolts << 16) // 1000 + 655 // 2
     return f"{fixed >> 16}.{((fixed & 0xFFFF) * 100) >> 16:02d} V\r\n"
 
 
 def light(mode: int, millivolts: int) -> int:
-    """Which lights are on: ``NO_LIGHT``, ``ORANGE``, ``GREEN`` or ``BOTH``."""
+    """Return which lights are on: ``NO_LIGHT``, ``ORANGE``, ``GREEN`` or ``BOTH``."""
     if mode != BY_SUPPLY:
         return mode
     if millivolts < 4800:
@@ -56,7 +56,7 @@ def light(mode: int, millivolts: int) -> int:
 
 
 class FaultWatch:
-    """Tells faults that last, and tells them again while they last."""
+    """Reports faults that last, and repeats the reports while they last."""
 
     __slots__ = ("_motor", "_port", "_power")
 
@@ -66,7 +66,7 @@ class FaultWatch:
         self._port = 0
 
     def passed(self, milliseconds: int) -> str:
-        """What there is to print after some more time."""
+        """Let time pass; return the text to print."""
         return self._port_text(milliseconds) + self._motor_text(milliseconds)
 
     def _port_text(self, milliseconds: int) -> str:

@@ -1,4 +1,4 @@
-"""Reports of what a device has sent: when they are due and how they are written."""
+"""Reports of a device's data: when they are due, and their text."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from sim.hat.firmware.single import float_text
 from sim.hat.firmware.variables import ModeData, Variable
 
 OFF, ONCE, EACH_MESSAGE = -2, -1, 0
-"""Periods that are none."""
+"""Special values of a period, which are not times."""
 
 DEFAULT_PERIOD = 100
-"""After every ``select`` [ms]."""
+"""Period after every ``select`` [ms]."""
 
 WHOLE_MODE = -1
-"""The offset that asks for all numbers of a mode."""
+"""The offset that selects all numbers of a mode."""
 
 INTEGERS = {
     ValueType.INT8: Struct("<b"),
@@ -27,45 +27,47 @@ INTEGERS = {
 
 
 Writer = Callable[[str], None]
-"""Where text goes on its way to the host; what does not fit there is lost."""
+"""Queues text for the host; what does not fit into the queue is lost."""
 
 
 @dataclass(slots=True)
 class Selection:
-    """What a port reports."""
+    """The data that a port reports."""
 
     mode: int | None = None
-    """Mode or combination that is selected."""
+    """Selected mode or combination."""
     offset: int = WHOLE_MODE
-    """Byte in the data of the one number that is reported."""
+    """Offset of the one reported number in the data [bytes], or ``WHOLE_MODE``."""
     format: str = ""
     period: int = OFF
     """Time between reports [ms], or ``OFF``, ``ONCE`` or ``EACH_MESSAGE``."""
     fresh: bool = False
-    """A message came since the selection (or, for ``EACH_MESSAGE``, since the last report)."""
+    """Whether a message came since the selection, or, for ``EACH_MESSAGE``, the last report."""
     since: int = 0
-    """When the time to the next report began [ms]."""
+    """Time at which the period until the next report began [ms]."""
 
     def clear(self) -> None:
-        """Nothing is reported, and nothing selected."""
+        """Select nothing and report nothing."""
         self.mode = None
         self.period = OFF
         self.fresh = False
 
     def forget_mode(self) -> None:
-        """The next ``select`` tells the device again; until then nothing is reported."""
+        """Report nothing until the next ``select``, which sends the mode to the device again."""
         self.mode = None
 
     def arrived(self, current: int) -> None:
-        """A message in the selected mode came [ms]; the first one starts the time to a report."""
+        """Take note of a message in the selected mode [ms]; the first one starts the period."""
         if not self.fresh:
             self.fresh = True
             self.since = current
 
     def is_due(self, current: int, has_room: Callable[[], bool]) -> bool:
-        """Whether to report at a time [ms]; if so, this counts as the report.
+        """Return whether to report at a time [ms]; if so, this counts as the report.
 
-        ``has_room``: the transmit ring is less than half full; otherwise reports wait.
+        Args:
+            current: the time [ms].
+            has_room: whether the transmit ring is less than half full; otherwise reports wait.
         """
         if not self.fresh or self.mode is None or self.period == OFF:
             return False
@@ -80,11 +82,11 @@ class Selection:
 
 
 Pairs = Sequence[tuple[int, int]]
-"""Modes and data sets of a combination."""
+"""Mode and data set of each value of a combination."""
 
 
 def mode_line(port: int, number: int, mode: Mode, data: ModeData) -> str:
-    """All numbers of a mode, as far as they have been received; nothing if none were."""
+    """Return a line with all received numbers of a mode; empty if there are none."""
     if data.length == 0:
         return ""
     size = mode.type.size
@@ -96,7 +98,7 @@ def mode_line(port: int, number: int, mode: Mode, data: ModeData) -> str:
 def combination_line(
     port: int, slot: int, pairs: Pairs, modes: Sequence[Mode], data: ModeData
 ) -> str:
-    """One number for each pair of a combination, in their order."""
+    """Return a line with one number for each pair of a combination, in their order."""
     line, place = f"P{port}C{slot}:", 0
     for number, _ in pairs:
         kind = modes[number].type if number < len(modes) else ValueType.INT8
@@ -106,7 +108,7 @@ def combination_line(
 
 
 def value_line(port: int, variable: Variable, modes: Sequence[Sequence[ModeData]]) -> str:
-    """One number, as a float; nothing if none was received."""
+    """Return a line with one number, as a float; empty if none was received."""
     value = variable.read(modes, False, 0.0)
     return "" if value is None else f"P{port}V: {float_text(value)}\r\n"
 

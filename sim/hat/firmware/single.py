@@ -1,4 +1,4 @@
-"""Single precision: what the firmware's float variables keep of a number."""
+"""Single precision, as in the firmware's float variables."""
 
 from __future__ import annotations
 
@@ -6,24 +6,24 @@ import math
 from ctypes import c_float
 
 SMALLEST_NORMAL = 2.0**-126
-"""Below it a single is printed as zero."""
+"""A single below this is printed as zero."""
 
 
 def single(value: float) -> float:
-    """The nearest IEEE 754 single; beyond its range an infinity."""
+    """Return the nearest IEEE 754 single, or an infinity beyond its range."""
     return c_float(value).value
 
 
 def clamped(value: float, low: float, high: float) -> float:
-    """``value`` brought up to ``low`` first and down to ``high`` then, as the firmware does it."""
+    """Clip ``value`` to ``low`` first and then to ``high``, as the firmware does."""
     value = max(value, low)
     return min(value, high)
 
 
 def float_text(value: float) -> str:
-    """A single as the firmware prints it: 6 significant digits, ``E`` outside 1e-2 to 1e6.
+    """Format a single as the firmware does: 6 significant digits, with ``E`` outside 1e-2 to 1e6.
 
-    The scaling runs in single precision, so the last digit is the firmware's, not the nearest.
+    The scaling uses single precision, so the last digit is the firmware's and not the nearest.
     """
     value = single(value)
     sign = "-" if math.copysign(1.0, value) < 0 else ""
@@ -44,7 +44,7 @@ def _magnitude_text(value: float) -> str:
 
 
 def _mantissa(value: float) -> tuple[str, int]:
-    """Six digits and the power of ten of the first one, of a positive normal single."""
+    """Return six digits of a positive normal single, and the power of ten of the first digit."""
     exponent = 7
     while value < 1:
         value, exponent = single(value * 1e8), exponent - 8

@@ -1,4 +1,4 @@
-"""Numbers taken out of the data that devices have sent: what a controller or a setpoint watches."""
+"""Variables: numbers in the devices' data that a controller or a setpoint watches."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ LAYOUTS = {
     "f4": Struct("<f"),
 }
 RATE = 100.0
-"""Differences are taken once in 10 ms, and are told as a rate [1/s]."""
+"""Number of differences a second, one each 10 ms: it converts them to a rate [1/s]."""
 
 
 @dataclass(slots=True)
 class ModeData:
-    """What has been received in one mode; a shorter message leaves the rest of a longer one."""
+    """Data received in one mode; a shorter message leaves the rest of a longer one unchanged."""
 
     content: bytearray = field(default_factory=lambda: bytearray(PAYLOAD + 4))
     length: int = 0
-    """Of the newest message [bytes]; 0: there was none."""
+    """Length of the newest message [bytes]; 0: there was none."""
 
     def store(self, payload: bytes) -> None:
-        """Keep a message."""
+        """Store a message."""
         self.content[: len(payload)] = payload
         self.length = len(payload)
 
 
 Modes = Sequence[Sequence[ModeData]]
-"""What all ports have received: by port, then by mode."""
+"""Received data of all ports: by port, then by mode."""
 
 
 @dataclass(slots=True)
 class Variable:
-    """A scaled variable: a number at a place in a mode's data, perhaps on a circle."""
+    """Scaled variable: a number at an offset in a mode's data, which may wrap on a circle."""
 
     port: int = 0
     mode: int = 0
@@ -53,14 +53,16 @@ class Variable:
     format: str = ""
     scale: float = 0.0
     unwrap: float = 0.0
-    """Size of the circle after scaling; 0: a line."""
+    """Size of the circle after scaling; 0: the number does not wrap."""
     _last: float | None = None
 
     def read(self, modes: Modes, rate: bool, value: float) -> float | None:
-        """What to make of the newest data, or None if there is none yet.
+        """Return the value or rate of the newest data; None if there are no data yet.
 
-        On a circle the way since the last reading is added to ``value``, the result of last time.
-        ``rate`` asks for the difference to the last reading, per second.
+        Args:
+            modes: data of all ports.
+            rate: True: return the difference from the last reading, per second.
+            value: the last result; on a circle, the step since the last reading is added to it.
         """
         data = modes[self.port][self.mode]
         if data.length == 0:

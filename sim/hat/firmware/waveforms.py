@@ -1,4 +1,4 @@
-"""The setpoint of a port: constant, periodic, once, or following a variable of a device."""
+"""Setpoint of a port: constant, periodic, a single pulse or ramp, or following a variable."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ SHORTEST = 2 * TICK
 """Shortest period, length or duration [s]."""
 
 SINE = tuple(single(round(math.sin(2 * math.pi * step / 256), 5)) for step in range(256))
-"""One period; the firmware's own table has five decimals."""
+"""One period of a sine; the firmware's table has five decimals."""
 
 
 class Shape(Enum):
-    """What a setpoint does in time; the names are those of the command language."""
+    """Shape of a setpoint over time; the names are those of the command language."""
 
     SQUARE = "square"
     SINE = "sine"
@@ -30,28 +30,31 @@ class Shape(Enum):
 
 
 class Waveform:
-    """Advanced every 10 ms; all sums are singles, so a long pulse is not quite as long as asked."""
+    """Setpoint over time, advanced every 10 ms.
+
+    All sums are in single precision, so the length of a long pulse is not exact.
+    """
 
     __slots__ = ("_follow", "high", "low", "period", "phase", "progress", "setpoint", "shape")
 
     def __init__(self) -> None:
         self.setpoint = 0.0
         self.progress = 0.0
-        """Time since the start of the period [s], or the value that is followed."""
+        """Time since the start of the period [s], or the value of the followed variable."""
         self._follow = Variable()
         self.hold(0.0)
 
     def hold(self, value: float) -> None:
-        """A constant; the time within the period runs on."""
+        """Set a constant; the time within the period is not reset."""
         self.shape = Shape.SQUARE
         self.low = self.high = value
         self.period = 1.0
         self.phase = 0.0
 
     def begin(self, shape: Shape, low: float, high: float, period: float, phase: float) -> None:
-        """Start a shape at its beginning: times in s, phase 0..1, both brought within limits.
+        """Start a shape at its beginning; period [s] and phase (0..1) are clipped to their limits.
 
-        For ``FOLLOWING`` period and phase are slope and offset, without limits.
+        For ``FOLLOWING``, period and phase are slope and offset, without limits.
         """
         if shape is not Shape.FOLLOWING:
             period = single(clamped(period, SHORTEST, 1e30))
@@ -61,17 +64,17 @@ class Waveform:
         self.progress = 0.0
 
     def follow(self, variable: Variable) -> None:
-        """What a ``FOLLOWING`` setpoint looks at."""
+        """Set the variable that a ``FOLLOWING`` setpoint follows."""
         self._follow = variable
 
     def advance(self, modes: Modes) -> Shape | None:
-        """10 ms later: a new ``setpoint``.
+        """Advance by 10 ms to a new ``setpoint``.
 
         Args:
-            modes: data of all ports, to follow.
+            modes: data of all ports, with the variable to follow.
 
         Returns:
-            The pulse or ramp that has just ended; its last value is held from now on.
+            The pulse or ramp that has just ended; ``high`` is held from then on.
         """
         if self.shape is Shape.FOLLOWING:
             self._look(modes)
@@ -98,7 +101,7 @@ class Waveform:
         self.setpoint = clamped(mapped, self.low, self.high)
 
     def _value(self, part: float) -> float:
-        """Of the shape at a part of its period, 0..1."""
+        """Return the value of the shape at a share of its period, 0..1."""
         low, high = self.low, self.high
         if self.shape is Shape.SQUARE:
             return high if part >= 0.5 else low

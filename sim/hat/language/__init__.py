@@ -1,1 +1,1 @@
-"""The command language of the Build HAT's firmware: from bytes to what a port shall do."""
+"""Command language of the Build HAT's firmware: from received bytes to actions of a port."""

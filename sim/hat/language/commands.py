@@ -1,4 +1,4 @@
-"""The table of commands, those about the board itself, and how a line of them is executed."""
+"""Table of all commands, the commands about the board itself, and the execution of a line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Command = Callable[[Session, Words], None]
 
 
 def execute(session: Session, words: Words) -> None:
-    """Carry out a line, word by word; the first mistake ends it, what was done before stays."""
+    """Execute the commands of a line; the first mistake ends it, but earlier effects stay."""
     try:
         while words.next_command():
             _command(words)(session, words)
@@ -37,7 +37,7 @@ def _help(session: Session, words: Words) -> None:
 
 
 def _clear_faults(session: Session, words: Words) -> None:
-    """The driver chips forget faults that are over; a fault that lasts is told again anyway."""
+    """Do nothing: the chips forget past faults, and lasting faults are reported again anyway."""
 
 
 def _port(session: Session, words: Words) -> None:
@@ -103,6 +103,6 @@ COMMANDS: dict[str, Command] = {
     "version": _version,
     "signature": _signature,
 }
-"""In the order in which a shortened word is looked up: ``c`` is clear_faults, ``s`` is set."""
+"""Commands in the order of the search for a shortened word: ``c`` is clear_faults, ``s`` is set."""
 
 NAMES = tuple(COMMANDS)

@@ -1,4 +1,4 @@
-"""Commands about what a device sends and what of it is reported."""
+"""Commands that choose which data a device sends and which of them are reported."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LONGEST_PERIOD = 1_000_000_000
 
 
 def select(session: Session, words: Words) -> None:
-    """Report a mode, or one number in it, every 100 ms; without a mode, nothing any more."""
+    """Report a mode, or one number in it, every 100 ms; without a mode, end the reports."""
     _select(session, words, DEFAULT_PERIOD)
 
 
@@ -37,7 +37,7 @@ def _select(session: Session, words: Words, period: int) -> None:
 
 
 def _format(session: Session, words: Words) -> str:
-    """A mistake also ends the reports."""
+    """Read a format; a mistake also ends the reports."""
     try:
         return words.format()
     except CommandError:
@@ -46,12 +46,12 @@ def _format(session: Session, words: Words) -> str:
 
 
 def select_rate(session: Session, words: Words) -> None:
-    """Time between two reports [ms]; 0: one for each message."""
+    """Set the time between two reports [ms]; 0: one report for each message."""
     session.port.selection.period = _within(words.integer(), LONGEST_PERIOD)
 
 
 def combine(session: Session, words: Words) -> None:
-    """Which modes a slot consists of; the selection is forgotten."""
+    """Set the modes of a slot, and forget the selected mode."""
     port = session.port
     slot = _within(words.integer(), LAST_SLOT)
     port.combinations.pop(slot, None)
@@ -64,13 +64,13 @@ def combine(session: Session, words: Words) -> None:
 
 
 def write_one_header(session: Session, words: Words) -> None:
-    """A message to the device as it is: type and payload."""
+    """Send a message to the device unchanged: type and payload."""
     kind = words.hexadecimal()
     session.port.send(kind & 0xFF, _payload(words))
 
 
 def write_two_headers(session: Session, words: Words) -> None:
-    """A message to the device with a second byte of header, which motors here do not heed."""
+    """Read a message with two header bytes and do nothing: the emulated motors ignore it."""
     words.hexadecimal()
     words.hexadecimal()
     _payload(words)

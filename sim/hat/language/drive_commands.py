@@ -16,28 +16,31 @@ SHAPE_NAMES = tuple(SHAPES)
 
 
 def pwm(session: Session, words: Words) -> None:
-    """The setpoint, whatever it is now, drives the motor."""
+    """Drive the motor directly by the setpoint, which stays as it is."""
     session.port.controller.control = Control.DIRECT
     session.port.coasting = False
 
 
 def coast(session: Session, words: Words) -> None:
-    """The motor runs out; a setpoint goes on unseen."""
+    """Let the motor coast; the setpoint continues, but has no effect."""
     session.port.coasting = True
 
 
 def pid(session: Session, words: Words) -> None:
-    """A controller of a variable."""
+    """Control a variable."""
     _control(session, words, Control.VALUE)
 
 
 def pid_diff(session: Session, words: Words) -> None:
-    """A controller of a variable's rate."""
+    """Control a variable's rate of change."""
     _control(session, words, Control.RATE)
 
 
 def _control(session: Session, words: Words, control: Control) -> None:
-    """A mistake leaves what was read before it, and direct drive with the old setpoint."""
+    """Read a controller's parameters.
+
+    After a mistake, the parameters before it are kept, and the old setpoint drives the motor.
+    """
     controller = session.port.controller
     session.port.coasting = False
     controller.control = Control.DIRECT
@@ -62,7 +65,7 @@ def _variable(words: Words) -> Variable:
 
 
 def set_point(session: Session, words: Words) -> None:
-    """A constant or a shape."""
+    """Set a constant setpoint, or one that follows a shape."""
     name = words.choice(SHAPE_NAMES)
     if name is None:
         _hold(session, words.decimal())
@@ -76,7 +79,7 @@ def set_point(session: Session, words: Words) -> None:
 
 
 def _follow(session: Session, words: Words) -> None:
-    """A mistake leaves a setpoint that follows nothing."""
+    """Read the variable to follow; after a mistake, the setpoint follows nothing."""
     try:
         session.port.wave.follow(_variable(words))
     except CommandError:
@@ -85,12 +88,12 @@ def _follow(session: Session, words: Words) -> None:
 
 
 def off(session: Session, words: Words) -> None:
-    """A setpoint of 0, for whatever control is on."""
+    """Set the setpoint to 0, in any control mode."""
     _hold(session, 0.0)
 
 
 def on(session: Session, words: Words) -> None:
-    """A setpoint of 1, for whatever control is on."""
+    """Set the setpoint to 1, in any control mode."""
     _hold(session, 1.0)
 
 
@@ -100,19 +103,19 @@ def _hold(session: Session, value: float) -> None:
 
 
 def limit_all(session: Session, words: Words) -> None:
-    """The most that every port may put out, 0..1."""
+    """Set the largest drive of all ports, 0..1."""
     most = fixed_point(words.decimal())
     for port in session.ports:
         port.bridge.limit = most
 
 
 def limit(session: Session, words: Words) -> None:
-    """The most that this port may put out, 0..1."""
+    """Set the largest drive of this port, 0..1."""
     session.port.bridge.limit = fixed_point(words.decimal())
 
 
 def pwm_parameters(session: Session, words: Words) -> None:
-    """Below which drive slots are used, and below which none is put out; both 0..1."""
+    """Set the drive below which slots are used, and the one below which it is 0; both 0..1."""
     threshold, least = words.decimal(), words.decimal()
     session.port.bridge.threshold = fixed_point(threshold)
     session.port.bridge.least = fixed_point(least)

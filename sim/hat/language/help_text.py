@@ -1,4 +1,4 @@
-"""What ``help`` prints; some characters of it are more than one byte long."""
+"""Text of ``help``; some of its characters are more than one byte long."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What command lines act on and what they leave behind for the next one."""
+"""State that command lines act on and leave for the next line."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ TRACE_PAYLOADS, TRACE_CONTROLLERS = 8, 16
 
 @dataclass(slots=True)
 class Session:
-    """One run of the firmware, as its commands see it; a client that leaves changes nothing."""
+    """State of one run of the firmware for its commands; it stays when a client disconnects."""
 
     ports: Sequence[Port]
     write: Writer
     power: Power
     version: str
-    """Number and date."""
+    """Number and date of the version."""
     signature: bytes
-    """Of the image that runs (64)."""
+    """Signature of the running image (64 bytes)."""
     current: int = 0
-    """The port that commands mean, until another is named."""
+    """Number of the port that commands act on, until another is named."""
     echo: int = 0
     debug: int = 0
     light_mode: int = BY_SUPPLY
 
     @property
     def port(self) -> Port:
-        """The port that commands mean."""
+        """The port that commands act on."""
         return self.ports[self.current]
 
     def traces(self, bit: int) -> bool:
-        """Whether a kind of debugging output is on."""
+        """Whether a kind of debug output is on."""
         return self.debug & bit != 0

@@ -1,4 +1,4 @@
-"""Collects the bytes of command lines, with the little editing that the firmware knows."""
+"""Collects the bytes of command lines, with the simple editing of the firmware."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from sim.hat.language.session import Session
 from sim.hat.language.words import Words
 
 LONGEST = 256
-"""What comes beyond is dropped, until the CR [bytes]."""
+"""Longest line [bytes]; further bytes are dropped until the CR."""
 
 CR, BACKSPACE, DELETE = 0x0D, 0x08, 0x7F
 COMMENT = b"#"
 
 
 def raw_text(byte: int) -> str:
-    """A byte as text that becomes the same byte again, whether or not it is a character."""
+    """Return a byte as text that encodes to the same byte again, even if it is not valid UTF-8."""
     return bytes([byte]).decode("utf-8", "surrogateescape")
 
 
 class Terminal:
-    """Only a CR ends a line; a LF is a character like any other."""
+    """Collects lines and executes them. Only a CR ends a line; a LF is an ordinary character."""
 
     __slots__ = ("_line", "_session")
 
@@ -28,7 +28,7 @@ class Terminal:
         self._line = bytearray()
 
     def hear(self, data: bytes) -> None:
-        """Bytes from the host; lines that they end are executed at once."""
+        """Take bytes from the host; execute each completed line at once."""
         for byte in data:
             if byte == CR:
                 self._execute()
@@ -40,7 +40,7 @@ class Terminal:
                     self._session.write(raw_text(byte))
 
     def prompt(self) -> None:
-        """The current port, without an end of line; only where characters are echoed."""
+        """Print the current port, without a line end, if characters are echoed."""
         self._echo(f"P{self._session.current}>")
 
     def _delete(self) -> None:
@@ -49,7 +49,7 @@ class Terminal:
             self._echo("\b \b")
 
     def _execute(self) -> None:
-        """Every CR is answered by a line end first; a comment by nothing else."""
+        """Print a line end; then execute the line and print the prompt, unless it is a comment."""
         self._session.write("\r\n")
         line = bytes(self._line)
         self._line.clear()

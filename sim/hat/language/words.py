@@ -1,7 +1,7 @@
-"""Words of a command line: what is split where, and what counts as a number.
+"""Words and numbers of a command line.
 
-Only blanks and semicolons separate. Numbers end where their digits end, so what is left over is
-the next word: ``1e-5`` is the number 1 and then the word ``e-5``.
+Only blanks and semicolons separate words. A number ends after its last digit, and the rest is the
+next word: ``1e-5`` is the number 1 and then the word ``e-5``.
 """
 
 from __future__ import annotations
@@ -15,30 +15,30 @@ HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
 DECIMAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)")
 FORMATS = ("u1", "s1", "u2", "s2", "u4", "s4", "f4")
 MANTISSA_LIMIT = 100_000_000
-"""Digits after this value has been reached are no longer collected."""
+"""No more digits are collected when a number has reached this value."""
 
 
 class CommandError(ValueError):
-    """A line cannot be understood from here on: the firmware answers ``Error``."""
+    """The rest of a line is not valid: the firmware answers ``Error``."""
 
 
 class Words:
-    """A reading position in one command line."""
+    """Reader of one command line, with its position."""
 
     __slots__ = ("_at", "_text")
 
     def __init__(self, line: bytes) -> None:
-        """Bytes of the line without its CR; a NUL ends it, as in a C string."""
+        """Begin at the start of a line without its CR; a NUL ends it, as in a C string."""
         self._text = line.partition(b"\0")[0].decode("latin-1")
         self._at = 0
 
     def next_command(self) -> bool:
-        """Go past blanks and semicolons; whether something is left."""
+        """Skip blanks and semicolons; return whether something is left."""
         self._skip(" ;")
         return self._at < len(self._text)
 
     def word(self) -> str:
-        """The word up to a blank, a semicolon or the end, together with that one separator."""
+        """Read a word, up to a blank, a semicolon or the end; consume that separator and blanks."""
         self._skip(" ")
         start = end = self._at
         while end < len(self._text) and self._text[end] not in " ;":
@@ -48,7 +48,11 @@ class Words:
         return self._text[start:end]
 
     def choice(self, names: tuple[str, ...]) -> str | None:
-        """The first name that the next word begins, if there is one; only then it is consumed."""
+        """Read a word; return the first name that begins with it.
+
+        Returns:
+            The name; None if there is none, and then nothing is consumed.
+        """
         start = self._at
         word = self.word()
         for name in names:
@@ -58,7 +62,7 @@ class Words:
         return None
 
     def unsigned(self) -> int:
-        """Decimal digits, modulo 2^32.
+        """Read decimal digits, modulo 2^32.
 
         Raises:
             CommandError: there are none.
@@ -66,7 +70,7 @@ class Words:
         return self._whole(DIGITS, 10)
 
     def hexadecimal(self) -> int:
-        """Hexadecimal digits, modulo 2^32.
+        """Read hexadecimal digits, modulo 2^32.
 
         Raises:
             CommandError: there are none.
@@ -74,7 +78,7 @@ class Words:
         return self._whole(HEX_DIGITS, 16)
 
     def integer(self) -> int:
-        """Decimal digits with an optional sign, as a 32-bit two's complement.
+        """Read decimal digits with an optional sign, as a 32-bit two's complement.
 
         Raises:
             CommandError: there are none; nothing is consumed then.
@@ -92,14 +96,14 @@ class Words:
         return (value + 2**31) % 2**32 - 2**31
 
     def integer_or_none(self) -> int | None:
-        """As ``integer``, or None where there is none."""
+        """Read an ``integer``; return None if there is none."""
         try:
             return self.integer()
         except CommandError:
             return None
 
     def decimal(self) -> float:
-        """Optional sign, digits, optional point, digits: a single; there is no exponent.
+        """Read a single: optional sign, digits, optional point, digits; there is no exponent.
 
         Raises:
             CommandError: there is no digit; nothing is consumed then.
@@ -115,10 +119,10 @@ class Words:
         return -value if sign == "-" else value
 
     def format(self) -> str:
-        """One of ``FORMATS``: type and size in bytes.
+        """Read one of ``FORMATS``: type and size in bytes.
 
         Raises:
-            CommandError: it is another one.
+            CommandError: the text is not one of them.
         """
         name = self._text[self._at : self._at + 2]
         if name not in FORMATS:
@@ -141,7 +145,7 @@ class Words:
 
 
 def _decimal(whole: str, fraction: str) -> float:
-    """Digits as the firmware gathers them: nine at most, the others only move the point."""
+    """Convert digits as the firmware does: nine at most count; others only keep the scale."""
     mantissa, grown, divisor = 0, 1.0, 1.0
     for digit in whole:
         if mantissa < MANTISSA_LIMIT:

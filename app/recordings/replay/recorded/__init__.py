@@ -1,1 +1,1 @@
-"""What a recording has, as a robot would have told it."""
+"""Presents the content of a recording in the way a robot would."""

@@ -1,4 +1,4 @@
-"""From recorded messages to what they tell; a recording may hold anything."""
+"""Decodes recorded messages; a recording may hold anything."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robot.geometry import Array, Pose2, Twist2
 
 
 class ContentError(ValueError):
-    """A message that tells nothing that can be used; says why."""
+    """A message has no usable content; says why."""
 
 
 def stamp_ns(message: Any) -> int:
@@ -31,10 +31,10 @@ def stamp_ns(message: Any) -> int:
 
 
 def joints_of(cdr: bytes, names: Sequence[str]) -> tuple[int, Array, Array | None]:
-    """Stamp, positions and velocities (j,) of the named joints; velocities may be missing.
+    """Stamp [ns], positions and velocities (j,) of the named joints; velocities may be missing.
 
     Raises:
-        MessageError, ContentError: a joint is missing, or its position is no number.
+        MessageError, ContentError: a joint is missing, or its position is not a number.
     """
     message = from_cdr(cdr, "sensor_msgs/msg/JointState")
     has = list(message.name)
@@ -59,15 +59,15 @@ def _numbers(values: Any, places: list[int]) -> Array | None:
 
 
 def picture_of(cdr: bytes, size: tuple[int, int]) -> tuple[int, NDArray[np.uint8]]:
-    """Stamp and picture of a CompressedImage, grey or BGR.
+    """Stamp [ns] and picture of a CompressedImage, grey or BGR.
 
     Raises:
-        MessageError, ContentError: it is damaged, or of another size (height, width).
+        MessageError, ContentError: the picture is damaged, or its size (height, width) differs.
     """
     message = from_cdr(cdr, "sensor_msgs/msg/CompressedImage")
     data = np.asarray(message.data, dtype=np.uint8)
     unreadable = f"a picture of format {message.format!r} cannot be read; valid is JPEG"
-    # A few bytes may stand for gigabytes of pixels: they are not made before this.
+    # A few bytes may become gigabytes of pixels: the size is checked before they are decoded.
     _check_size(size_of(data.tobytes()), size, unreadable)
     try:
         image = cv2.imdecode(data, cv2.IMREAD_ANYCOLOR)
@@ -93,7 +93,7 @@ def pose_of(pose: Any) -> Pose2:
     """A geometry_msgs/Pose on the floor.
 
     Raises:
-        ContentError: it has numbers that are none.
+        ContentError: it has numbers that are not finite.
     """
     position, turn = pose.position, pose.orientation
     pose2 = Pose2(float(position.x), float(position.y), heading_of(turn))
@@ -103,10 +103,10 @@ def pose_of(pose: Any) -> Pose2:
 
 
 def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
-    """Stamp, pose and covariance (3, 3) [m, m, rad] of a PoseWithCovarianceStamped.
+    """Stamp [ns], pose and covariance (3, 3) [m², m rad, rad²] of a PoseWithCovarianceStamped.
 
     Raises:
-        MessageError, ContentError: it has numbers that are none.
+        MessageError, ContentError: it has numbers that are not finite.
     """
     message = from_cdr(cdr, "geometry_msgs/msg/PoseWithCovarianceStamped")
     whole = np.asarray(message.pose.covariance, dtype=np.float64).reshape(6, 6)
@@ -117,17 +117,17 @@ def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
 
 
 def truth_of(cdr: bytes) -> tuple[int, Pose2]:
-    """Stamp and pose of a PoseStamped.
+    """Stamp [ns] and pose of a PoseStamped.
 
     Raises:
-        MessageError, ContentError: it has numbers that are none.
+        MessageError, ContentError: it has numbers that are not finite.
     """
     message = from_cdr(cdr, "geometry_msgs/msg/PoseStamped")
     return stamp_ns(message), pose_of(message.pose)
 
 
 def twist_of(cdr: bytes) -> Twist2 | None:
-    """The velocity of a TwistStamped; None if it is none."""
+    """The velocity of a TwistStamped; None if it is not finite."""
     twist = from_cdr(cdr, "geometry_msgs/msg/TwistStamped").twist
     twist2 = Twist2(float(twist.linear.x), float(twist.angular.z))
     return twist2 if math.isfinite(twist2.v) and math.isfinite(twist2.omega) else None
@@ -140,23 +140,23 @@ def volts_of(cdr: bytes) -> float | None:
 
 
 def health_of(cdr: bytes) -> tuple[bool, tuple[str, ...]] | None:
-    """Whether the robot was connected, and its faults, of our DiagnosticArray; None of another."""
+    """Whether the robot was connected, and its faults; None if the message is not BrickPose's."""
     message = from_cdr(cdr, "diagnostic_msgs/msg/DiagnosticArray")
     status = {statu.name: statu for statu in message.status}
     program, robot = status.get("brickpose: program"), status.get("brickpose: robot")
     if program is None or robot is None:
         return None
     figures = {value.key: value.value for value in program.values}
-    # The level is a byte, which some readers give as such.
+    # The level is a byte, which some readers return as bytes and not as a number.
     bad = robot.level not in (0, b"\0")
     return figures.get("connected") != "false", (str(robot.message),) if bad else ()
 
 
 def commands_of(cdr: bytes) -> tuple[Command, ...]:
-    """The commands of a String with a JSON list of them, or with one.
+    """The commands in a String, which holds a JSON list of them, or only one.
 
     Raises:
-        MessageError, ContentError: it is none.
+        MessageError, ContentError: a command cannot be read.
     """
     text = from_cdr(cdr, "std_msgs/msg/String").data
     try:
@@ -168,10 +168,10 @@ def commands_of(cdr: bytes) -> tuple[Command, ...]:
 
 
 def told_pose_of(cdr: bytes) -> Command:
-    """What an initialpose tells the filter.
+    """The command for the filter in an initialpose.
 
     Raises:
-        MessageError, ContentError: it has numbers that are none.
+        MessageError, ContentError: it has numbers that are not finite.
     """
     _, pose, covariance = believed_of(cdr)
     return SetPoseCommand(

@@ -1,4 +1,4 @@
-"""What was estimated when a recording began."""
+"""Finds the estimate at the beginning of a recording."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from app.ros2.message_types import MessageError
 from robot.localization.estimate import Hypothesis
 
 SOON_NS = 10_000_000_000
-"""An estimate that comes later tells nothing of the beginning."""
+"""An estimate later than this after the first tick says nothing about the beginning [ns]."""
 
 SINCE = np.diag(np.square([0.01, 0.01, 0.03]))
-"""How far the robot may have moved since it was estimated [m², m², rad²]."""
+"""Covariance of the robot's possible motion since the estimate [m², m², rad²]."""
 
 
 def first_estimate(
     reader: RecordingReader, topics: RecordedTopics, start_ns: int
 ) -> Hypothesis | None:
-    """What is told within the first seconds, if anything is.
+    """Return the first usable estimate of the first ten seconds; None if there is none.
 
     Args:
         reader: the recording.
-        topics: of it.
+        topics: its topics.
         start_ns: time of the first tick.
     """
     if not topics.amcl_pose:

@@ -1,4 +1,4 @@
-"""What a recording brings along: settings, map and robot, so that nothing else is needed."""
+"""The settings, map and robot that a recording contains, so that nothing else is needed."""
 
 from __future__ import annotations
 
@@ -19,36 +19,36 @@ from robot.fields.field_loading import load_field
 from robot.settings import SettingError
 
 TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
-"""Settings that are those of then; where to listen, or what to publish, is not."""
+"""Settings that are taken from the recording; where to listen and what to publish are not."""
 
 FOLDERS = ("map", "robot")
-"""Attachments that are read: what a recording brings is not run."""
+"""Folders of attachments that are read; code in a recording is never run."""
 
 MODELS = "models/"
 
 
 @dataclass(frozen=True)
 class RecordedParts:
-    """Of one recording, as far as it has them."""
+    """The parts of one recording, as far as it has them."""
 
     config: Config
-    """Settings of then; the program's own where they are not told."""
+    """The recorded settings; the program's own where there are none."""
     spec: RobotSpec
     field: Field | None
-    """None if the map is not in it."""
+    """None if the recording has no map."""
     told: bool
-    """Whether the settings are those of then."""
+    """Whether the recording has settings."""
     from_start: bool
-    """Whether the recording began with the run: before the filter knew anything."""
+    """Whether the recording began with the run, before the filter knew anything."""
     models: tuple[str, ...] = ()
-    """Files of models of somebody's own that were in use."""
+    """Files of the user's own models that were in use."""
 
     @classmethod
     def of(cls, reader: RecordingReader) -> RecordedParts:
-        """Read them.
+        """Read the parts of a recording.
 
         Raises:
-            RecordingError, SettingError, FieldError, SpecError: one of them cannot be used.
+            RecordingError, SettingError, FieldError, SpecError: one of the parts cannot be used.
         """
         with tempfile.TemporaryDirectory(prefix="brickpose-") as made:
             folder = Path(made)
@@ -66,7 +66,7 @@ class RecordedParts:
 
 
 def _unpacked(reader: RecordingReader, folder: Path) -> list[str]:
-    """Write what may be read to a folder; its names."""
+    """Write the attachments that may be read to a folder; return their names."""
     names = []
     for name in reader.attachments:
         path = PurePosixPath(name)
@@ -90,9 +90,10 @@ def _config(reader: RecordingReader) -> Config:
 
 
 def with_new_names(content: dict[str, Any]) -> dict[str, Any]:
-    """Settings with their names of today, also of a recording from before there was ``[sim]``.
+    """Return settings with their present names, also of a recording from before ``[sim]`` existed.
 
-    Then ``[camera]`` was the simulator's, with names that the real one's settings have now.
+    In such a recording ``[camera]`` is the simulated camera, with names that the settings of the
+    real camera have now.
     """
     if "sim" in content:
         return content

@@ -1,4 +1,4 @@
-"""How far a recording was read: all that its next ticks depend on."""
+"""How far a recording was read: everything that its next ticks depend on."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from app.recordings.replay.recorded.topics import RecordedTopics
 from robot.geometry import Array, Pose2
 
 SHOWN_NS = 2_000_000_000
-"""So long a trouble of the recording itself is shown."""
+"""How long a problem of the recording itself is shown [ns]."""
 
 TRUE_NS = 250_000_000
-"""So long the wheels carry the truth on from where it was told."""
+"""How long the wheels carry the last recorded truth forward [ns]."""
 
 LEAP = 10.0
-"""A wheel that turned farther [rad] while the stamps jumped back was counted anew from there."""
+"""If a wheel turned farther [rad] while the stamps jumped back, its count began again."""
 
 USUAL_NS, LONGEST_NS = 20_000_000, 1_000_000_000
-"""The time that a tick is taken to last where its stamp cannot tell, and at most."""
+"""Shortest and longest duration that is assumed for a tick if the stamps jump back [ns]."""
 
 
 T = TypeVar("T")
 
 
 class TickMessages(Protocol):
-    """What came with a tick."""
+    """The messages of a tick."""
 
     def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
-        """What the newest message of a topic tells; None if there is none that can be read."""
+        """Decode the newest message of a topic; None if there is none that can be read."""
         ...
 
 
@@ -55,28 +55,29 @@ class ReadPosition:
     log_ns: int = -1
     """Time of the last tick [ns since 1970]; before the first it is negative."""
     now_ns: int = 0
-    """The robot's clock then: it begins with the recording, and never jumps back."""
+    """The robot's clock at that tick [ns]; it begins with the recording and never jumps back."""
     shift_ns: int = 0
-    """From recorded stamps to the robot's clock."""
+    """Offset from recorded stamps to the robot's clock [ns]."""
     counted: Array | None = None
     """Joint positions (j,) [rad] as recorded."""
     ahead: Array = field(default_factory=lambda: np.zeros(1))
-    """How far the robot's are ahead of them: after they were counted anew."""
+    """How far the robot's joint positions are ahead of the recorded ones (j,) [rad]: recorded
+    counts may begin again, the robot's do not."""
     picture_log_ns: int = -1
     """Time of the tick that handed out the last picture."""
     truth: Pose2 | None = None
     truth_ns: int = 0
-    """The robot's clock when it was told."""
+    """The robot's clock when the truth was last recorded [ns]."""
     battery_v: float | None = None
     connected: bool = True
     faults: tuple[str, ...] = ()
     trouble: str = ""
     """What is wrong with the recording."""
     trouble_ns: int = 0
-    """When that was."""
+    """Log time of that problem [ns since 1970]."""
 
     def after(self, next_tick: NextTick) -> ReadPosition:
-        """The place after a tick, with its clock."""
+        """Return the position after a tick, with its clock and joint positions."""
         last, log_ns = self, next_tick.tick.log_ns
         if last.counted is None:
             nought = np.zeros(len(next_tick.positions))
@@ -105,19 +106,19 @@ class ReadPosition:
         )
 
     def turned(self, next_tick: NextTick, after: ReadPosition) -> Array:
-        """How far the joints turned (j,) [rad] to a tick, and the place after it."""
+        """How far the joints turned (j,) [rad] from this position to the one after a tick."""
         if self.counted is None or after.counted is None:
             return np.zeros(len(next_tick.positions))
         turned: Array = after.counted + after.ahead - self.counted - self.ahead
         return turned
 
     def moved(self, moved: Pose2) -> ReadPosition:
-        """The truth carried on by the wheels: it is recorded at a lower rate."""
+        """Carry the truth forward by the wheels, because it is recorded at a lower rate."""
         known = self.truth is not None and self.now_ns - self.truth_ns < TRUE_NS
         return replace(self, truth=self.truth @ moved if known and self.truth else None)
 
     def told(self, given: TickMessages, topics: RecordedTopics) -> ReadPosition:
-        """With what is told now and then: it holds until it is told anew."""
+        """Take the values that are recorded now and then; each is valid until the next message."""
         place = self
         volts = given.of(topics.battery_state, volts_of)
         if volts is not None:
@@ -128,11 +129,11 @@ class ReadPosition:
         return place
 
     def troubled(self, trouble: str) -> ReadPosition:
-        """With something that is wrong with the recording here."""
+        """Add a problem of the recording at this position."""
         return replace(self, trouble=trouble, trouble_ns=self.log_ns)
 
     @property
     def troubles(self) -> tuple[str, ...]:
-        """What is wrong with the recording, for a while."""
+        """What is wrong with the recording; shown for a while."""
         shown = self.trouble and self.log_ns - self.trouble_ns < SHOWN_NS
         return (self.trouble,) if shown else ()

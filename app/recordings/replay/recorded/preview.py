@@ -1,4 +1,4 @@
-"""What a recording holds at a time, without the filter."""
+"""Finds what was recorded at a time, without the filter."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ from robot.geometry import Pose2
 from robot.interface import Frame
 
 LOOKED_BACK_NS = (2_000_000_000, 20_000_000_000)
-"""Where the last picture is looked for, before all of the recording is."""
+"""How far back the last picture is searched [ns], before the whole recording is searched."""
 
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """The last of everything up to a time."""
+    """The last recorded values up to a time."""
 
     log_ns: int
-    """Of the tick."""
+    """Time of the tick [ns since 1970]."""
     picture_log_ns: int | None
-    """Of the tick that handed out the last picture; None if there is none."""
+    """Time of the tick with the last picture [ns since 1970]; None if there is none."""
     frame: Frame | None
     """That picture, with its stamp as recorded [s]."""
     then: Pose2 | None
-    """What was estimated then."""
+    """The recorded estimate."""
     truth: Pose2 | None
 
 
 def preview(
     reader: RecordingReader, topics: RecordedTopics, log_ns: int, size: tuple[int, int]
 ) -> Preview | None:
-    """What was recorded last up to a time; None if there is nothing.
+    """Return what was recorded last up to a time; None if there is nothing.
 
     Args:
         reader: the recording.
-        topics: of it.
+        topics: its topics.
         log_ns: the time [ns since 1970].
         size: height and width of the pictures.
     """
@@ -55,13 +55,15 @@ def preview(
 def picture_before(
     reader: RecordingReader, topics: RecordedTopics, log_ns: int, count: int, start_ns: int
 ) -> int:
-    """Time of the tick with the picture so many before the one at a time; the start, at most.
+    """Return the time of the tick with the picture that is ``count`` before the one at a time.
+
+    If there are not so many pictures, it is the start.
 
     Args:
         reader: the recording.
-        topics: of it.
+        topics: its topics.
         log_ns: time of a tick with a picture [ns since 1970].
-        count: of pictures.
+        count: how many pictures to go back.
         start_ns: time of the first tick.
     """
     names = topics.joint_states, topics.picture
@@ -90,7 +92,7 @@ def _found(
     newest: dict[str, bytes] = {}
     tick: RecordedTick | None = None
     picture_log_ns = None
-    # A recording that is damaged ends there.
+    # A damaged recording ends at the damage.
     with contextlib.suppress(RecordingError):
         for item in ticks(reader.messages(topics.names, start_ns), topics):
             if item.log_ns > log_ns:

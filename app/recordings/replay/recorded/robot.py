@@ -1,4 +1,4 @@
-"""A recording as a robot: it reads what was read then, and obeys nobody."""
+"""A recording as a robot: it replays the recorded readings, and ignores wheel commands."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from robot.interface import Frame, Reading, RobotError
 T = TypeVar("T")
 
 BAD = (MessageError, ContentError, ValueError, TypeError, AttributeError)
-"""What a message raises that is not what its type says."""
+"""Exceptions from decoding a message that does not fit its type."""
 
 
 class RecordedRobot:
-    """Satisfies ``Robot``; may be put at any place of the recording where it has been before."""
+    """Satisfies ``Robot``; can go to any position of the recording where it has been before."""
 
     def __init__(
         self,
@@ -48,21 +48,21 @@ class RecordedRobot:
         drive: DifferentialDrive,
         name: str,
     ) -> None:
-        """At the beginning.
+        """Start at the beginning.
 
         Raises:
-            RecordingError: no message of the joints can be used; says why.
+            RecordingError: no joint_states message can be used; says why.
         """
         self.name = name
         self.spec = spec
         self.reader = reader
         self.topics = topics
         self.at = ReadPosition()
-        """How far it was read. (What has a ``place`` could be put elsewhere.)"""
+        """How far it was read. It is not named ``place``: that would make this a ``Placeable``."""
         self.then: tuple[float, Pose2] | None = None
-        """What was estimated then, if that is told by the last tick: at which stamp, and what."""
+        """Stamp [s] and pose of the recorded estimate, if the last tick has one."""
         self.damage = ""
-        """Why the recording ends where it does, if it should go on."""
+        """Why the recording ends early; empty if it does not."""
         self._drive = drive
         self._names = [joint.name for joint in spec.joints]
         self._applied = np.zeros(len(spec.joints))
@@ -79,7 +79,7 @@ class RecordedRobot:
         return None if self._next is None else self._next.tick.log_ns
 
     def go_to(self, place: ReadPosition) -> None:
-        """Go on from where it was before."""
+        """Go to a position where it was before."""
         if place.log_ns == self.at.log_ns:
             return
         self._messages.close()
@@ -89,12 +89,12 @@ class RecordedRobot:
         self._next = self._fetched()
 
     def commands(self) -> tuple[Command, ...]:
-        """What was told in the tick that comes next."""
+        """The recorded commands of the next tick."""
         if self._next is None:
             return ()
         commands: list[Command] = []
         for topic, cdr in self._next.tick.told:
-            # What cannot be read is named by ``read``.
+            # ``read`` reports what cannot be read.
             with contextlib.suppress(*BAD):
                 if topic == self.topics.command:
                     commands.extend(commands_of(cdr))
@@ -103,7 +103,7 @@ class RecordedRobot:
         return tuple(commands)
 
     def read(self) -> Reading:
-        """The next tick.
+        """Return the reading of the next tick.
 
         Raises:
             RobotError: the recording is over.
@@ -119,11 +119,11 @@ class RecordedRobot:
         return reading
 
     def write(self, velocities: Array) -> Array:
-        """Command nothing; returns the joint velocities (j,) [rad/s] that were applied then."""
+        """Command nothing; return the joint velocities (j,) [rad/s] applied in the recording."""
         return self._applied.copy()
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the recording."""
         self._messages.close()
         self._next = None
         self._applied = np.zeros(len(self._names))
@@ -135,7 +135,7 @@ class RecordedRobot:
         return f": {self.damage}" if self.damage else ""
 
     def _fetched(self) -> NextTick | None:
-        """The next tick that can be used; what came with those between is not lost."""
+        """Return the next usable tick, with the messages of unusable ticks before it."""
         before: list[RecordedTick] = []
         trouble = ""
         try:
@@ -147,7 +147,7 @@ class RecordedRobot:
                     before.append(tick)
                     continue
                 if self.at.log_ns >= 0 and stamp + self.at.shift_ns == self.at.now_ns:
-                    before.append(tick)  # the same joints once more
+                    before.append(tick)  # the same joint_states again
                     continue
                 self.damage = ""
                 return NextTick(joined(before, tick), stamp, positions, velocities, trouble)
@@ -189,7 +189,7 @@ class RecordedRobot:
         result = messages.of(self.topics.truth, truth_of)
         if result is None:
             return place
-        # It may have come a moment late, and be of the tick before: the wheels carry it on.
+        # The truth may be late, and belong to the tick before: the wheels carry it forward.
         late = place.now_ns - result[0] - place.shift_ns
         part = min(max(late / max(place.now_ns - before.now_ns, 1), 0.0), 2.0)
         truth = result[1] @ self._drive.moved(part * turned)
@@ -214,19 +214,19 @@ class RecordedRobot:
 
 
 class _TickMessages:
-    """What came with a tick; what cannot be read is told in words, and is as if it had not come."""
+    """The messages of a tick; one that cannot be read counts as missing, and is reported."""
 
     def __init__(self, next_tick: NextTick) -> None:
         self.tick = next_tick.tick
         self.trouble = next_tick.trouble
 
     def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
-        """What the newest message of a topic tells; None if there is none."""
+        """Decode the newest message of a topic; None if there is none that can be read."""
         cdr = self.tick.newest.get(topic)
         return None if cdr is None else self.read(read, cdr)
 
     def read(self, read: Callable[[bytes], T], cdr: bytes) -> T | None:
-        """What a message tells."""
+        """Decode a message; None if it cannot be read."""
         try:
             return read(cdr)
         except BAD as error:

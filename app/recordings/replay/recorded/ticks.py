@@ -11,21 +11,21 @@ from app.recordings.replay.recorded.topics import RecordedTopics
 
 @dataclass(slots=True)
 class RecordedTick:
-    """What came after one message of the joints, up to and with the next one."""
+    """The messages after one joint_states message, up to and including the next one."""
 
     log_ns: int
     """When the joints were recorded: the tick's time [ns since 1970]."""
     joints: bytes
     newest: dict[str, bytes] = field(default_factory=dict)
-    """By topic, of all others the newest message."""
+    """The newest message of each other topic, by topic."""
     told: list[tuple[str, bytes]] = field(default_factory=list)
-    """Commands and poses, in their order, with their topics."""
+    """Topics and messages of commands and set poses, in their order."""
 
 
 def ticks(
     messages: Iterable[RecordedMessage], topics: RecordedTopics
 ) -> Generator[RecordedTick, None, None]:
-    """Group messages by tick: what was recorded at the very time of the joints belongs to them.
+    """Group messages by tick; messages with the same log time as the joints belong to their tick.
 
     Args:
         messages: in the order of their log times.
@@ -51,7 +51,7 @@ def ticks(
 
 
 def joined(before: list[RecordedTick], tick: RecordedTick) -> RecordedTick:
-    """A tick with what came in those before it that could not be used."""
+    """Return a tick with the messages of the unusable ticks before it."""
     if not before:
         return tick
     newest: dict[str, bytes] = {}

@@ -1,4 +1,4 @@
-"""Which topics of a recording a replay takes."""
+"""Chooses the topics of a recording that a replay reads."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from app.recordings.files.recorded import RecordingError
 
 @dataclass(frozen=True, slots=True)
 class RecordedTopics:
-    """Names as the recording has them, with slash and namespace; empty where it has none."""
+    """Topic names in the recording, with slash and namespace; empty if a topic is missing."""
 
     joint_states: str
     picture: str
@@ -37,10 +37,10 @@ class RecordedTopics:
 
     @classmethod
     def of(cls, types: Mapping[str, str]) -> RecordedTopics:
-        """Those of a recording with such types by topic.
+        """Choose the topics of a recording from its types by topic.
 
         Raises:
-            RecordingError: wheels or pictures are missing; lists what there is.
+            RecordingError: joint_states or pictures are missing; lists the topics that exist.
         """
         result = {role: _find(types, *wanted) for role, wanted in cls.WANTED.items()}
         missing = [
@@ -55,17 +55,17 @@ class RecordedTopics:
                 f"it has {has or 'nothing'}"
             )
         if result["command"]:
-            result["initialpose"] = ""  # it is among the commands
+            result["initialpose"] = ""  # the commands include it
         return cls(**result)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All that there are."""
+        """The names of all chosen topics."""
         return tuple(name for role in self.WANTED if (name := getattr(self, role)))
 
 
 def _find(types: Mapping[str, str], name: str, kind: str) -> str:
-    """The topic of a name, in whatever namespace; the shortest if there are several."""
+    """Find a topic by its name in any namespace; the shortest if there are several."""
     fitting = [
         item for item, its in types.items() if its == kind and f"/{item}".endswith(f"/{name}")
     ]

@@ -1,1 +1,1 @@
-"""What the DDS process is made of."""
+"""The parts of the DDS process."""

@@ -1,4 +1,4 @@
-"""What a participant tells of its ROS 2 node on ``ros_discovery_info``, for ``ros2 node list``.
+"""Announces a participant's ROS 2 node on ``ros_discovery_info``, for ``ros2 node list``.
 
 The message is rmw_dds_common/msg/ParticipantEntitiesInfo, with the 16-byte gids of Iron and later.
 """
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from app.ros2.dds.plan import Endpoint, Shapes
 
 TOPIC = "ros_discovery_info"
-"""In DDS: this one has no ``rt/`` before it."""
+"""The topic's name in DDS; unlike others, it has no prefix ``rt/``."""
 
 TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
 
@@ -46,7 +46,7 @@ def entities(
     readers: Sequence[bytes],
     writers: Sequence[bytes],
 ) -> bytes:
-    """One participant with one node, in CDR with its header; gids are as DDS has them."""
+    """Encode one participant with one node as CDR with its header; gids are those of DDS."""
     body = participant + struct.pack("<I", 1)
     for text in (namespace, name):
         body = _aligned(body) + struct.pack("<I", len(text.encode()) + 1) + text.encode() + b"\0"

@@ -1,8 +1,8 @@
 """Keeps a process's UDP sockets to this machine.
 
-Cyclone DDS sends by the interface that it is told, but its sockets listen on all of them: another
-machine could still drive the robot by what it sends there. Bound to the loopback device they
-receive only what was sent on this machine, to whichever of its addresses.
+Cyclone DDS sends on the configured interface, but its sockets listen on all interfaces. So another
+machine could still send commands and drive the robot. Sockets that are bound to the loopback
+device receive only what was sent on this machine, to any of its addresses.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ DEVICE = b"lo\0"
 
 
 class ConfinementError(OSError):
-    """The system does not allow it."""
+    """The system does not allow binding the sockets to the loopback device."""
 
 
 def confine_to_this_machine() -> None:
     """Bind each UDP socket of this process to the loopback device.
 
     Raises:
-        ConfinementError: it cannot be done.
+        ConfinementError: the system does not allow it.
     """
     if not sys.platform.startswith("linux"):
         raise ConfinementError("only Linux can keep DDS to this machine")

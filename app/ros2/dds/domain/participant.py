@@ -1,4 +1,4 @@
-"""One participant of DDS that looks as a node of ROS 2 does."""
+"""A participant of DDS that looks like a node of ROS 2."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from app.ros2.dds.domain.raw_types import RawSample, filled, raw_types
 from app.ros2.dds.plan import Endpoint, Plan, dds_topic
 
 BLOCKING_S = 0.01
-"""A writer waits at most so long for a reader that does not keep up [s]; the others wait too."""
+"""Longest time that a writer waits for a slow reader [s]; the other writers wait too."""
 
 UNREAD = ViewState.Any | SampleState.NotRead | InstanceState.Any
 
@@ -36,7 +36,7 @@ class WriteError(ValueError):
 
 
 class Participant:
-    """Writers and readers as a plan has them; numbers are places in the plan."""
+    """The writers and readers of a plan; numbers are indices in the plan."""
 
     def __init__(self, plan: Plan) -> None:
         if plan.configuration is not None:
@@ -45,7 +45,7 @@ class Participant:
             plan.domain, Qos(Policy.Userdata(graph.PARTICIPANT_DATA))
         )
         if plan.confined:
-            confine_to_this_machine()  # before there is anything to hear
+            confine_to_this_machine()  # before there are readers
         self._types = raw_types(plan.shapes | graph.SHAPES)
         self._writers = [self._writer(one, dds_topic(one.topic)) for one in plan.writers]
         self._readers = [self._reader(each) for each in plan.readers]
@@ -62,10 +62,10 @@ class Participant:
             self._waitset.attach(condition)
 
     def write(self, number: int, data: bytes) -> None:
-        """Publish; what a latched topic cannot take now goes out at the next call.
+        """Publish a message; if a latched topic cannot take it now, the next call sends it.
 
         Raises:
-            WriteError: these bytes are not of the topic's type.
+            WriteError: DDS refuses the bytes, because they are not of the topic's type.
         """
         waiting, self._waiting = self._waiting | {number: data}, {}
         for item, message in waiting.items():
@@ -78,19 +78,19 @@ class Participant:
                     self._waiting[item] = message
 
     def heard(self, seconds: float) -> list[tuple[int, bytes]]:
-        """The newest message of each topic that something came for within a time; maybe none."""
+        """Wait for messages, at most some seconds; return the newest of each topic that has any."""
         self._waitset.wait(duration(seconds=seconds))
         result = []
         for number, (reader, condition) in enumerate(
             zip(self._readers, self._conditions, strict=True)
         ):
             taken: list[object] = list(reader.take(1, condition=condition))
-            # That a writer is gone comes as a message without data.
+            # When a writer leaves, a message without data arrives.
             result += [(number, item.data) for item in taken if isinstance(item, RawSample)]
         return result
 
     def wake(self) -> None:
-        """Let ``heard`` return at once, from now on."""
+        """Make ``heard`` return at once from now on."""
         self._ending.set(True)
 
     def _writer(self, endpoint: Endpoint, topic: str) -> DataWriter[IdlStruct]:
@@ -119,7 +119,10 @@ def _reason(error: DDSException) -> str:
 
 
 def _quality(endpoint: Endpoint) -> Qos:
-    """Of both ends; XCDR1 only: with XCDR2 on offer, Fast DDS matches and then drops all data."""
+    """Quality of service of a writer or reader.
+
+    Only XCDR1 is offered: if XCDR2 is offered too, Fast DDS matches and then drops all data.
+    """
     return Qos(
         Policy.Reliability.Reliable(duration(seconds=BLOCKING_S))
         if endpoint.reliable

@@ -1,7 +1,7 @@
-"""Cyclone DDS's types for messages that come and go as bytes.
+"""Cyclone DDS's types for messages that are sent and received as bytes.
 
-Cyclone holds each message against its type and tells the type to others, so the types are true
-ones. But its own serialising takes ten times as long as the rest: bytes are made elsewhere.
+Cyclone checks each message against its type and announces the type to others, so the types are
+real. But its own serialising takes ten times as long as the rest, so the bytes are made elsewhere.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from app.ros2.dds.plan import Kind, Shapes, dds_type
 
 BASE: dict[str, Any] = {
     "bool": bool,
-    "byte": getattr(types, "byte", types.uint8),  # 0.10.2, as on a Pi, has no byte
+    "byte": getattr(types, "byte", types.uint8),  # 0.10.2, which a Pi has, lacks byte
     "char": types.uint8,
     "string": str,
     **{
@@ -31,7 +31,7 @@ SEQUENCE: Any = types.sequence
 
 
 class RawSample:
-    """A message as it came, from its encapsulation header on."""
+    """A received message as bytes, with its encapsulation header."""
 
     def __init__(self, data: bytes) -> None:
         self.data = data
@@ -39,7 +39,7 @@ class RawSample:
 
 
 def raw_types(shapes: Shapes) -> dict[str, type[IdlStruct]]:
-    """A type for each shape; those in use are written by ``filled`` and read as ``RawSample``."""
+    """Make a type for each shape; messages are written by ``filled`` and read as ``RawSample``."""
     made: dict[str, type[IdlStruct]] = {}
     for name, fields in shapes.items():
         members = {field: _kind(kind, made) for field, kind in fields}
@@ -53,7 +53,7 @@ def raw_types(shapes: Shapes) -> dict[str, type[IdlStruct]]:
 
 
 def filled(raw_type: type[IdlStruct], data: bytes) -> IdlStruct:
-    """A message of that type made of ready bytes, with their encapsulation header."""
+    """Make a message of a type from encoded bytes with their encapsulation header."""
     message = object.__new__(raw_type)
     message.__dict__["data"] = data
     return message

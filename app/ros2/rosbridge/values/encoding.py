@@ -1,4 +1,4 @@
-"""What a message looks like on its way to clients; made once for all that want it alike."""
+"""Encodes messages for clients; each encoding is made once for all clients that want it."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ SECOND_NS = 1_000_000_000
 
 
 class Encoder:
-    """Remembers the newest of each kind; for one thread."""
+    """Remembers the newest encoded message by name and compression; for one thread."""
 
     def __init__(self) -> None:
         self._made: dict[tuple[str, str], tuple[Published, str | bytes]] = {}
 
     def encode(self, published: Published, name: str, compression: str) -> str | bytes:
-        """A ``publish`` operation.
+        """Encode a message as a ``publish`` operation.
 
         Args:
             published: the message.
-            name: of the topic, as the client spells it.
+            name: the topic's name, as the client spells it.
             compression: one of COMPRESSIONS.
         """
         key = (name, compression)
@@ -62,9 +62,9 @@ def _png(published: Published, name: str) -> str:
 
 
 def as_png(text: str) -> str:
-    """A ``png`` operation: the bytes of a text as the pixels of a picture, row by row.
+    """Make a ``png`` operation: the bytes of a text as the pixels of a picture, row by row.
 
-    The picture is as good as square, and line ends fill its last row.
+    The picture is almost square. Line feeds fill its last row.
     """
     data = text.encode()
     width = max(1, math.isqrt(len(data) // 3))
@@ -81,4 +81,4 @@ COMPRESSIONS: dict[str, Callable[[Published, str], str | bytes]] = {
     "cbor": _cbor,
     "cbor-raw": _cbor_raw,
 }
-"""What a client may ask for; without asking it gets ``none``, which is JSON."""
+"""The compressions that a client may choose; the default is ``none``, which is JSON."""

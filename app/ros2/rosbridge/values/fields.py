@@ -11,7 +11,7 @@ import numpy as np
 from app.ros2.message_types import message_class, typestore
 
 FILLER = "structure_needs_at_least_one_member"
-"""What an empty type has in its bytes; no client ever sees it."""
+"""The field that an empty type has in its bytes; no client ever sees it."""
 
 NUMBERS: dict[str, np.dtype[Any]] = {
     **{f"int{bits}": np.dtype(f"int{bits}") for bits in (8, 16, 32, 64)},
@@ -22,25 +22,25 @@ NUMBERS: dict[str, np.dtype[Any]] = {
     "float32": np.dtype("float32"),
     "float64": np.dtype("float64"),
 }
-"""Base types that are numbers, and numpy's for arrays of them."""
+"""Base types that are numbers, with NumPy's types for arrays of them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What a field holds."""
+    """The type of a field."""
 
     name: str
-    """Of a base type, or of a message's."""
+    """Name of a base type or of a message type."""
     nested: bool
-    """It is a message."""
+    """Whether it is a message."""
     many: bool = False
-    """A list or array of them."""
+    """Whether it is a list or an array of the named type."""
     length: int = 0
-    """Of an array; 0 is any."""
+    """Length of an array; 0 means any length."""
 
     @property
     def one(self) -> Kind:
-        """What such a list holds."""
+        """The type of one item of a list."""
         return Kind(self.name, self.nested)
 
 
@@ -70,7 +70,7 @@ def _kind(described: Any) -> Kind:
 
 
 def full_type(name: str, between: str) -> str:
-    """A type's whole name, as ``geometry_msgs/msg/Twist`` of ROS 1's ``geometry_msgs/Twist``.
+    """Return a type's full name: ``geometry_msgs/msg/Twist`` for ROS 1's ``geometry_msgs/Twist``.
 
     Args:
         name: as a client gives it.

@@ -1,4 +1,4 @@
-"""From what JSON holds to messages; what does not fit the type is refused in words."""
+"""Converts JSON values to messages; says what is wrong with values that do not fit the type."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ QUATERNION = "geometry_msgs/msg/Quaternion"
 TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 
 ROS_1_TIMES = {"secs": "sec", "nsecs": "nanosec"}
-"""Names of a time's parts in pages written for ROS 1."""
+"""Names of the fields of a time in pages written for ROS 1, with those of ROS 2."""
 
 
 def message_of(values: Any, type_name: str, path: str = "") -> Message:
-    """A message from a dict; fields that are not there have their defaults, as in ROS 2.
+    """Make a message from a dict; missing fields get their defaults, as in ROS 2.
 
     Args:
-        values: of JSON: dict, list, str, number, bool or None.
+        values: a value from JSON: dict, list, str, number, bool or None.
         type_name: as ``geometry_msgs/msg/Twist``.
-        path: of the field that it stands in, for the complaint.
+        path: path of the field that contains it, for error messages.
 
     Raises:
         MessageError: a field is unknown or does not fit; says which, and what is valid.
@@ -52,7 +52,7 @@ def message_of(values: Any, type_name: str, path: str = "") -> Message:
 
 
 def default(kind: Kind) -> Any:
-    """What a field is when nobody says: zeros, no text, nothing in a list, no rotation."""
+    """Return the default of a field: zeros, an empty text, an empty list, no rotation."""
     if kind.nested:
         empty = {name: default(inner) for name, inner in fields(kind.name).items()}
         item = _made(kind.name, empty, False)
@@ -91,7 +91,7 @@ def _read_list(value: Any, kind: Kind, path: str) -> Any:
     read = [_read(item, kind.one, f"{path}[{place}]") for place, item in enumerate(value)]
     if kind.nested or kind.name not in NUMBERS:
         return read
-    with np.errstate(over="ignore"):  # too large for single precision is infinite
+    with np.errstate(over="ignore"):  # too large for single precision becomes infinite
         return np.array(read, NUMBERS[kind.name])
 
 
@@ -118,7 +118,7 @@ def _read_number(value: Any, kind: Kind, path: str) -> Any:
 
 def _read_float(value: Any, path: str) -> float:
     if value is None:
-        return math.nan  # as it is written
+        return math.nan  # NaN is written as null
     if type(value) not in (int, float):
         raise _wrong(path, value, "a number")
     try:
@@ -148,7 +148,7 @@ def _wrong(path: str, value: Any, valid: str) -> MessageError:
 
 
 def shown(value: Any) -> str:
-    """A value of JSON in a few characters, however large it is."""
+    """Describe a JSON value in a few characters, however large it is."""
     if isinstance(value, (dict, list)):
         return f"{'an object' if isinstance(value, dict) else 'a list'} with {len(value)} values"
     if isinstance(value, int) and value.bit_length() > 200:

@@ -1,4 +1,4 @@
-"""A type taken apart, as rosapi's TypeDef describes it."""
+"""Describes the fields of a type, in the form of rosapi's TypeDef."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from app.ros2.message_types import typestore
 from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields
 
 ONE = -1
-"""As the length of an array: it is none."""
+"""The array length of a field that is not an array."""
 
 
 def type_details(type_name: str) -> list[dict[str, Any]]:
-    """The type and all types in it, each once, itself first.
+    """Describe a type and all types in it, each once, beginning with the type itself.
 
     Raises:
         MessageError: the type is unknown.

@@ -1,4 +1,4 @@
-"""From messages to what JSON and CBOR hold, as rosbridge_suite writes it."""
+"""Converts messages to JSON and CBOR values, as rosbridge_suite does."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields
 Writer = Callable[[Any], Any]
 
 BINARY = ("uint8", "char")
-"""Arrays of these are base64 in JSON, and a string of bytes in CBOR."""
+"""Arrays of these types are base64 in JSON, and a byte string in CBOR."""
 
 TAGS = {
     "uint16": 69,
@@ -30,16 +30,16 @@ TAGS = {
     "float32": 85,
     "float64": 86,
 }
-"""Typed arrays, little endian (RFC 8746, table 1)."""
+"""CBOR tags of typed arrays, little endian (RFC 8746, table 1)."""
 
 
 def json_values(message: Message) -> dict[str, Any]:
-    """What JSON can hold: bytes as base64; NaN and the infinities, which it has not, as null."""
+    """Convert a message to JSON values: bytes to base64; NaN and infinity, not in JSON, to null."""
     return dict(_object_writer(message.__msgtype__, _json_field)(message))
 
 
 def cbor_values(message: Message) -> dict[str, Any]:
-    """What CBOR holds: arrays of numbers as typed arrays."""
+    """Convert a message to CBOR values: arrays of numbers to typed arrays."""
     return dict(_object_writer(message.__msgtype__, _cbor_field)(message))
 
 
