@@ -1,4 +1,4 @@
-"""What a robot is, knows and can do."""
+"""The robot: its description, hardware, driving, cameras, scans, fields and localization."""
 
 from robot.compiled_code import keep_compiled_code
 

@@ -1,7 +1,7 @@
 """The camera: its lens, and the projection between its picture and the floor.
 
-The lens is the pinhole with radial and tangential distortion that ROS calls ``plumb_bob``
-(Brown 1966; OpenCV's first five coefficients), read from a ``camera_info`` YAML file.
+The lens is a pinhole with radial and tangential distortion, which ROS calls ``plumb_bob``
+(Brown 1966; OpenCV's first five coefficients). It is read from a ``camera_info`` YAML file.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from robot.geometry import Array
 from robot.undistortion import undistorted
 
 FOUND_PX = 0.01
-"""How closely a direction must lead back to the pixel it was searched for [px]."""
+"""The direction found for a pixel must project back this close to the pixel [px]."""
 
 
 class CameraError(ValueError):
-    """A camera description that cannot be right."""
+    """An invalid camera description."""
 
 
 @dataclass(frozen=True)
 class Lens:
-    """What the camera does to a ray of light; pixel centres have whole coordinates."""
+    """Model of the lens: which pixel a ray of light hits; pixel centres have whole coordinates."""
 
     width: int
     height: int
@@ -43,9 +43,9 @@ class Lens:
     """Rolling shutter: time from the exposure of the first row to that of the last [s]."""
 
     def project(self, points: Array) -> Array:
-        """Pixels (n, 2) of points (n, 3) [m] in the camera frame; nan behind the camera.
+        """Return the pixels (n, 2) of points (n, 3) [m] in the camera frame; nan behind the camera.
 
-        Beyond the widest angle at which the distortion is one-to-one the pixel is nan too: there
+        The pixel is also nan beyond the widest angle at which the distortion is one-to-one. There
         the polynomial folds back and would put far points into the picture.
         """
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -55,9 +55,10 @@ class Lens:
         return pixels
 
     def unproject(self, pixels: Array) -> Array:
-        """Directions (n, 3), with z = 1, in the camera frame that pixels (n, 2) look along.
+        """Return the viewing directions (n, 3) of pixels (n, 2) in the camera frame, with z = 1.
 
-        They are nan where the model has none: far out, a lens may bend no ray to a pixel.
+        They are nan where the model has none: far from the centre, the lens may bend no ray to a
+        pixel.
         """
         bent = (pixels - self.matrix[:2, 2]) / self.matrix[[0, 1], [0, 1]]
         ideal = undistorted(np.ascontiguousarray(bent), self.distortion, self._widest_radius)
@@ -68,7 +69,7 @@ class Lens:
         return directions
 
     def _searched(self, pixels: Array) -> Array:
-        """As ``unproject``, slower, of pixels where Newton's method leads nowhere."""
+        """Do the same as ``unproject``, slower, for pixels where Newton's method fails."""
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 1000, 1e-12)
         ideal = cv2.undistortPoints(
             pixels.reshape(-1, 1, 2).astype(np.float64),
@@ -77,13 +78,13 @@ class Lens:
             criteria=criteria,
         ).reshape(-1, 2)
         directions: Array = np.column_stack([ideal, np.ones(len(ideal))]).astype(np.float64)
-        # The search ends somewhere even if there is nothing to be found.
+        # The search returns a point even if there is no solution.
         offset = np.abs(self.project(directions) - pixels).max(axis=1)
         directions[~(offset < FOUND_PX)] = np.nan
         return directions
 
     def _distorted(self, ideal: Array) -> Array:
-        """Pixels (n, 2) of ideal image coordinates (n, 2), by Brown's formula."""
+        """Return the pixels (n, 2) of ideal image coordinates (n, 2), by Brown's formula."""
         k1, k2, p1, p2, k3 = self.distortion
         x, y = ideal.T
         xy, r2 = x * y, x * x + y * y
@@ -94,7 +95,7 @@ class Lens:
         return np.column_stack([fx * bent_x + cx, fy * bent_y + cy])
 
     def _one_to_one(self, ideal: Array) -> NDArray[np.bool_]:
-        """Whether ideal image coordinates (n, 2) are so far in that no others share their pixel."""
+        """Return whether ideal image coordinates (n, 2) lie where the distortion is one-to-one."""
         within: NDArray[np.bool_] = (ideal**2).sum(axis=1) < self._widest_radius**2
         return within
 
@@ -102,22 +103,22 @@ class Lens:
     def _widest_radius(self) -> float:
         """Largest r = tan(angle) up to which r (1 + k1 r^2 + k2 r^4 + k3 r^6) still grows."""
         k1, k2, _, _, k3 = self.distortion
-        # Roots of the slope in 1 / r^2: so a coefficient of next to nothing does no harm.
+        # The slope is solved for 1 / r^2, so that a coefficient near zero does no harm.
         roots = np.roots([1.0, 3 * k1, 5 * k2, 7 * k3])
         real = roots[np.isreal(roots) & (roots.real > 0)].real
         return float(1 / np.sqrt(real.max())) if len(real) else np.inf
 
     @classmethod
     def from_yaml(cls, path: Path) -> Lens:
-        """Read a ROS ``camera_info`` file (as camera_calibration writes it).
+        """Read a ROS ``camera_info`` file, as camera_calibration writes it.
 
-        ``rolling_shutter_readout`` [s] is a key of ours; ROS leaves it alone.
+        ``rolling_shutter_readout`` [s] is a key of BrickPose; ROS ignores it.
 
         Raises:
-            CameraError: the file cannot be read, or a value cannot be right; names it.
+            CameraError: the file cannot be read, or a value is invalid; the message names it.
         """
         try:
-            # Values stay text here: what a YAML tag asks for is not made.
+            # BaseLoader keeps values as text: no YAML tag can make it construct an object.
             content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
         except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
             raise CameraError(f"{path}: no readable camera_info YAML: {error}") from error
@@ -155,7 +156,7 @@ def _whole(content: dict[str, Any], key: str) -> int:
 
 
 def _finite(text: Any) -> float:
-    """A text as a number; nan if it is none."""
+    """Return a text as a number; nan if it is not a number."""
     try:
         return float(text) if isinstance(text, str) else math.nan
     except ValueError:
@@ -172,7 +173,7 @@ def _numbers(content: dict[str, Any], key: str, count: int) -> Array:
 
 
 def _shown(value: Any) -> str:
-    # Lists are not shown: by aliases, a few lines of YAML can hold billions of values.
+    # Lists are not shown: with aliases, a few lines of YAML can hold billions of values.
     return repr(value)[:80] if isinstance(value, str) else type(value).__name__
 
 
@@ -185,7 +186,7 @@ def _distortion(content: dict[str, Any]) -> Array:
 
 @dataclass(frozen=True)
 class FloorView:
-    """A camera over a floor: which floor point each pixel sees, in the robot frame."""
+    """A camera above the floor: which floor point each pixel sees, in the robot frame."""
 
     lens: Lens
     robot_from_camera: Array = field(repr=False)
@@ -195,8 +196,9 @@ class FloorView:
     def floor_from_picture(self) -> Array:
         """(3, 3) projective transform from ideal image coordinates (x, y, 1) to the floor.
 
-        Ideal means undistorted and divided by K. It is the inverse of the two columns of the
-        rotation that span the floor, with the translation (Hartley and Zisserman 2004, ch. 8.1).
+        Ideal means undistorted and divided by K. The transform is the inverse of a matrix of three
+        columns: the two columns of the rotation that span the floor, and the translation (Hartley
+        and Zisserman 2004, ch. 8.1).
         """
         camera_from_robot = np.linalg.inv(self.robot_from_camera)
         picture_from_floor = camera_from_robot[:3, [0, 1, 3]]
@@ -204,7 +206,10 @@ class FloorView:
         return inverse
 
     def floor_points(self, pixels: Array) -> Array:
-        """Floor points (n, 2) [m] in the robot frame seen by pixels (n, 2); nan above horizon."""
+        """Return the floor points (n, 2) [m], in the robot frame, that pixels (n, 2) see.
+
+        They are nan above the horizon.
+        """
         rays = self.lens.unproject(pixels)
         down = rays @ self.robot_from_camera[2, :3] < -1e-9
         floor = rays @ self.floor_from_picture.T
@@ -214,13 +219,13 @@ class FloorView:
         return points
 
     def pixels(self, points: Array) -> Array:
-        """Pixels (n, 2) that see floor points (n, 2) [m] of the robot frame; nan if none can."""
+        """Return the pixels (n, 2) that see floor points (n, 2) [m] of the robot frame, or nan."""
         on_floor = np.column_stack([points, np.zeros(len(points)), np.ones(len(points))])
         camera_from_robot = np.linalg.inv(self.robot_from_camera)
         return self.lens.project((on_floor @ camera_from_robot.T)[:, :3])
 
     def inside(self, pixels: Array, margin: float = 0.0) -> np.ndarray[Any, np.dtype[np.bool_]]:
-        """Which pixels (n, 2) lie in the picture, at least a margin [px] from its border."""
+        """Return which pixels (n, 2) lie in the picture, at least a margin [px] from its border."""
         u, v = pixels[:, 0], pixels[:, 1]
         high_u, high_v = self.lens.width - 1 - margin, self.lens.height - 1 - margin
         with np.errstate(invalid="ignore"):

@@ -1,8 +1,8 @@
-"""Where compiled code is kept from one run to the next.
+"""Cache of compiled code, kept from one run to the next.
 
-numba makes a function anew when its own file changes, not when a file does that it calls or takes
-constants from: after an update, old mathematics would go on being used. So there is a folder for
-each state of all these files.
+numba compiles a function again when its own file changes, but not when a file changes whose
+functions or constants it uses. After an update, old mathematics would stay in use. So each state of
+all these files has a folder of its own.
 """
 
 from __future__ import annotations
@@ -18,12 +18,14 @@ from pathlib import Path
 
 HERE = Path(__file__).parent
 KEPT_S = 7 * 24 * 3600.0
-"""Folders of former states are removed after this time [s]."""
+"""Folders of earlier states are removed after this time [s]."""
 IMPORTS = re.compile(rb"^from ([\w.]+) import", re.MULTILINE)
 
 
 def keep_compiled_code(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim")) -> Path | None:
-    """Tell numba where to keep what it compiles; None leaves it to numba, where nothing is ours.
+    """Set the folder where numba keeps compiled code, and return it.
+
+    If the folder cannot be made, leave the choice to numba and return None.
 
     Args:
         packages: folders with compiled functions.
@@ -38,7 +40,7 @@ def keep_compiled_code(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim"))
         except OSError:
             return None
         for old in folder.parent.glob("compiled-*"):
-            # A program that still runs may yet compile something into it.
+            # A program that still runs may compile more into its folder.
             if time.time() - old.stat().st_mtime > KEPT_S:
                 shutil.rmtree(old, ignore_errors=True)
     os.environ["NUMBA_CACHE_DIR"] = str(folder)
@@ -55,7 +57,7 @@ def _digest(packages: tuple[Path, ...]) -> str:
 
 
 def _sources(packages: tuple[Path, ...]) -> Iterator[Path]:
-    """Files with compiled functions, and those that they import from."""
+    """Yield the files with compiled functions, and the files that they import from."""
     for path in (path for package in packages for path in package.rglob("*.py")):
         text = path.read_bytes()
         if b"@njit" in text:

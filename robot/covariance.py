@@ -9,27 +9,29 @@ import numpy as np
 from robot.geometry import Array
 
 LARGEST = 1e4
-"""[m^2, rad^2]; farther apart than the largest map is no spread."""
+"""Largest number in a covariance [m^2, rad^2]; a wider spread would exceed the largest map."""
 
 
 class CovarianceError(ValueError):
-    """Numbers that are no covariance; the message says what would be."""
+    """Numbers that are not a valid covariance; the message says what is valid."""
 
 
 def covariance_from(numbers: Sequence[float]) -> Array:
-    """Nine numbers by rows as a covariance (3, 3) [m, m, rad].
+    """Return nine numbers, given by rows, as a covariance (3, 3) [m, m, rad].
 
-    What is negative only by rounding is made zero: a filter would carry it on.
+    Eigenvalues that are negative only by rounding become zero, because a filter would propagate
+    them.
 
     Raises:
-        CovarianceError: they are not finite, not symmetric or not positive semi-definite.
+        CovarianceError: the numbers are not nine, or they are not finite, too large, not symmetric
+            or not positive semi-definite.
     """
     if len(numbers) != 9:
         raise CovarianceError(f"covariance has {len(numbers)} numbers; valid are 9, by rows")
     matrix = np.array(numbers, dtype=np.float64).reshape(3, 3)
     if not (np.abs(matrix) <= LARGEST).all():
         raise CovarianceError(f"covariance has numbers beyond {LARGEST:g}; valid are smaller ones")
-    # What was written with six digits is as good as symmetric.
+    # Numbers that were written with six digits count as symmetric.
     if not np.allclose(matrix, matrix.T, rtol=1e-5, atol=1e-12):
         raise CovarianceError("covariance is not symmetric; valid has c[i][j] = c[j][i]")
     even: Array = (matrix + matrix.T) / 2
@@ -45,6 +47,6 @@ def covariance_from(numbers: Sequence[float]) -> Array:
 
 
 def by_rows(covariance: Array) -> list[float]:
-    """A covariance (3, 3) as nine numbers."""
+    """Return a covariance (3, 3) as nine numbers, by rows."""
     rows: list[float] = covariance.ravel().tolist()
     return rows

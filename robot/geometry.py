@@ -4,13 +4,13 @@ Frames (REP-103: x forward, y left, z up; angles from +x, anticlockwise; metres 
 
 ========  =============================================================================
 map       the field; its origin is the drawing's origin
-odom      where odometry started; drifts against the map
+odom      where odometry started; it drifts against the map
 robot     on the floor below the middle of the axle (REP-120's ``base_footprint``)
 camera    optical frame: x right, y down, z along the view
 ========  =============================================================================
 
-``a_from_b`` takes coordinates in b to coordinates in a, so in a chain
-``map_from_odom @ odom_from_robot`` neighbours must have the same name.
+``a_from_b`` transforms coordinates in b to coordinates in a. So in a chain
+``map_from_odom @ odom_from_robot``, neighbouring frames must have the same name.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def wrap_angle(angle: float | Array) -> float | Array:
     """Bring an angle [rad] into [-pi, pi)."""
     if isinstance(angle, np.ndarray):
         wrapped = np.mod(angle + math.pi, 2 * math.pi) - math.pi
-        # A tiny negative angle is rounded up to the full turn by mod.
+        # mod rounds a tiny negative angle up to the full turn.
         return np.where(wrapped >= math.pi, -math.pi, wrapped)
     wrapped_angle = (angle + math.pi) % (2 * math.pi) - math.pi
     return -math.pi if wrapped_angle >= math.pi else wrapped_angle
@@ -60,26 +60,26 @@ class Pose2:
         )
 
     def inverse(self) -> Pose2:
-        """Swap the two frames: of ``a_from_b`` make ``b_from_a``."""
+        """Swap the two frames: ``a_from_b`` becomes ``b_from_a``."""
         c, s = math.cos(self.theta), math.sin(self.theta)
         return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, -self.theta)
 
     def apply(self, points: Array) -> Array:
-        """Take points (n, 2) [m] from the inner frame to the outer one."""
+        """Transform points (n, 2) [m] from the inner frame to the outer one."""
         c, s = math.cos(self.theta), math.sin(self.theta)
         outer: Array = points @ np.array([[c, s], [-s, c]]) + (self.x, self.y)
         return outer
 
     def distance_to(self, other: Pose2) -> float:
-        """Distance between the two positions [m]."""
+        """Return the distance between the two positions [m]."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
     def turn_to(self, other: Pose2) -> float:
-        """Angle from this heading to the other [rad], in [-pi, pi)."""
+        """Return the angle from this heading to the other [rad], in [-pi, pi)."""
         return wrap_angle(other.theta - self.theta)
 
     def offset_to(self, other: Pose2) -> Array:
-        """What to add to this pose to get the other (3,) [m, m, rad], by the shorter turn."""
+        """Return the difference (3,) [m, m, rad] to the other pose, by the shorter turn."""
         return np.array([other.x - self.x, other.y - self.y, self.turn_to(other)])
 
     def is_finite(self) -> bool:
@@ -87,12 +87,12 @@ class Pose2:
         return math.isfinite(self.x) and math.isfinite(self.y) and math.isfinite(self.theta)
 
     def to_array(self) -> Array:
-        """As an array (3,): x, y, theta."""
+        """Return the pose as an array (3,): x, y, theta."""
         return np.array([self.x, self.y, self.theta])
 
     @classmethod
     def from_array(cls, values: Array) -> Pose2:
-        """From an array (3,): x, y, theta."""
+        """Make a pose from an array (3,): x, y, theta."""
         return cls(float(values[0]), float(values[1]), float(values[2]))
 
 
@@ -104,13 +104,13 @@ class Twist2:
     omega: float = 0.0
 
     def integrate(self, duration: float) -> Pose2:
-        """Where a robot ends, seen from its start, that keeps this twist for a time [s].
+        """Return the end pose, in the start frame, of a robot that keeps this twist for a time [s].
 
         The path is an arc of a circle (Probabilistic Robotics, Table 5.3, without the noise).
         """
         turn = self.omega * duration
         distance = self.v * duration
-        # sin(t)/t and (1 - cos(t))/t; near zero by their Taylor series.
+        # sin(t)/t and (1 - cos(t))/t; near zero, their Taylor series.
         if abs(turn) < 1e-4:
             along, aside = 1 - turn * turn / 6, turn / 2
         else:
@@ -119,7 +119,7 @@ class Twist2:
 
 
 def interpolate(start: Pose2, end: Pose2, fraction: float) -> Pose2:
-    """The pose a fraction of the way between two, turning the short way round."""
+    """Return the pose a fraction of the way between two, by the shorter turn."""
     return Pose2(
         start.x + fraction * (end.x - start.x),
         start.y + fraction * (end.y - start.y),
@@ -128,17 +128,17 @@ def interpolate(start: Pose2, end: Pose2, fraction: float) -> Pose2:
 
 
 def heading_vectors(angles: Array) -> Array:
-    """Unit vectors (n, 2) that point along angles (n,) [rad]."""
+    """Return unit vectors (n, 2) that point along angles (n,) [rad]."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
 
 
 def heading_angles(vectors: Array) -> Array:
-    """Angles (n,) [rad] along which vectors (n, 2) point."""
+    """Return the angles (n,) [rad] of vectors (n, 2)."""
     return np.arctan2(vectors[..., 1], vectors[..., 0])
 
 
 def compose(poses: Array, moved: Array) -> Array:
-    """``poses @ moved`` for arrays of poses (n, 3) and motions (n, 3) or (3,), as (n, 3)."""
+    """Return ``poses @ moved`` (n, 3) for arrays of poses (n, 3) and motions (n, 3) or (3,)."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     dx, dy, turn = moved[..., 0], moved[..., 1], moved[..., 2]
     return np.stack(
@@ -152,7 +152,7 @@ def compose(poses: Array, moved: Array) -> Array:
 
 
 def mean_pose(poses: Array, weights: Array) -> Pose2:
-    """The weighted mean of poses (n, 3); headings are averaged as unit vectors."""
+    """Return the weighted mean of poses (n, 3); headings are averaged as unit vectors."""
     total = weights.sum()
     x, y = weights @ poses[:, :2] / total
     toward_x, toward_y = weights @ heading_vectors(poses[:, 2])
@@ -160,7 +160,7 @@ def mean_pose(poses: Array, weights: Array) -> Pose2:
 
 
 def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
-    """The weighted covariance (3, 3) [m, m, rad] of poses (n, 3) about their mean."""
+    """Return the weighted covariance (3, 3) [m, m, rad] of poses (n, 3) about their mean."""
     offsets = poses - mean.to_array()
     offsets[:, 2] = wrap_angle(offsets[:, 2])
     covariance: Array = (offsets * (weights / weights.sum())[:, None]).T @ offsets
@@ -168,7 +168,10 @@ def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
 
 
 def covariance_root(covariance: Array) -> Array:
-    """A matrix (3, 3) whose product with its transpose is the covariance, which may be singular."""
+    """Return a root (3, 3) of a covariance, which may be singular.
+
+    The product of the root with its transpose is the covariance.
+    """
     values, axes = np.linalg.eigh(covariance)
     root: Array = axes * np.sqrt(np.maximum(values, 0.0))
     return root

@@ -1,6 +1,6 @@
-"""The seam between the program and a robot, at the height of the joints.
+"""The interface between the program and a robot, at the level of the joints.
 
-A simulator, a fake and the Build HAT are all a ``Robot``; nothing above this seam knows which.
+A simulator, a fake and the Build HAT are all a ``Robot``; no code above this interface knows which.
 """
 
 from __future__ import annotations
@@ -43,23 +43,23 @@ class Reading:
     velocities: Array
     """Joint velocities (j,) [rad/s]."""
     frame: Frame | None = None
-    """A camera picture that was not handed out before."""
+    """A camera picture that was not handed out before; None if there is no new one."""
     battery_v: float | None = None
-    """Supply voltage [V], where it is measured."""
+    """Supply voltage [V]; None if it is not measured."""
     truth: Pose2 | None = None
-    """The true pose in the map; only a simulator knows it, only views and evaluation look."""
+    """The true pose in the map. Only a simulator knows it; only views and evaluation use it."""
     connected: bool = True
-    """Whether the joints answer and follow; the robot stands while they do not."""
+    """Whether the joints answer and follow commands; while they do not, the robot stands still."""
     faults: tuple[str, ...] = ()
     """What is wrong with joints or camera now, each with its cure, in plain words."""
 
 
 @runtime_checkable
 class Robot(Protocol):
-    """Something with driven joints and a camera."""
+    """A robot with driven joints and a camera."""
 
     name: str
-    """What the dashboard calls it."""
+    """Name of the robot on the dashboard."""
     spec: RobotSpec
 
     def read(self) -> Reading:
@@ -71,21 +71,22 @@ class Robot(Protocol):
         ...
 
     def write(self, velocities: Array) -> Array:
-        """Ask for joint velocities (j,) [rad/s]; returns those really applied after limits.
+        """Request joint velocities (j,) [rad/s]; return those really applied after limits.
 
-        Ask again after every reading: a real robot stands when a fifth of a second goes by without.
+        Request them again after every reading: a real robot stops after a fifth of a second without
+        a request.
         """
         ...
 
     def close(self) -> None:
-        """Stop the joints and let go of the hardware; may be called twice."""
+        """Stop the joints and release the hardware; may be called twice."""
         ...
 
 
 @runtime_checkable
 class Placeable(Protocol):
-    """A robot that can be put elsewhere by hand: what only a simulator can do."""
+    """A robot that can be put at any pose of the map; only a simulator can do this."""
 
     def place(self, pose: Pose2) -> None:
-        """Put the robot at a pose in the map, standing."""
+        """Put the robot at a pose in the map, at rest."""
         ...

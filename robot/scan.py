@@ -22,20 +22,22 @@ class Scan:
     ranges: Array
     """(k,) [m] from the scan's centre; +inf where nothing was found."""
     robot_from_scan: Pose2 = field(default=Pose2())
-    """Where the rays start; the line scanner's start at the robot's own origin."""
+    """Pose of the rays' start; with the default, the rays start at the robot's origin."""
 
     sight: Array | None = None
-    """(k, 2) from where to where each ray can see [m], nan if nowhere; None is everywhere."""
+    """(k, 2) nearest and farthest distance that each ray can see [m]; nan if it sees nothing. None
+    means that all rays see everything."""
     extra_sd: float = 0.0
     """Standard deviation [m] that a sensor model adds to its own for this scan."""
     clear: Array | None = None
-    """(k,) probability that a ray returns an edge which is due, as far as noise and light of the
-    picture let it; None is certainty."""
+    """(k,) probability that a ray returns an edge that it meets, by the noise and the light of the
+    picture; None means certainty."""
 
     def within(self, low: float, high: float) -> Scan:
-        """The same scan as a laser of such a range would report it.
+        """Return the same scan as a laser with this range would report it.
 
-        A return from nearer says nothing: its ray sees nowhere. One from farther is no return.
+        A return nearer than ``low`` gives no information: its ray sees nothing. A return farther
+        than ``high`` becomes no return.
         """
         near, far = self.ranges < low, self.hit & (self.ranges > high)
         if not (near | far).any():
@@ -48,11 +50,11 @@ class Scan:
 
     @property
     def hit(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Which rays returned something, (k,)."""
+        """Which rays have a return, (k,)."""
         return np.isfinite(self.ranges)
 
     def points(self) -> Array:
-        """The end points of the rays that hit, (n, 2) [m] in the robot frame."""
+        """Return the end points (n, 2) [m] of the rays with a return, in the robot frame."""
         hit = self.hit
         local = heading_vectors(self.bearings[hit]) * self.ranges[hit, None]
         return self.robot_from_scan.apply(local)
@@ -60,7 +62,7 @@ class Scan:
 
 @lru_cache(maxsize=100)
 def evenly(count: int, most: int) -> NDArray[np.intp]:
-    """At most so many indices, evenly spread over 0 to count - 1: the rays that are used."""
+    """Return at most ``most`` indices, spread evenly over 0 to count - 1: the rays to use."""
     indices = np.linspace(0, count - 1, min(count, most)).astype(np.intp)
     indices.flags.writeable = False
     return indices

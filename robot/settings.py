@@ -1,6 +1,6 @@
-"""Settings that carry their meaning, unit and range, checked when they are made.
+"""Settings with their meaning, unit and range, checked when they are made.
 
-A group of settings is a frozen dataclass whose fields are made by ``setting``; the command line,
+A group of settings is a frozen dataclass whose fields are made by ``setting``. The command line,
 the configuration file, the dashboard and the documentation all read the same field.
 """
 
@@ -19,7 +19,7 @@ class SettingError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What is known of one setting."""
+    """Meaning, unit and valid values of one setting."""
 
     meaning: str
     unit: str
@@ -37,13 +37,13 @@ def setting(
     high: float = math.inf,
     choices: Iterable[str] = (),
 ) -> Any:
-    """A dataclass field that knows what it means; ``low`` and ``high`` are allowed values."""
+    """Return a dataclass field with its meaning; ``low`` and ``high`` are themselves allowed."""
     known = Setting(meaning, unit, low, high, tuple(choices))
     return dataclasses.field(default=default, metadata={"setting": known})
 
 
 def describe(group: Any) -> dict[str, Setting]:
-    """The settings of a dataclass (or of an instance) by name."""
+    """Return the settings of a dataclass (or of an instance) by name."""
     return {
         f.name: f.metadata["setting"] for f in dataclasses.fields(group) if "setting" in f.metadata
     }
@@ -53,7 +53,7 @@ def check_settings(group: Any) -> None:
     """Refuse values outside their range; call it from ``__post_init__``.
 
     Raises:
-        SettingError: names the setting and what is valid.
+        SettingError: a value is invalid; the message names the setting and what is valid.
     """
     for name, known in describe(group).items():
         value = getattr(group, name)
@@ -65,10 +65,10 @@ def check_settings(group: Any) -> None:
 
 
 def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
-    """Refuse names that are no field of a dataclass.
+    """Refuse names that are not fields of a dataclass.
 
     Raises:
-        SettingError: names the misspelt one with its path, and the valid ones.
+        SettingError: a name is unknown; the message gives it with its path, and the valid names.
     """
     valid = [f.name for f in dataclasses.fields(group)]
     for name in names:
@@ -85,5 +85,5 @@ def _range(known: Setting) -> str:
 
 
 def _number(value: float) -> str:
-    """A limit as it was written: whole numbers with all their digits."""
+    """Return a limit as it was written: whole numbers with all their digits."""
     return str(value) if isinstance(value, int) else f"{value:g}"

@@ -1,7 +1,8 @@
-"""Undoing the lens: from where a picture has a point to where it were without distortion.
+"""Inverse of the lens distortion: from distorted to ideal image coordinates.
 
-Brown's formula is inverted by Newton's method, which takes two or three steps for each point, as
-neighbours in a picture are neighbours without distortion too.
+Newton's method inverts Brown's formula. It takes two or three steps for each point, because it
+starts from the solution of the neighbour: neighbours in a picture are neighbours without distortion
+too.
 """
 
 from __future__ import annotations
@@ -11,23 +12,23 @@ from numba import njit
 from numpy.typing import NDArray
 
 FOUND = 1e-13
-"""How closely a point must lead back to where it was searched for [focal lengths]."""
+"""A solution, distorted again, must be this close to the given point [focal lengths]."""
 STEPS = 20
-"""Newton's method takes 2 to 6, or leads nowhere."""
+"""Largest number of steps: Newton's method takes 2 to 6, or does not converge."""
 NEAR = 0.05
-"""A point so near to the one before starts where that one was found [focal lengths]."""
+"""A point closer than this to the previous one starts from its solution [focal lengths]."""
 
 
 @njit(cache=True, nogil=True)
 def undistorted(
     bent: NDArray[np.float64], distortion: NDArray[np.float64], widest: float
 ) -> NDArray[np.float64]:
-    """Ideal image coordinates (n, 2) of distorted ones (n, 2); nan where none were found.
+    """Return the ideal image coordinates (n, 2) of distorted ones (n, 2); nan without a solution.
 
     Args:
-        bent: in focal lengths from the middle of the picture; quickest row by row.
+        bent: distorted coordinates [focal lengths] from the principal point; fastest row by row.
         distortion: (5,) k1, k2, p1, p2, k3 of Brown's formula.
-        widest: radius within which the formula is one-to-one; nothing is found beyond.
+        widest: radius within which the formula is one-to-one; solutions beyond it are rejected.
     """
     k1, k2, p1, p2, k3 = distortion
     ideal = np.empty_like(bent)
@@ -48,7 +49,7 @@ def undistorted(
             if abs(off_u) < FOUND and abs(off_v) < FOUND:
                 result = r2 < widest * widest
                 break
-            # Slopes of the formula; they are symmetric.
+            # Partial derivatives of the formula; the Jacobian is symmetric.
             grows = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3))
             u_x = radial + xx * grows + 2.0 * p1 * y + 6.0 * p2 * x
             u_y = xy * grows + 2.0 * p1 * x + 2.0 * p2 * y

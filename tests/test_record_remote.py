@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from contextlib import contextmanager
+from http import HTTPStatus
 from itertools import pairwise
 
 import cbor2
@@ -116,8 +117,11 @@ def test_ctrl_c_ends_it_well(server, tmp_path):
 
 
 @contextmanager
-def other_robot(*messages, types=(TEXT,)):
+def other_robot(*messages, types=(TEXT,), contents=HTTPStatus.NOT_FOUND):
     """A rosbridge of another kind, which says what it is told to and goes."""
+
+    def answer_http(connection, request):
+        return connection.respond(contents, "") if request.path.startswith("/api") else None
 
     def talk(socket):
         for data in socket:
@@ -132,7 +136,7 @@ def other_robot(*messages, types=(TEXT,)):
                     socket.send(message)
                 return
 
-    with serve(talk, "127.0.0.1", 0) as running:
+    with serve(talk, "127.0.0.1", 0, process_request=answer_http) as running:
         thread = threading.Thread(target=running.serve_forever)
         thread.start()
         yield f"127.0.0.1:{running.socket.getsockname()[1]}"
@@ -155,6 +159,13 @@ def test_a_lost_connection_is_told_and_what_came_is_kept(tmp_path, capsys):
     found = read(tmp_path)
     assert [message.data for _, message in found["/topic0"]] == ["one", "two"]
     assert found["/topic0"][0][0] == 1_800_000_000_000_000_005
+
+
+def test_a_robot_whose_settings_fail_is_not_recorded_without_them(tmp_path, capsys):
+    with other_robot(published(), contents=HTTPStatus.SERVICE_UNAVAILABLE) as address:
+        assert record(tmp_path, address) == 1
+    assert "does not tell its settings: HTTP Error 503" in capsys.readouterr().err
+    assert not list(tmp_path.glob("*/*.mcap"))
 
 
 def test_types_that_nobody_knows_are_left_out(tmp_path, capsys):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from http import HTTPStatus
 from typing import Any
-from urllib.error import URLError
+from urllib.error import HTTPError
 from urllib.parse import urlsplit
 from urllib.request import urlopen
 
@@ -88,14 +89,16 @@ class DistantRobot:
         They are empty if the robot does not serve them: only BrickPose does.
 
         Raises:
-            DistantRobotError: the answer is invalid.
+            DistantRobotError: the answer is invalid, or the robot could not give one.
         """
         try:
             with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
                 given = answer.read(LARGEST)
             return ContentsMessage.model_validate_json(given).contents()
-        except URLError:
-            return Contents({})
+        except HTTPError as error:
+            if error.code < HTTPStatus.INTERNAL_SERVER_ERROR:
+                return Contents({})  # another program, which only speaks rosbridge
+            raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
         except (OSError, ValueError) as error:
             raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
 

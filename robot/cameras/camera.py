@@ -1,4 +1,4 @@
-"""What the program asks of any camera."""
+"""The interface that every camera implements."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from robot.interface import Frame
 
 
 class PictureError(RuntimeError):
-    """No picture can be had at the moment; the message says why, and the cure."""
+    """No picture is available at the moment; the message says why, and the cure."""
 
 
 @runtime_checkable
 class Camera(Protocol):
-    """Something that takes pictures by itself, of which the newest can be asked for."""
+    """A camera that takes pictures by itself and hands out the newest."""
 
     @property
     def name(self) -> str:
-        """What to call it in a message."""
+        """Name of the camera in messages."""
         ...
 
     def newest(self) -> Frame | None:
-        """The newest picture, if it was not handed out before; never waits.
+        """Return the newest picture, or None if it was handed out before; do not wait.
 
         Its stamp is the middle of the exposure of the middle row on the clock of
-        ``time.monotonic`` [s], and its size is that of the lens.
+        ``time.monotonic`` [s]. Its size is that of the lens.
         """
         ...
 
@@ -34,5 +34,5 @@ class Camera(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of the camera; may be called twice."""
+        """Release the camera; may be called twice."""
         ...

@@ -1,4 +1,4 @@
-"""Which camera a name stands for."""
+"""Opens the camera that a name stands for."""
 
 from __future__ import annotations
 
@@ -27,18 +27,18 @@ def open_camera(
     settings: CameraSourceSettings,
     clock: Callable[[], float] = time.monotonic,
 ) -> Camera:
-    """The camera that the settings name, already at work.
+    """Open and start the camera that the settings name.
 
     Args:
-        lens: tells the size of its pictures and the readout of its rows.
-        settings: how it is asked for pictures. Its source is "auto" (a Pi camera if there is one,
-            else the first of ``/dev/video*`` that delivers pictures), "pi", a device node or its
-            number, a folder, a video, a socket.
+        lens: gives the size of the pictures and the readout time of their rows.
+        settings: how to take pictures. The source is "auto" (a Pi camera if there is one, else the
+            first of ``/dev/video*`` that delivers pictures), "pi", a device node or its number, a
+            folder, a video, or a socket.
         clock: the clock of the frames' stamps [s].
 
     Raises:
-        ValueError: there can never be a camera of this name; tells what is valid. One that is
-            only absent at the moment is a ``problem`` of the camera, and looked for again.
+        ValueError: no camera can have this name; the message says what is valid. A camera that is
+            only absent at the moment reports it as its ``problem`` and is tried again.
     """
     source = settings.source
     path = Path(f"/dev/video{source}" if source.isdecimal() else source)

@@ -1,7 +1,7 @@
-"""A folder of pictures, or a video, as a camera: to test and to teach without a robot.
+"""A folder of pictures, or a video, as a camera: for tests and teaching without a robot.
 
-Pictures are due at the pace of a camera, by the clock, and begin anew after the last one; those
-that nobody fetched in time are skipped.
+Pictures are due at the pace of a camera, by the clock. After the last one they start again from the
+first. Pictures that nobody fetched in time are skipped.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from robot.cameras.pictures import Picture, check_size, upright
 from robot.interface import Frame
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
-"""Files of a folder that are taken for pictures."""
+"""Endings of the files in a folder that count as pictures."""
 
 LONGEST_LAG_S = 1.0
-"""When pictures were not fetched for longer, the pace starts anew instead of catching up [s]."""
+"""If no picture was fetched for longer, the pace restarts instead of catching up [s]."""
 
 
 class Pictures(Protocol):
-    """Pictures in an order, endlessly."""
+    """An endless sequence of pictures."""
 
     name: str
 
     def next(self, skip: int) -> Picture:
-        """Leave out some, then hand out one.
+        """Skip some pictures, then return one.
 
         Raises:
             PictureError: the picture cannot be read.
@@ -39,7 +39,7 @@ class Pictures(Protocol):
         ...
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Release the file."""
         ...
 
 
@@ -67,9 +67,9 @@ class PacedPictures:
         self._closed = False
 
     def newest(self) -> Frame | None:
-        """The picture that is due, if it was not handed out before; its stamp is when it was."""
+        """Return the picture that is due, unless handed out before; its stamp is its due time."""
         since = self._clock() - self._start
-        # The margin: a picture due now is due, however the numbers are rounded.
+        # The margin of 1e-6: a picture that is due exactly now counts as due despite rounding.
         due = math.floor(since / self._period + 1e-6) + 1
         if self._closed or due <= self._handed_out:
             return None
@@ -103,7 +103,7 @@ class FolderPictures:
         """List the folder.
 
         Raises:
-            ValueError: there are no pictures in it; names the endings of pictures.
+            ValueError: there are no pictures in it; the message names the valid endings.
         """
         self.name = f"the pictures in {folder}"
         self._paths = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES)
@@ -114,7 +114,7 @@ class FolderPictures:
             )
 
     def next(self, skip: int) -> Picture:
-        """Leave out some pictures, then read one."""
+        """Skip some pictures, then read one."""
         path = self._paths[(self._next + skip) % len(self._paths)]
         self._next = (self._next + skip + 1) % len(self._paths)
         picture = cv2.imread(str(path), cv2.IMREAD_ANYCOLOR)
@@ -123,7 +123,7 @@ class FolderPictures:
         return upright(picture, 0)
 
     def close(self) -> None:
-        """Nothing is open between two pictures."""
+        """Do nothing: no file is open between two pictures."""
 
 
 class VideoPictures:
@@ -133,7 +133,7 @@ class VideoPictures:
         """Open it.
 
         Raises:
-            ValueError: it is no video that can be read.
+            ValueError: the file is not a readable video.
         """
         self.name = f"the video {path}"
         self._path = path
@@ -148,12 +148,12 @@ class VideoPictures:
 
     @property
     def frame_rate(self) -> float | None:
-        """Pictures a second [1/s], if the file tells."""
+        """Pictures per second [1/s]; None if the file does not tell, or tells an unlikely rate."""
         rate = self._capture.get(cv2.CAP_PROP_FPS)
         return rate if math.isfinite(rate) and 1 <= rate <= 240 else None
 
     def next(self, skip: int) -> Picture:
-        """Leave out some pictures, then decode one."""
+        """Skip some pictures, then decode one."""
         for _ in range(skip + 1 - self._grabbed):
             if not self._grab():
                 raise PictureError(f"{self._path} cannot be read any more; was it changed?")
@@ -168,7 +168,7 @@ class VideoPictures:
         self._capture.release()
 
     def _grab(self) -> bool:
-        """Go on by one picture, behind the last to the first."""
+        """Advance by one picture, from the last to the first; return whether that worked."""
         if self._capture.grab():
             return True
         self._capture.release()

@@ -9,28 +9,28 @@ from robot.cameras.grabber import Device
 from robot.interface import Frame
 
 TRIAL_S = 2.0
-"""How long a camera may take to its first picture, before the next is tried [s]."""
+"""How long to wait for a camera's first picture before the next camera is tried [s]."""
 
 
 class FirstFound:
-    """Looks through cameras anew each time that it is opened."""
+    """A device that searches for a working camera each time it is opened."""
 
     def __init__(self, candidates: Callable[[], Sequence[Device]]) -> None:
-        """``candidates`` lists the cameras that there are now, the preferred first."""
+        """``candidates`` lists the cameras that exist now, the preferred first."""
         self._candidates = candidates
         self._found: Device | None = None
         self._first: Frame | None = None
 
     @property
     def name(self) -> str:
-        """Of the camera that was found."""
+        """Name of the camera that was found."""
         return self._found.name if self._found else "the camera"
 
     def open(self) -> None:
         """Open the first camera that delivers a picture.
 
         Raises:
-            PictureError: none does; says of each why.
+            PictureError: no camera does; the message says why for each.
         """
         reasons = []
         for device in self._candidates():
@@ -43,13 +43,13 @@ class FirstFound:
         raise PictureError(f"no camera was found: {'; '.join(reasons) or 'there is none'}")
 
     def _try(self, device: Device) -> str | None:
-        """Open a camera and take its first picture; why not, if it cannot."""
+        """Open a camera and take its first picture; return the reason if that fails."""
         try:
             device.open()
             self._first = device.grab(TRIAL_S)
         except PictureError as error:
             return str(error)
-        except Exception as error:  # a driver's own failure: the next camera may do better
+        except Exception as error:  # a driver's own failure: the next camera may work
             return f"{device.name} failed: {error}"
         return None if self._first else f"{device.name} sends no pictures"
 

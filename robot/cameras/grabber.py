@@ -1,7 +1,7 @@
-"""The thread that takes pictures from a device, of which the newest waits to be fetched.
+"""A thread that takes pictures from a device and keeps the newest one until it is fetched.
 
-A device that fails or falls silent is closed and opened again, for ever; meanwhile there is a
-problem to be told and no picture.
+A device that fails or falls silent is closed and opened again, without limit. Meanwhile there is no
+picture, and ``problem`` says why.
 """
 
 from __future__ import annotations
@@ -20,31 +20,32 @@ from robot.interface import Frame
 LOG = logging.getLogger("brickpose")
 
 GRAB_S = 0.1
-"""How long the thread waits for a picture before it looks whether it is to end [s]."""
+"""How long the thread waits for a picture before it checks whether it must end [s]."""
 
 JOIN_S = 3.0
 """How long ``close`` waits for the thread [s]; opening a camera can take a second or two."""
 
 FIRST_PICTURE_S = 3.0
-"""How long a device may take from its start to its first picture [s]."""
+"""Longest time from a device's start to its first picture [s]."""
 
 FIRST_RETRY_S, LAST_RETRY_S = 0.5, 8.0
-"""Time between attempts to open the device [s]: doubled from the first to the last."""
+"""Time between attempts to open the device [s]: it doubles from the first value to the last."""
 
 
 class Device(Protocol):
-    """A camera as its driver offers it; one thread alone uses it."""
+    """A camera's driver; only one thread uses it."""
 
     @property
     def name(self) -> str:
-        """What to call it in a message."""
+        """Name of the camera in messages."""
         ...
 
     def open(self) -> None:
         """Start it.
 
         Raises:
-            PictureError: it is absent, busy or not as asked for; says the cure.
+            PictureError: it is absent, busy or cannot do what is required; the message says the
+                cure.
         """
         ...
 
@@ -57,12 +58,12 @@ class Device(Protocol):
         ...
 
     def close(self) -> None:
-        """Stop it, open or not."""
+        """Stop it, whether it is open or not."""
         ...
 
 
 class Grabber:
-    """A camera whose pictures are taken by a thread of its own."""
+    """A camera with a thread of its own that takes the pictures."""
 
     def __init__(
         self,
@@ -72,7 +73,7 @@ class Grabber:
         clock: Callable[[], float] = time.monotonic,
         first_retry: float = FIRST_RETRY_S,
     ) -> None:
-        """``clock`` [s] is that of the frames' stamps, ``first_retry`` in seconds."""
+        """``clock`` [s] is the clock of the stamps; ``first_retry`` is a time in seconds."""
         self._device = device
         self._lens = lens
         self._clock = clock
@@ -88,7 +89,7 @@ class Grabber:
 
     @property
     def name(self) -> str:
-        """What to call it in a message."""
+        """Name of the camera in messages."""
         return self._device.name
 
     def start(self) -> None:
@@ -96,7 +97,7 @@ class Grabber:
         self._thread.start()
 
     def newest(self) -> Frame | None:
-        """The newest picture, if it was not handed out before; never waits."""
+        """Return the newest picture, or None if it was handed out before; do not wait."""
         with self._lock:
             frame, self._slot = self._slot, None
         return None if self._stopping.is_set() else frame
@@ -106,11 +107,11 @@ class Grabber:
         """Why no pictures come, with the cure; None while they come."""
         with self._lock:
             trouble, silent = self._trouble, self._clock() - self._last_arrival
-        # Also told when the device's driver hangs, and the thread in it.
+        # The silence is reported even if the driver hangs and blocks the thread.
         return trouble or (self._silence() if silent > self._stall else None)
 
     def close(self) -> None:
-        """End the thread and let go of the device; may be called twice."""
+        """End the thread and release the device; may be called twice."""
         self._stopping.set()
         if self._thread.is_alive():
             self._thread.join(JOIN_S)
@@ -131,13 +132,13 @@ class Grabber:
             retry = min(2 * retry, LAST_RETRY_S)
 
     def _attempt(self) -> None:
-        """Open the device and take pictures until it fails or the end is asked for."""
+        """Open the device and take pictures until it fails or the camera is closed."""
         try:
             self._device.open()
             self._take_pictures()
         except PictureError as error:
             self._tell(str(error))
-        except Exception as error:  # whatever a driver throws, the next attempt may do better
+        except Exception as error:  # whatever a driver raises, the next attempt may succeed
             LOG.exception("%s failed", self.name)
             self._tell(f"{self.name} failed: {error}")
         finally:

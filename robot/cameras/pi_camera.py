@@ -1,6 +1,6 @@
 """The camera of a Raspberry Pi at its ribbon cable, through picamera2 and libcamera.
 
-Both come with Raspberry Pi OS, not from PyPI; they are imported when the camera is opened.
+Both come with Raspberry Pi OS, not from PyPI. They are imported when the camera is opened.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from robot.cameras.stamps import middle_of_exposure, on_monotonic, time_asleep
 from robot.interface import Frame
 
 BUFFERS = 4
-"""Pictures that the camera fills in turn; each is copied and given back at once."""
+"""Number of buffers that the camera fills in turn; each is copied and given back at once."""
 
 
 class PiCamera:
-    """The first camera that is no USB camera; grey pictures, focus and pace fixed."""
+    """The first camera that is not a USB camera: grey pictures, fixed focus and frame rate."""
 
     name = "the Pi camera"
 
@@ -36,7 +36,7 @@ class PiCamera:
         asleep: Callable[[], float] = time_asleep,
         load: Callable[[str], Any] = importlib.import_module,
     ) -> None:
-        """``asleep`` tells how far CLOCK_BOOTTIME is ahead [s]; ``load`` imports a module."""
+        """``asleep`` returns how far CLOCK_BOOTTIME is ahead [s]; ``load`` imports a module."""
         self._lens = lens
         self._settings = settings
         self._clock = clock
@@ -46,7 +46,7 @@ class PiCamera:
         self._job: Any = None
 
     def open(self) -> None:
-        """Start the camera with the widest view that is quick enough.
+        """Start the camera with the widest view that is fast enough.
 
         Raises:
             PictureError: picamera2 is missing, or the camera is absent, busy or too slow.
@@ -71,7 +71,7 @@ class PiCamera:
         try:
             request = self._camera.wait(self._job, timeout=timeout)
         except TimeoutError:
-            # The request stays asked for: a second one would take a picture that nobody frees.
+            # The request stays pending: a second one would take a picture that nobody releases.
             return None
         self._job = None
         arrival = self._clock()
@@ -82,7 +82,7 @@ class PiCamera:
             request.release()
 
     def close(self) -> None:
-        """Stop the camera and free it for others."""
+        """Stop the camera and free it for other programs."""
         camera, self._camera, self._job = self._camera, None, None
         if camera is not None:
             camera.close()
@@ -97,14 +97,14 @@ class PiCamera:
                 "--system-site-packages)"
             ) from error
         except ValueError as error:
-            # A part of it was compiled for another numpy than this environment's.
+            # A part of picamera2 was compiled for another numpy than this environment's.
             raise PictureError(
                 f"{self.name}: picamera2 does not fit this environment's numpy ({error}): remove "
                 ".venv and run make install"
             ) from error
 
     def _number(self, picamera2: Any) -> int:
-        """Of the first camera at a ribbon cable; libcamera lists USB cameras too."""
+        """Return the first ribbon-cable camera's number; libcamera lists USB cameras too."""
         for number, about in enumerate(picamera2.Picamera2.global_camera_info()):
             if "/usb" not in about["Id"]:
                 return number
@@ -127,10 +127,12 @@ class PiCamera:
         )
 
     def _mode(self) -> Any:
-        """The sensor's mode with the widest view that is quick enough, and of those the smallest.
+        """Return the sensor mode with the widest view of those that are fast enough.
 
-        Left alone, the size nearest to the picture's is taken, which for some sensors is a small
-        piece out of the middle: another lens.
+        Of several with that view, it is the smallest.
+
+        By default, the mode whose size is nearest to the picture's is taken. For some sensors that
+        is a small piece out of the middle, which would be another lens.
         """
         modes = [mode for mode in self._camera.sensor_modes if "crop_limits" in mode]
         # A mode's rate is rounded to hundredths.
@@ -144,7 +146,7 @@ class PiCamera:
         return max(quick, key=lambda mode: (_area(mode["crop_limits"][2:]), -_area(mode["size"])))
 
     def _focus(self, libcamera: Any) -> dict[str, Any]:
-        """A movable lens is held: focusing moves the picture under the calibration."""
+        """Return controls that hold a movable lens: focusing would invalidate the calibration."""
         if "AfMode" not in self._camera.camera_controls:
             return {}
         return {
@@ -153,14 +155,14 @@ class PiCamera:
         }
 
     def _grey(self, planes: Picture) -> Picture:
-        """The plane of brightness: the first rows, without the padding of each."""
+        """Return the plane of brightness: the first rows, without the padding of each row."""
         return np.ascontiguousarray(planes[: self._lens.height, : self._lens.width])
 
     def _stamp(self, given: dict[str, Any], arrival: float) -> float:
-        """The middle of the exposure; by arrival where libcamera tells no time that can be.
+        """Return the middle of the exposure [s], from the arrival if libcamera's stamp is invalid.
 
-        SensorTimestamp [ns] is when the first row came from the sensor, which is the end of its
-        exposure (the interrupt for the start of a frame), ExposureTime is in microseconds.
+        SensorTimestamp [ns] is when the first row came from the sensor (the interrupt for the start
+        of a frame). This is the end of the row's exposure. ExposureTime is in microseconds.
         """
         nanoseconds = given.get("SensorTimestamp")
         if nanoseconds is not None:

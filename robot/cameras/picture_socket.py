@@ -1,7 +1,7 @@
 """The emulator's camera: pictures from a Unix socket, each with the stamp of its exposure.
 
-A picture is a header of ``HEADER``'s form (mark, stamp [s] by CLOCK_MONOTONIC, height, width,
-channels) and its bytes by rows.
+A picture is a header in the format ``HEADER`` (mark, stamp [s] by CLOCK_MONOTONIC, height, width,
+channels), followed by its bytes, row by row.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ HEADER = struct.Struct("<4sdIII")
 MARK = b"BPF1"
 
 LONGEST_READ = 1 << 20
-"""Bytes that are read at once."""
+"""Largest number of bytes in one read."""
 
 
 class PictureSocket:
@@ -40,7 +40,7 @@ class PictureSocket:
         """Connect.
 
         Raises:
-            PictureError: nothing listens there.
+            PictureError: nothing listens at the socket.
         """
         self._received.clear()
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -54,10 +54,10 @@ class PictureSocket:
             ) from error
 
     def grab(self, timeout: float) -> Frame | None:
-        """Wait for the next picture; None if less than a whole one came in ``timeout`` [s].
+        """Wait for the next picture; None if no bytes come for ``timeout`` [s] before it is whole.
 
         Raises:
-            PictureError: the emulator ended, or sends something else.
+            PictureError: the emulator ended, or sends something else than its pictures.
         """
         if self._socket is None:
             raise PictureError(f"{self.name} is not open")
@@ -87,7 +87,7 @@ class PictureSocket:
         self._received += received
 
     def _whole_picture(self) -> Frame | None:
-        """The first picture received, taken out; None while it is incomplete."""
+        """Remove the first received picture from the buffer; None while it is incomplete."""
         if len(self._received) < HEADER.size:
             return None
         stamp, shape = self._header()
@@ -102,6 +102,6 @@ class PictureSocket:
         mark, stamp, height, width, channels = HEADER.unpack_from(self._received)
         if mark != MARK or channels not in (1, 3) or not np.isfinite(stamp):
             raise PictureError(f"{self.name} sends no pictures of BrickPose's emulator")
-        # Checked before the bytes are waited for: a wrong size is told at once, and never held.
+        # The check precedes the wait for the bytes: a wrong size is reported at once, not buffered.
         check_size((height, width), self._lens, self.name)
         return stamp, (height, width) if channels == 1 else (height, width, channels)

@@ -1,4 +1,4 @@
-"""What is checked and done to the picture of any camera."""
+"""Check and rotation of the pictures of all cameras."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Picture = NDArray[np.uint8]
 
 
 def check_size(shape: tuple[int, ...], lens: Lens, name: str) -> None:
-    """Refuse a picture (h, w) or (h, w, 3) of another size than the lens describes.
+    """Refuse a picture (h, w) or (h, w, 3) whose size is not the size in the lens description.
 
     It is not scaled: a camera that gives another size often sees another part of the floor.
 
     Raises:
-        PictureError: names both sizes.
+        PictureError: the sizes differ; the message names both.
     """
     if tuple(shape[:2]) != (lens.height, lens.width):
         raise PictureError(
@@ -32,7 +32,7 @@ def check_size(shape: tuple[int, ...], lens: Lens, name: str) -> None:
 
 
 def upright(picture: Any, rotation: int) -> Picture:
-    """A picture turned by 0 or 180 degrees."""
+    """Return a picture turned by 0 or 180 degrees."""
     if rotation:
         picture = cv2.rotate(picture, cv2.ROTATE_180)
     return np.asarray(picture, dtype=np.uint8)

@@ -1,4 +1,4 @@
-"""Which camera is asked for pictures, how, and what it does not tell about them."""
+"""Settings of the camera: which one, how it takes pictures, and values that it does not report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A USB camera, or any other that Video4Linux shows, through OpenCV."""
+"""A USB camera, or any other camera of Video4Linux, through OpenCV."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from robot.cameras.stamps import middle_of_exposure, on_monotonic
 from robot.interface import Frame
 
 SELECT_TIMEOUT_S = 2
-"""How long OpenCV waits for a picture [s], instead of 10; whole seconds are all that it takes."""
+"""How long OpenCV waits for a picture [s], instead of 10; it accepts only whole seconds."""
 
 UNPACKED_LIMIT = 20e6
-"""Bytes a second that USB 2 surely carries; above, pictures are asked for as JPEG."""
+"""Data rate that USB 2 surely carries [byte/s]; above it, pictures are requested as JPEG."""
 
 BUFFERS = 2
-"""One is filled while the other is read: with a single one, drivers leave out every other picture.
-The thread that reads them lets none queue up."""
+"""One buffer is filled while the other is read: with one buffer, drivers skip every other picture.
+The thread that reads the buffers lets no pictures queue up."""
 
 
 class V4l2Device:
@@ -38,7 +38,7 @@ class V4l2Device:
         clock: Callable[[], float] = time.monotonic,
         capture: Callable[[str, int], cv2.VideoCapture] = cv2.VideoCapture,
     ) -> None:
-        """``capture`` opens a path with a backend of OpenCV's."""
+        """``capture`` opens a path with one of OpenCV's backends."""
         self.name = f"the camera at {path}"
         self._path = path
         self._lens = lens
@@ -48,10 +48,11 @@ class V4l2Device:
         self._capture: cv2.VideoCapture | None = None
 
     def open(self) -> None:
-        """Open the device node and ask for the lens's size.
+        """Open the device node and request pictures of the lens's size.
 
         Raises:
-            PictureError: it is absent, not permitted, busy or of another size.
+            PictureError: the camera is absent, not permitted, busy, or its pictures have another
+                size.
         """
         self._check_node()
         os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(SELECT_TIMEOUT_S))
@@ -64,10 +65,10 @@ class V4l2Device:
         self._configure(self._capture)
 
     def grab(self, timeout: float) -> Frame | None:
-        """Wait for the next picture; None if it came damaged. OpenCV's own time-out holds.
+        """Wait for the next picture; None if it is damaged. OpenCV's own time-out applies.
 
         Raises:
-            PictureError: none came, as of a camera that was unplugged.
+            PictureError: no picture came, for example because the camera was unplugged.
         """
         capture = self._capture
         if capture is None or not capture.grab():
@@ -76,11 +77,11 @@ class V4l2Device:
         stamp = self._stamp(capture.get(cv2.CAP_PROP_POS_MSEC) / 1000, arrival)
         done, picture = capture.retrieve()
         if not done or picture is None or picture.size == 0:
-            return None  # a JPEG that was cut, as some cameras send at first
+            return None  # an incomplete JPEG, as some cameras send at first
         return Frame(stamp, upright(picture, self._settings.rotation))
 
     def close(self) -> None:
-        """Let go of the device node."""
+        """Release the device node."""
         if self._capture is not None:
             self._capture.release()
             self._capture = None
@@ -98,7 +99,7 @@ class V4l2Device:
     def _configure(self, capture: cv2.VideoCapture) -> None:
         lens, rate = self._lens, self._settings.frame_rate
         packed = 2 * lens.width * lens.height * rate > UNPACKED_LIMIT
-        # The format first: it decides which sizes and rates there are.
+        # The format comes first: it decides which sizes and rates are available.
         kinds = ("MJPG", "YUYV") if packed else ("YUYV", "MJPG")
         for kind in kinds:
             if capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*kind)):
@@ -111,10 +112,10 @@ class V4l2Device:
         check_size(tuple(int(capture.get(which)) for which in given), lens, self.name)
 
     def _stamp(self, given: float, arrival: float) -> float:
-        """The middle of the exposure, by the driver's stamp [s] if it is one, else by arrival.
+        """Return the middle of the exposure [s], from the driver's stamp or else from the arrival.
 
         The kernel's driver for USB cameras stamps a picture by CLOCK_MONOTONIC when its first
-        packet comes, which is when the readout begins.
+        packet comes. This is when the readout begins.
         """
         stamp = on_monotonic(given, arrival, 0.0)
         if stamp is None:
@@ -123,6 +124,6 @@ class V4l2Device:
 
 
 def video_nodes(folder: Path = Path("/dev")) -> list[Path]:
-    """The device nodes ``/dev/video*`` by their numbers."""
+    """Return the device nodes ``/dev/video*``, sorted by number."""
     nodes = [path for path in folder.glob("video*") if path.name[5:].isdecimal()]
     return sorted(nodes, key=lambda path: int(path.name[5:]))

@@ -1,4 +1,4 @@
-"""Inertia of a robot whose links are simple solids of even density."""
+"""Inertia of a robot whose links are simple solids of uniform density."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1
 
 
 def principal_moments(shape: Shape, mass: float) -> Array:
-    """Moments (3,) [kg m^2] about the shape's own axes through its middle.
+    """Return the moments (3,) [kg m^2] about the shape's own axes through its centre.
 
     Box ``m (b^2 + c^2) / 12``; cylinder about its axis ``m r^2 / 2`` and across
     ``m (3 r^2 + l^2) / 12``; sphere ``2 m r^2 / 5``.
@@ -30,13 +30,13 @@ def principal_moments(shape: Shape, mass: float) -> Array:
 
 
 def with_inertia(urdf_xml: str) -> str:
-    """The description with every <inertia> worked out from its link's one visual shape.
+    """Return the description with every <inertia> computed from its link's one visual shape.
 
     The tensor is about the centre of mass, in the axes of <inertial>'s origin. A link without
-    <inertial> is a frame or decoration and keeps none; an <inertia> that was typed in is replaced.
+    <inertial> is a frame or decoration and gets no inertia. An existing <inertia> is replaced.
 
     Raises:
-        SpecError: a link with mass has no or several visuals, or a shape without dimensions.
+        SpecError: a link with mass has no visual or several, or its shape has no dimensions.
     """
     root = parse_xml(urdf_xml)
     for link in root.iter("link"):

@@ -1,11 +1,11 @@
-"""LEGO's motors: by which number they introduce themselves, what they are, what they can do."""
+"""LEGO's motors: the type ids that they report, their kinds and their performance."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 MOTORS = ("small angular", "medium angular", "large angular")
-"""The kinds with an encoder that a joint of the description may name as its ``motor``."""
+"""The kinds with an encoder; a joint of the description names one of them as its ``motor``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,15 +16,15 @@ class MotorKind:
     kind: str
     """One of ``MOTORS``."""
     lego_number: str
-    """LEGO's number of the part."""
+    """LEGO's part number."""
     free_speed: float
-    """Speed at full duty and 7.2 V if there were no load and no friction [degree/s]."""
+    """Speed at full duty and 7.2 V without load and friction [degree/s]."""
     time_constant: float
-    """Of the speed after a step of the duty [s]."""
+    """Time constant of the speed after a step of the duty [s]."""
     friction: float
-    """Duty that Coulomb friction takes while it turns."""
+    """Duty that Coulomb friction takes while the motor turns."""
     breakaway: float
-    """Duty that gets a standing motor to turn."""
+    """Duty at which a standing motor begins to turn."""
 
 
 KINDS = {
@@ -37,8 +37,8 @@ KINDS = {
         MotorKind(0x4C, "large angular", "88017", 1000.0, 0.048, 0.055, 0.105),
     )
 }
-"""By the number that they introduce themselves with; figures after Pybricks' measurements, which
-LEGO's own sheets (tolerance 15 %) pass by 10 to 17 %."""
+"""Motor kinds by type id. The figures are from Pybricks' measurements; those of LEGO's own sheets
+(tolerance 15 %) are 10 to 17 % higher."""
 
 OTHERS = {
     0x01: "simple medium motor (45303): it has no encoder",
@@ -51,11 +51,11 @@ OTHERS = {
     0x3F: "force sensor",
     0x40: "light matrix",
 }
-"""What else may be plugged in."""
+"""Names of other devices that may be plugged in, by type id."""
 
 
 def described(type_id: int) -> str:
-    """What a device is called when people are told of it."""
+    """Return the name of a device for messages."""
     known = KINDS.get(type_id)
     if known is not None:
         return f"{known.kind} motor ({known.lego_number})"

@@ -13,7 +13,7 @@ from robot.geometry import Array
 
 @dataclass(frozen=True, eq=False)
 class RigidBody:
-    """Links that fixed joints hold together; coordinates are in the frame of the topmost."""
+    """Links that fixed joints hold together; coordinates are in the topmost link's frame."""
 
     name: str
     """The topmost link."""
@@ -24,19 +24,19 @@ class RigidBody:
     inertia: Array = field(repr=False)
     """(3, 3) about the centre of mass [kg m^2]."""
     collisions: tuple[tuple[Shape, Array], ...] = field(repr=False)
-    """Shapes that touch things, each with ``body_from_shape`` (4, 4)."""
+    """Collision shapes, each with ``body_from_shape`` (4, 4)."""
     joint: str | None
-    """The joint that moves it; None for the root."""
+    """The joint that moves the body; None for the root."""
     parent: int
-    """Place in the list of the body that the joint hangs on; -1 for the root."""
+    """Index, in the list of bodies, of the body that the joint hangs on; -1 for the root."""
     parent_from_body: Array = field(repr=False)
-    """(4, 4), with the joint at zero."""
+    """Transform (4, 4) with the joint at zero."""
     axis: Array = field(repr=False)
     """The joint's axis (3,), a unit vector in this body's frame."""
 
 
 def rigid_bodies(urdf: str) -> list[RigidBody]:
-    """The bodies of a description whose inertia is filled in; parents come before children.
+    """Return the bodies of a description that contains inertia; parents come before children.
 
     Raises:
         SpecError: a body that can move has no mass, or a collision shape is a mesh.
@@ -83,7 +83,7 @@ def _body(
 
 
 def _lump(top: str, placed: list[tuple[Any, Array]]) -> tuple[float, Array, Array]:
-    """Mass, centre (3,) and inertia (3, 3) of parts together, by the parallel axis theorem."""
+    """Return the total mass, centre (3,) and inertia (3, 3), by the parallel axis theorem."""
     parts = [
         (
             link.inertial.mass,

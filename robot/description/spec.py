@@ -1,4 +1,4 @@
-"""The robot's description: every dimension of the program comes from here."""
+"""The robot's description: the source of every dimension in the program."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ class RobotSpec:
 
     name: str
     joints: tuple[JointSpec, ...]
-    """The order of all joint arrays."""
+    """The driven joints; all joint arrays have this order."""
     lens: Lens
     robot_from_camera: Array = field(repr=False)
-    """(4, 4), from the camera's optical frame to the robot frame on the floor."""
+    """Transform (4, 4) from the camera's optical frame to the robot frame on the floor."""
     outline: Array = field(repr=False)
     """Convex outline (k, 2) [m] of the robot seen from above, anticlockwise, not closed."""
     urdf: str = field(repr=False)
@@ -42,11 +42,11 @@ class RobotSpec:
 
     @classmethod
     def load(cls, path: Path = SPIKE) -> RobotSpec:
-        """Read a URDF and the lens file it names, which lies beside it.
+        """Read a URDF and the lens file that it names, in the same folder.
 
         Raises:
-            SpecError: a file cannot be read or used; names the file, what is wrong and what is
-                valid.
+            SpecError: a file cannot be read or used; the message names the file, what is wrong and
+                what is valid.
         """
         try:
             return cls.from_urdf(path.read_text(encoding="utf-8"), path.parent)
@@ -57,7 +57,7 @@ class RobotSpec:
 
     @classmethod
     def from_urdf(cls, text: str, folder: Path) -> RobotSpec:
-        """Read the text of a URDF; the lens file it names lies in the folder.
+        """Read the text of a URDF; the lens file that it names is in the folder.
 
         Raises:
             SpecError, CameraError: as ``load``, without the file's name.
@@ -77,13 +77,17 @@ class RobotSpec:
         )
 
     def with_wheels(self, radii: Sequence[float], track: float) -> RobotSpec:
-        """The same robot on other wheels: radii (j,) [m] in the order of the joints, track [m].
+        """Return the same robot with other wheels.
 
-        The wheels' centres move up or down with the radii, so that the robot stands level: a robot
-        that leans would be an error of the camera's mounting, not of the wheels.
+        The wheels' centres move up or down with the radii, so that the robot stands level: a tilt
+        would be an error of the camera's mounting, not of the wheels.
+
+        Args:
+            radii: (j,) [m] in the order of the joints.
+            track: distance between the middles of the wheels [m].
 
         Raises:
-            SpecError: a dimension is not a number above zero, or the count is another.
+            SpecError: a dimension is not a number above zero, or the number of radii is wrong.
         """
         if len(radii) != len(self.joints):
             raise SpecError(f"{len(radii)} radii for {len(self.joints)} wheels")
@@ -103,7 +107,7 @@ class RobotSpec:
 
     @property
     def axle(self) -> tuple[int, int]:
-        """Places of the left and the right wheel among the joints."""
+        """Indices of the left and the right wheel among the joints."""
         return (0, 1) if self.joints[0].offset > self.joints[1].offset else (1, 0)
 
     @property
@@ -119,7 +123,7 @@ class RobotSpec:
 
     @property
     def max_v(self) -> float:
-        """Highest speed straight on [m/s]."""
+        """Highest speed straight ahead [m/s]."""
         return min(joint.radius * joint.max_velocity for joint in self.joints)
 
     @property
@@ -129,7 +133,7 @@ class RobotSpec:
 
     @cached_property
     def floor_view(self) -> FloorView:
-        """The camera over the floor."""
+        """The camera above the floor: which floor point each pixel sees."""
         return FloorView(self.lens, self.robot_from_camera)
 
 
@@ -144,7 +148,7 @@ def _camera_sensor(root: ElementTree.Element) -> ElementTree.Element:
 
 
 def _camera_pose(model: Any, frame: str) -> Array:
-    """(4, 4) from the optical frame to the robot frame."""
+    """Return the transform (4, 4) from the optical frame to the robot frame."""
     if frame not in model.link_map:
         raise SpecError(f"the camera's frame {frame!r} is no link; there should be such a one")
     robot_from_camera: Array = np.array(model.get_transform(frame, ROBOT_FRAME))

@@ -1,7 +1,7 @@
-"""The grammar of a URDF file, as far as we read it ourselves: numbers, shapes, origins.
+"""Reader of those parts of a URDF file that BrickPose parses itself: numbers, shapes, origins.
 
-XML comes from outside: document types are refused, since entities are what makes XML dangerous and
-a robot description needs none.
+The XML comes from outside. Document types are refused, because entities make XML dangerous and a
+robot description needs none.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ from scipy.spatial.transform import Rotation
 from robot.geometry import Array
 
 SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
-"""The shapes a robot may be made of, with their dimensions [m]; a mesh has none to reckon with."""
+"""The allowed shapes with their dimensions [m]; a mesh has no dimensions to compute with."""
 
 LARGEST = 1e6
-"""No number of a robot is larger, in any unit; far larger ones overflow when they are squared."""
+"""Largest number in a description, in any unit; far larger ones overflow when they are squared."""
 
 
 class SpecError(ValueError):
-    """A robot description that cannot be used; the message says what is missing where."""
+    """A robot description that cannot be used; the message says what is wrong, and where."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """A solid of even density with its middle at its origin; a cylinder lies along z."""
+    """A solid of uniform density, centred on its origin; a cylinder's axis is z."""
 
     kind: str
     """box, cylinder or sphere."""
@@ -37,7 +37,7 @@ class Shape:
     """Edges x, y, z of a box; radius and length of a cylinder; radius of a sphere [m]."""
 
     def corners(self) -> Array:
-        """Points (n, 3) [m] whose convex hull is the shape (round ones: 32 points around)."""
+        """Return points (n, 3) [m] whose convex hull is the shape (32 points around round ones)."""
         if self.kind == "box":
             signs = np.stack(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), axis=-1).reshape(-1, 3)
             edges: Array = signs * np.array(self.size) / 2
@@ -51,10 +51,10 @@ class Shape:
 
 
 def parse_xml(text: str) -> ElementTree.Element:
-    """The root element of a robot description.
+    """Return the root element of a robot description.
 
     Raises:
-        SpecError: not XML, with a document type, or not a robot.
+        SpecError: the text is not XML, has a document type or entity, or is not a robot.
     """
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise SpecError("a document type or entity stands in it; a plain URDF has neither")
@@ -68,10 +68,10 @@ def parse_xml(text: str) -> ElementTree.Element:
 
 
 def child(element: ElementTree.Element, tag: str, where: str) -> ElementTree.Element:
-    """The first child of a tag.
+    """Return the first child element with that tag.
 
     Raises:
-        SpecError: there is none.
+        SpecError: there is no such child.
     """
     result = element.find(tag)
     if result is None:
@@ -80,10 +80,10 @@ def child(element: ElementTree.Element, tag: str, where: str) -> ElementTree.Ele
 
 
 def numbers(element: ElementTree.Element, attribute: str, count: int, where: str) -> Array:
-    """The finite numbers (count,) of an attribute, of at most ``LARGEST`` in size.
+    """Return the finite numbers (count,) of an attribute; none is larger than ``LARGEST``.
 
     Raises:
-        SpecError: the attribute is missing, or has another count of numbers.
+        SpecError: the attribute is missing, or does not hold ``count`` such numbers.
     """
     text = element.get(attribute)
     if text is None:
@@ -99,10 +99,10 @@ def numbers(element: ElementTree.Element, attribute: str, count: int, where: str
 
 
 def positive(element: ElementTree.Element, attribute: str, where: str) -> float:
-    """The number of an attribute that must be above zero.
+    """Return the number of an attribute that must be above zero.
 
     Raises:
-        SpecError: it is missing, no number, or not positive.
+        SpecError: the attribute is missing, not a number, or not positive.
     """
     value = float(numbers(element, attribute, 1, where)[0])
     if value <= 0:
@@ -111,10 +111,10 @@ def positive(element: ElementTree.Element, attribute: str, where: str) -> float:
 
 
 def shape_of(element: ElementTree.Element, where: str) -> Shape:
-    """The shape of a visual or collision.
+    """Return the shape of a visual or collision.
 
     Raises:
-        SpecError: no geometry, one of another kind, or dimensions that cannot be.
+        SpecError: the geometry is missing, of another kind, or has invalid dimensions.
     """
     geometry = child(element, "geometry", where)
     solid = next((part for part in geometry if part.tag in SHAPES), None)
@@ -131,12 +131,12 @@ def shape_of(element: ElementTree.Element, where: str) -> Shape:
 
 
 def origin_of(element: ElementTree.Element, where: str) -> Array:
-    """The transform (4, 4) of an element's <origin>; the identity where there is none.
+    """Return the transform (4, 4) of an element's <origin>; the identity if it has none.
 
     rpy turns about the fixed axes x, then y, then z.
 
     Raises:
-        SpecError: the numbers cannot be read.
+        SpecError: the numbers are invalid.
     """
     transform = np.eye(4)
     origin = element.find("origin")
@@ -149,10 +149,10 @@ def origin_of(element: ElementTree.Element, where: str) -> Array:
 
 
 def text_of(element: ElementTree.Element, name: str, where: str) -> str:
-    """The text of the <param> of that name.
+    """Return the text of the <param> with that name.
 
     Raises:
-        SpecError: it is missing or empty.
+        SpecError: the <param> is missing or empty.
     """
     for param in element.findall("param"):
         if param.get("name") == name and param.text and param.text.strip():
@@ -163,18 +163,18 @@ def text_of(element: ElementTree.Element, name: str, where: str) -> str:
 _MISREAD = (
     ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError,
 )  # fmt: skip
-"""What yourdfpy raises, by accident, on a description that is none."""
+"""Exceptions that yourdfpy raises, by accident, on an invalid description."""
 
 
 def read_model(urdf: str) -> Any:
-    """The description as yourdfpy's model: links, joints, masses, collisions and transforms.
+    """Return the description as yourdfpy's model: links, joints, masses, collisions, transforms.
 
     Visuals are left out: yourdfpy would make a mesh of each.
 
     Raises:
-        SpecError: the links are no tree, or yourdfpy cannot make sense of them.
+        SpecError: the links do not form a tree, or yourdfpy cannot read the description.
     """
-    # It brings a library of meshes with it, which nobody should wait for who asks for help.
+    # yourdfpy imports a library of meshes; a user who only asks for help should not wait for it.
     import yourdfpy  # noqa: PLC0415
 
     root = parse_xml(urdf)
@@ -194,7 +194,7 @@ def read_model(urdf: str) -> Any:
 
 
 def _check_tree(root: ElementTree.Element) -> None:
-    """Every link hangs on one parent, up to one root."""
+    """Check that every link but the root has exactly one parent, and that there is one root."""
     links = [link.get("name") for link in root.findall("link")]
     holders: dict[str | None, str | None] = {}
     for joint in root.findall("joint"):
@@ -222,7 +222,7 @@ def _check_axis(joint: ElementTree.Element) -> None:
 
 
 def _steps_up(link: str | None, holders: dict[str | None, str | None]) -> int:
-    """Joints from a link up to the root; more than there are links in a ring."""
+    """Return the number of joints from a link to the root; in a ring, more than there are links."""
     steps = 0
     while link in holders and steps <= len(holders) + 1:
         link, steps = holders[link], steps + 1

@@ -1,7 +1,8 @@
-"""Driven wheels in a robot description: how they are wired, where they are, how big they are.
+"""Driven wheels in a robot description: their wiring, positions and radii.
 
-The <ros2_control> block says which joints are driven, with the Build HAT's port and direction as
-parameters of the joint; the joint says where the wheel is, and its link's shape how big it is.
+The <ros2_control> block says which joints are driven; the Build HAT's port and direction are
+parameters of the joint. The joint gives the wheel's position. The shape of its link gives the
+radius.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from robot.description.wiring import TOLERANCE, Wiring, driven, find_joint, read
 from robot.geometry import Array
 
 ROBOT_FRAME = "base_footprint"
-"""The link on the floor under the middle of the axle: what the program calls the robot frame."""
+"""The link on the floor under the middle of the axle; the program calls it the robot frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,16 +28,17 @@ class JointSpec(Wiring):
     radius: float
     """Wheel radius [m]."""
     offset: float
-    """Wheel centre to the left of the robot frame's x axis [m]; negative is right."""
+    """Distance from the robot frame's x axis to the wheel's centre [m]; positive is left."""
     max_effort: float
     """[N m]"""
 
 
 def read_wheels(root: ElementTree.Element, model: Any) -> tuple[JointSpec, ...]:
-    """The driven joints in the order of the <ros2_control> block.
+    """Return the driven joints in the order of the <ros2_control> block.
 
     Raises:
-        SpecError: not exactly two, or one that cannot be; names it and what would be valid.
+        SpecError: there are not exactly two, or one is invalid; the message says which, and what
+            is valid.
     """
     controls = driven(root)
     if len(controls) != 2:
@@ -71,7 +73,7 @@ def _wheel_link(root: ElementTree.Element, joint: ElementTree.Element) -> Elemen
 
 
 def _radius(link: ElementTree.Element) -> float:
-    """Radius of the wheel's visual; what touches the floor must be as big."""
+    """Return the radius of the wheel's visual; its collision shapes must have the same radius."""
     where = f"wheel {link.get('name')!r}"
     visual = child(link, "visual", where)
     shape = shape_of(visual, where)
@@ -88,7 +90,7 @@ def _radius(link: ElementTree.Element) -> float:
 
 
 def _offset(model: Any, joint: ElementTree.Element, radius: float) -> float:
-    """Where the wheel is; it must stand on the floor beside the robot frame's origin."""
+    """Return the wheel's offset; the wheel must stand on the floor beside the frame's origin."""
     where = f"joint {joint.get('name')!r}"
     axis = child(joint, "axis", where)
     turned = origin_of(joint, where)[:3, :3] @ numbers(axis, "xyz", 3, where)
@@ -116,7 +118,7 @@ def _check_pair(first: JointSpec, second: JointSpec) -> None:
 
 
 def resize_wheel(root: ElementTree.Element, model: Any, wheel: JointSpec) -> None:
-    """Give a wheel of the description the radius and offset of ``wheel``, standing on the floor."""
+    """Set the description's wheel to the radius and offset of ``wheel``, standing on the floor."""
     joint = find_joint(root, wheel.name)
     link = _wheel_link(root, joint)
     for solid in [*link.iter("cylinder"), *link.iter("sphere")]:

@@ -1,6 +1,6 @@
-"""How the motors are wired, as ros2_control describes hardware: a joint's port, direction, kind.
+"""Wiring of the motors, as ros2_control describes hardware: a joint's port, direction, kind.
 
-A robot of another shape, with another number of joints, is another URDF with the same block.
+A robot with another shape or another number of joints has another URDF with the same block.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from robot.description.urdf import SpecError, child, parse_xml, positive, text_o
 
 PORTS = ("A", "B", "C", "D")
 TOLERANCE = 1e-6
-"""How well typed lengths must agree [m]."""
+"""Largest difference of typed lengths that must agree [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,16 +26,17 @@ class Wiring:
     direction: int
     """+1, or -1 where the motor is mounted the other way round."""
     motor: str | None
-    """One of ``MOTORS``; None takes any that has an encoder."""
+    """One of ``MOTORS``; None accepts any motor that has an encoder."""
     max_velocity: float
     """[rad/s]"""
 
 
 def read_wirings(urdf: str) -> tuple[Wiring, ...]:
-    """The joints with a velocity command of a robot description, in their order there.
+    """Return the wiring of each joint that takes velocity commands, in the description's order.
 
     Raises:
-        SpecError: one that cannot be, or two on one port; names it and what would be valid.
+        SpecError: a joint is invalid, or two share a port; the message names them and says what is
+            valid.
     """
     root = parse_xml(urdf)
     wirings = tuple(read_wiring(root, control) for control in driven(root))
@@ -49,7 +50,7 @@ def read_wirings(urdf: str) -> tuple[Wiring, ...]:
 
 
 def driven(root: ElementTree.Element) -> list[ElementTree.Element]:
-    """The joints in <ros2_control> blocks that take velocity commands."""
+    """Return the joints in <ros2_control> blocks that take velocity commands."""
     return [
         joint
         for control in root.findall("ros2_control")
@@ -59,15 +60,15 @@ def driven(root: ElementTree.Element) -> list[ElementTree.Element]:
 
 
 def velocity_command(joint: ElementTree.Element) -> ElementTree.Element | None:
-    """The velocity command interface of a joint in a <ros2_control> block, if it has one."""
+    """Return a joint's velocity command interface in its <ros2_control> block, if it has one."""
     return joint.find("command_interface[@name='velocity']")
 
 
 def read_wiring(root: ElementTree.Element, control: ElementTree.Element) -> Wiring:
-    """One joint of a <ros2_control> block.
+    """Read one joint of a <ros2_control> block.
 
     Raises:
-        SpecError: a parameter is missing or cannot be; says what is valid.
+        SpecError: a parameter is missing or invalid; the message says what is valid.
     """
     name = str(control.get("name"))
     where = f"joint {name!r}"
@@ -84,10 +85,10 @@ def read_wiring(root: ElementTree.Element, control: ElementTree.Element) -> Wiri
 
 
 def find_joint(root: ElementTree.Element, name: str) -> ElementTree.Element:
-    """The continuous <joint> of that name.
+    """Return the continuous <joint> with that name.
 
     Raises:
-        SpecError: there is none; names those there are.
+        SpecError: no such joint exists; the message names the existing ones.
     """
     continuous = [joint for joint in root.findall("joint") if joint.get("type") == "continuous"]
     for joint in continuous:
@@ -121,7 +122,7 @@ def _motor(control: ElementTree.Element, where: str) -> str | None:
 
 
 def _check_command_range(control: ElementTree.Element, limit: float, where: str) -> None:
-    """The command interface's min and max, where given, must be the joint's limit."""
+    """Check that the command interface's min and max, if given, equal the joint's limit."""
     command = velocity_command(control)
     assert command is not None
     for name, valid in (("min", -limit), ("max", limit)):

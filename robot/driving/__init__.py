@@ -1,1 +1,1 @@
-"""From a wanted velocity to the wheels, and from the wheels back to a pose."""
+"""From a velocity command to the wheels, and from the wheels' readings to a pose."""

@@ -1,4 +1,4 @@
-"""Two driven wheels on one axle: from the robot's velocity to the wheels' and back."""
+"""Two driven wheels on one axle: from the robot's velocity to the wheels' velocities and back."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robot.geometry import Array, Pose2, Twist2
 
 
 class WheelMultipliers(NamedTuple):
-    """Measured dimensions by described ones (diff_drive_controller's ``*_multiplier``)."""
+    """Ratios of measured to described dimensions (diff_drive_controller's ``*_multiplier``)."""
 
     left_radius: float = 1.0
     right_radius: float = 1.0
@@ -21,8 +21,8 @@ class WheelMultipliers(NamedTuple):
 class DifferentialDrive:
     """Kinematics of rolling without slip (Siegwart et al. 2011, ch. 3.2).
 
-    The floor under a wheel at ``y`` to the left of the robot's origin passes at
-    ``v - omega y``, which the wheel rolls off at ``r`` times its angular velocity.
+    A wheel at ``y`` to the left of the robot's origin moves over the floor at ``v - omega y``.
+    Without slip, this speed is ``r`` times the wheel's angular velocity.
     """
 
     def __init__(self, spec: RobotSpec, multipliers: WheelMultipliers | None = None) -> None:
@@ -30,31 +30,31 @@ class DifferentialDrive:
         self.spec = spec
         self.left, self.right = spec.axle
         self.track = by.separation * spec.track
-        """Distance between the wheels [m], as corrected."""
+        """Corrected distance between the wheels [m]."""
         radii = np.array([joint.radius for joint in spec.joints])
         radii[[self.left, self.right]] *= by.left_radius, by.right_radius
         self.radii = radii
-        """Of the wheels (j,) [m], as corrected."""
+        """Corrected radii of the wheels (j,) [m]."""
         offsets = by.separation * np.array([joint.offset for joint in spec.joints])
         self._limits = np.array([joint.max_velocity for joint in spec.joints])
         self._wheels_from_twist = np.column_stack([1 / radii, -offsets / radii])
         self._twist_from_wheels = np.linalg.inv(self._wheels_from_twist)
 
     def wheels(self, twist: Twist2) -> Array:
-        """Joint velocities (j,) [rad/s] that give a twist."""
+        """Return the joint velocities (j,) [rad/s] that give a twist."""
         velocities: Array = self._wheels_from_twist @ (twist.v, twist.omega)
         return velocities
 
     def twist(self, velocities: Array) -> Twist2:
-        """The twist that joint velocities (j,) [rad/s] give."""
+        """Return the twist that joint velocities (j,) [rad/s] give."""
         v, omega = self._twist_from_wheels @ velocities
         return Twist2(float(v), float(omega))
 
     def moved(self, turned: Array) -> Pose2:
-        """Where the robot is, seen from before, after joints turned by (j,) [rad] evenly."""
+        """Return the new pose in the old robot frame, after joints turned evenly by (j,) [rad]."""
         return self.twist(turned).integrate(1.0)
 
     def limit(self, twist: Twist2) -> Twist2:
-        """The twist slowed down so that no wheel passes its limit, on the same curve."""
+        """Return the twist slowed down on the same curve, so that no wheel exceeds its limit."""
         excess = float(np.max(np.abs(self.wheels(twist)) / self._limits))
         return twist if excess <= 1 else Twist2(twist.v / excess, twist.omega / excess)

@@ -1,6 +1,6 @@
-"""Turns what is asked for into what the robot may do: limits, ramps and a time-out.
+"""Applies limits, ramps and a time-out to velocity commands.
 
-Behaves as ros2_control's diff_drive_controller: speed and acceleration of both axes are limited,
+Behaves like ros2_control's diff_drive_controller: speed and acceleration of both axes are limited,
 and a command that is not renewed ends.
 """
 
@@ -51,7 +51,7 @@ class DriveSettings:
 
     @property
     def multipliers(self) -> WheelMultipliers:
-        """What the described wheels are multiplied by."""
+        """Factors that correct the described wheels."""
         return WheelMultipliers(
             self.left_wheel_radius_multiplier,
             self.right_wheel_radius_multiplier,
@@ -72,25 +72,25 @@ class DriveController:
 
     @property
     def active(self) -> bool:
-        """Whether a command holds or the robot still slows down."""
+        """Whether a command applies or the robot still slows down."""
         return self._wanted != Twist2() or self._applied != Twist2()
 
     def command(self, twist: Twist2, stamp: float) -> None:
-        """Ask for a twist, from now until the time-out."""
+        """Request a twist from ``stamp`` [s] until the time-out."""
         self._wanted = twist
         self._until = stamp + self._settings.cmd_vel_timeout
 
     def stop(self) -> None:
-        """Stand still at once, without a ramp."""
+        """Stop at once, without a ramp."""
         self._wanted = self._applied = Twist2()
 
     def update(self, stamp: float) -> Twist2:
-        """The twist to apply at a stamp [s]."""
+        """Return the twist to apply at a stamp [s]."""
         duration = 0.0 if self._stamp is None else max(stamp - self._stamp, 0.0)
         self._stamp = stamp
-        # Half a microsecond of grace: stamps are sums of floating-point periods.
+        # Half a microsecond of tolerance: stamps are sums of floating-point periods.
         if stamp > self._until - 5e-7:
-            # Nobody drives any more. The time is used up, so there is none left for a ramp.
+            # The command has timed out, so no time is left for a ramp.
             self.stop()
             return self._applied
         limits = self._settings
@@ -119,7 +119,7 @@ def _clamp(value: float, limit: float) -> float:
 
 
 def _ramp(current: float, wanted: float, gain: float, loss: float) -> float:
-    """One step from one speed towards another; slowing down may be quicker than speeding up."""
-    wanted_here = 0.0 if current * wanted < 0 else wanted  # through standstill first
+    """Return the speed one step on; slowing down may be faster than speeding up."""
+    wanted_here = 0.0 if current * wanted < 0 else wanted  # pass through standstill first
     step = gain if abs(wanted_here) > abs(current) else loss
     return current + _clamp(wanted_here - current, step)

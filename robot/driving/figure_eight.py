@@ -28,7 +28,7 @@ class FigureEight:
         return 4 * math.pi * self.radius / self.speed
 
     def twist(self, elapsed: float) -> Twist2:
-        """What to command a time [s] after the start; goes on lap after lap."""
+        """Return the twist to command at a time [s] after the start; the laps repeat."""
         left = (elapsed + self.phase) % self.lap < self.lap / 2
         turning = self.speed / self.radius
         return Twist2(self.speed, turning if left else -turning)

@@ -1,4 +1,4 @@
-"""Odometry: the wheels' turning added up to a pose, with its covariance, remembered by stamp."""
+"""Odometry: integrates wheel readings to poses with covariance, and remembers them by stamp."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ class OdometryState:
     stamp: float
     odom_from_robot: Pose2
     twist: Twist2
-    """Measured by the wheels."""
+    """Twist measured by the wheels."""
     covariance: Array = field(repr=False)
-    """(3, 3) [m, m, rad] in the odom frame; grows with every turn of a wheel."""
+    """(3, 3) [m, m, rad] in the odom frame; it grows with every turn of a wheel."""
 
 
 class Odometry:
-    """Adds up wheel readings and answers where the robot was at a stamp."""
+    """Integrates wheel readings and returns where the robot was at a stamp."""
 
     def __init__(self, drive: DifferentialDrive, settings: OdometrySettings) -> None:
         self.drive = drive
-        """The kinematics that it reckons by."""
+        """The kinematics that the odometry uses."""
         self._settings = settings
         self._positions: Array | None = None
         self._history: deque[OdometryState] = deque()
@@ -56,10 +56,10 @@ class Odometry:
         """Stamp of the first reading."""
 
     def update(self, reading: Reading) -> OdometryState:
-        """Take one reading of the joints.
+        """Add one reading of the joints; return the new state.
 
         Raises:
-            ValueError: the stamp is not later than the one before.
+            ValueError: the stamp is not later than the previous one.
         """
         if self._positions is None:
             self._began = reading.stamp
@@ -75,12 +75,13 @@ class Odometry:
         return state
 
     def at(self, stamp: float) -> OdometryState:
-        """The state at a stamp, interpolated between two readings.
+        """Return the state at a stamp, interpolated between two readings.
 
-        After the last reading it is the last; shortly before the first of all it is the first.
+        After the last reading it is the last state. Up to the setting ``history`` before the very
+        first reading it is the first state.
 
         Raises:
-            LookupError: nothing was read yet, or the stamp is older than what is remembered.
+            LookupError: nothing was read yet, or the stamp is older than the remembered states.
         """
         if not self._history:
             raise LookupError("no wheel reading has come yet")
@@ -98,7 +99,7 @@ class Odometry:
         low, high = self._history[after - 1], self._history[after]
         part = (stamp - low.stamp) / (high.stamp - low.stamp)
         pose = interpolate(low.odom_from_robot, high.odom_from_robot, part)
-        # The twist of a reading is the mean since the one before: that of the later one holds.
+        # A reading's twist is the mean since the previous reading: use the later reading's twist.
         return OdometryState(stamp, pose, high.twist, low.covariance)
 
     def _advance(self, last: OdometryState, reading: Reading, turned: Array) -> OdometryState:
@@ -114,7 +115,7 @@ class Odometry:
         return OdometryState(reading.stamp, last.odom_from_robot @ moved, twist, covariance)
 
     def _spread(self, last: OdometryState, turned: Array, moved: Pose2) -> Array:
-        """Carry the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""
+        """Propagate the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""
         track = self.drive.track
         travel = np.abs(turned) * self.drive.radii
         by_wheel = self._settings.wheel_error * travel

@@ -1,4 +1,4 @@
-"""Edges by place: a ray need only look at those that lie along its way."""
+"""Spatial index of edges: a ray is compared only with the edges along its path."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from robot.fields.edges import bends
 from robot.geometry import Array
 
 FEW = 24
-"""So many edges are looked through faster than cells are walked."""
+"""Up to this many edges, testing all of them is faster than walking through cells."""
 MARGIN = 1e-6
-"""Edges this near a cell (in cells) count as touching it, so that rounding loses none."""
+"""Edges this near to a cell (in cells) count as touching it, so that rounding loses none."""
 
 
 class EdgeIndex(NamedTuple):
-    """Edges and the cells of an even grid that they touch; compiled functions take it as it is."""
+    """Edges and the cells of a regular grid that they touch; compiled functions use it directly."""
 
     edges: Array
     """(n, 4) x0, y0, x1, y1 [m] with the dark side on the left."""
     bends: Array
-    """(n, 2) how far the outline's tangent is turned from each edge at its start and end [rad]."""
+    """(n, 2) angle from each edge to the outline's tangent at the edge's start and end [rad]."""
     starts: NDArray[np.int64]
     """(rows * columns + 1,): cell c is touched by ``items[starts[c]:starts[c + 1]]``."""
     items: NDArray[np.int64]
-    """Numbers of edges, cell by cell, row 0 at the bottom."""
+    """Indices of edges, cell by cell; row 0 is at the bottom."""
     x: float
-    """Left rim of the grid [m]; no edge touches a rim."""
+    """Left border of the grid [m]; no edge touches a border."""
     y: float
-    """Bottom rim of the grid [m]."""
+    """Bottom border of the grid [m]."""
     cell: float
     """Side of a cell [m]."""
     columns: int
@@ -39,10 +39,10 @@ class EdgeIndex(NamedTuple):
 
 
 def index_edges(edges: Array, cell: float | None = None) -> EdgeIndex:
-    """Sort edges (n, 4) [m] by place.
+    """Build the index of edges (n, 4) [m], with cells of a side [m].
 
-    A smaller cell has fewer edges to look at and more cells to walk. Both cost about the same with
-    one to two edges for each cell, which is what is chosen without a side [m] of one's own.
+    With smaller cells, a ray tests fewer edges in each but walks through more cells. Both cost
+    about the same with one to two edges in each cell; the default side aims at that.
 
     Raises:
         ValueError: the edges have another shape, or the side is not a positive number.
@@ -55,7 +55,7 @@ def index_edges(edges: Array, cell: float | None = None) -> EdgeIndex:
     points = edges.reshape(-1, 2) if len(edges) else np.zeros((1, 2))
     low, size = points.min(axis=0), np.ptp(points, axis=0)
     side = _side(size, len(edges)) if cell is None else cell
-    # The rim lies a little outside, where no rounding can make a ray miss an edge upon it.
+    # The border lies a little outside, so that rounding makes no ray miss an edge on it.
     low = low - side / 64
     columns, rows = np.maximum(np.ceil((size + side / 32) / side), 1).astype(int)
     item, cell_number = _touched((edges - np.tile(low, 2)) / side, columns, rows)
@@ -79,20 +79,20 @@ def index_edges(edges: Array, cell: float | None = None) -> EdgeIndex:
 
 
 def _side(size: Array, count: int) -> float:
-    """Side of a cell [m] for so many edges on an area of a size [m]."""
+    """Return the side of a cell [m] for ``count`` edges on an area of ``size`` (2,) [m]."""
     longest = float(size.max())
     if count <= FEW or longest == 0:
         return 2 * longest or 1.0
-    # Edges all along one line have no area; there a cell each is enough.
+    # Edges that all lie along one line have no area; one cell for each edge is enough there.
     return max(1.5 * math.sqrt(float(np.prod(size)) / count), longest / count)
 
 
 def _touched(edges: Array, columns: int, rows: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pairs of an edge and a cell that it touches; the edges (n, 4) are given in cells."""
+    """Return pairs of an edge and a cell that it touches; the edges (n, 4) are given in cells."""
     left, right = np.minimum(edges[:, 0], edges[:, 2]), np.maximum(edges[:, 0], edges[:, 2])
     edge, column = _ranges(_clipped(left - MARGIN, columns), _clipped(right + MARGIN, columns))
     x0, y0, x1, y1 = edges[edge].T
-    # From where to where each edge lies within each column; an upright one lies there whole.
+    # The first and last y of each edge within each column; an upright edge lies there completely.
     width = x1 - x0
     slope = np.divide(y1 - y0, width, out=np.zeros_like(width), where=np.abs(width) > MARGIN)
     begin = y0 + slope * (np.clip(column - MARGIN, left[edge], right[edge]) - x0)
@@ -113,7 +113,7 @@ def _clipped(values: Array, count: int) -> NDArray[np.intp]:
 def _ranges(
     first: NDArray[np.intp], last: NDArray[np.intp]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """All whole numbers from each first to its last: whose they are, and which."""
+    """Return all whole numbers from each first to its last: the pairs' indices, and the numbers."""
     counts = last - first + 1
     owner = np.repeat(np.arange(len(first)), counts)
     rank = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)

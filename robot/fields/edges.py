@@ -1,7 +1,7 @@
 """Edges of dark areas: straight segments with a dark side and a light side.
 
-Edges are arrays (n, 4) of x0, y0, x1, y1 [m]. The dark area lies to the left of the way from the
-first to the second point, so the normal that points to the light side is (dy, -dx) / length.
+Edges are arrays (n, 4) of x0, y0, x1, y1 [m]. From the first point to the second, the dark area is
+on the left. So the normal that points to the light side is (dy, -dx) / length.
 """
 
 from __future__ import annotations
@@ -19,21 +19,21 @@ SHARP = 0.3
 
 
 def lengths(edges: Array) -> Array:
-    """Lengths (n,) [m] of edges (n, 4)."""
+    """Return the lengths (n,) [m] of edges (n, 4)."""
     return np.hypot(edges[:, 2] - edges[:, 0], edges[:, 3] - edges[:, 1])
 
 
 def normals(edges: Array) -> Array:
-    """Unit vectors (n, 2) across edges (n, 4), from the dark side to the light one."""
+    """Return unit vectors (n, 2) across edges (n, 4), from the dark side to the light one."""
     across = np.column_stack([edges[:, 3] - edges[:, 1], edges[:, 0] - edges[:, 2]])
     return across / lengths(edges)[:, None]
 
 
 def sample(edges: Array, step: float) -> tuple[Array, Array]:
-    """Points (m, 2) [m] along edges (n, 4), and the normals (m, 2) of their edges.
+    """Return points (m, 2) [m] along edges (n, 4), and the normals (m, 2) of their edges.
 
-    Each edge is cut into equal parts not longer than the step [m]; the points are their middles,
-    so none lies on a corner and each stands for about the same length.
+    Each edge is cut into equal parts not longer than the step [m]. The points are the middles of
+    the parts, so none lies on a corner, and each represents about the same length.
 
     Raises:
         ValueError: the step is not a positive number.
@@ -50,7 +50,7 @@ def sample(edges: Array, step: float) -> tuple[Array, Array]:
 
 
 def outline(area: shapely.Geometry) -> Array:
-    """The edges (n, 4) around a polygon, or several: the area itself is the dark side."""
+    """Return the edges (n, 4) around one or more polygons; the area itself is the dark side."""
     rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
     points, ring = shapely.get_coordinates(rings, return_index=True)
     if len(points) < 2:
@@ -60,13 +60,13 @@ def outline(area: shapely.Geometry) -> Array:
 
 
 def cell_outline(dark: NDArray[np.bool_]) -> Array:
-    """The edges (n, 4) around the dark cells (h, w) of a grid, in cells.
+    """Return the edges (n, 4), in cells, around the dark cells (h, w) of a grid.
 
-    Cell (row, column) covers column to column + 1 in x and row to row + 1 in y. What lies outside
+    Cell (row, column) covers column to column + 1 in x and row to row + 1 in y. The area outside
     the grid counts as light. Edges of neighbouring cells are merged into runs.
     """
     padded = np.pad(dark, 1).astype(np.int8)
-    # +1 where the cell beyond the line is dark and the one before it is light; -1 the other way.
+    # +1 where the cell after the line is dark and the one before is light; -1 for the reverse.
     line, start, end, sign = _runs(np.diff(padded, axis=0)[:, 1:-1])
     lying = _directed(sign > 0, (start, line), (end, line))
     line, start, end, sign = _runs(np.diff(padded, axis=1)[1:-1].T)
@@ -78,14 +78,14 @@ _Points = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def _directed(forward: NDArray[np.bool_], low: _Points, high: _Points) -> Array:
-    """Edges (n, 4) from the low to the high end where forward, else from high to low."""
+    """Return edges (n, 4) from the low to the high end where forward, else from high to low."""
     edges = np.column_stack([*low, *high]).astype(np.float64)
     edges[~forward] = edges[~forward][:, [2, 3, 0, 1]]
     return edges
 
 
 def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
-    """Runs of equal non-zero values along the rows: row, first, last + 1 and value, each (n,)."""
+    """Return runs of equal non-zero values in the rows: row, first, last + 1, value, each (n,)."""
     padded = np.pad(steps, ((0, 0), (1, 1)))
     change = np.diff(padded, axis=1) != 0
     row, start = np.nonzero(change[:, :-1] & (steps != 0))
@@ -94,13 +94,13 @@ def _runs(steps: NDArray[np.int8]) -> tuple[NDArray[Any], ...]:
 
 
 def followers(edges: Array) -> NDArray[np.intp]:
-    """Which of edges (n, 4) goes on where each ends (n,); -1 if none does."""
+    """Return, for each of edges (n, 4), the edge (n,) that begins at its end; -1 if none does."""
     first = {tuple(np.round(edge[:2], 6)): place for place, edge in enumerate(edges)}
     return np.array([first.get(tuple(np.round(edge[2:], 6)), -1) for edge in edges], dtype=np.intp)
 
 
 def _joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-    """Where outlines bend smoothly: edges (m,), their followers (m,), and the turns (m,) [rad]."""
+    """Return the smooth joints of outlines: edges (m,), their followers (m,), turns (m,) [rad]."""
     after = followers(edges)
     before = np.flatnonzero(after >= 0)
     after = after[before]
@@ -111,7 +111,7 @@ def _joints(edges: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
 
 
 def sharp_ends(edges: Array) -> NDArray[np.bool_]:
-    """Whether edges (n, 4) end, or the outline turns sharply, at their start and end (n, 2)."""
+    """Return (n, 2) whether the outline ends, or turns sharply, at each edge's start and end."""
     before, after, _ = _joints(edges)
     sharp = np.ones((len(edges), 2), dtype=bool)
     sharp[before, 1] = sharp[after, 0] = False
@@ -119,9 +119,10 @@ def sharp_ends(edges: Array) -> NDArray[np.bool_]:
 
 
 def bends(edges: Array) -> Array:
-    """How far an outline's tangent is turned from its edges (n, 4) at start and end (n, 2) [rad].
+    """Return the angles (n, 2) [rad] from edges (n, 4) to the outline's tangent at start and end.
 
-    Edges of a curve are its chords: half of each joint's turn is theirs. Sharp ends have none.
+    The edges of a curve are its chords: each takes half of the turn at its joints. At a sharp end
+    the angle is zero.
     """
     before, after, turns = _joints(edges)
     turned = np.zeros((len(edges), 2))

@@ -1,4 +1,4 @@
-"""The field: the floor that the robot drives on, and what of it the robot knows."""
+"""The field: the floor that the robot drives on, and the robot's map of it."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ _LIGHT = 128
 """Grey level from which on floor counts as light."""
 
 _LEAST_LIGHT = 0.1
-"""Less light floor than this, as a share of its bounding box, and tape encloses nothing."""
+"""Tape encloses nothing if less than this share of its bounding box is light floor."""
 
 _MAX_SEARCH_CELLS = 1_000_000
 
 
 class FieldError(ValueError):
-    """A field that cannot be used, or a place that is not on it; the message says what is."""
+    """A field that cannot be used, or a pose that is not on it; the message says what is valid."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class Field:
     edges: Array = field(repr=False)
     """(n, 4) x0, y0, x1, y1 [m] in the map frame; the dark side is to the left (``edges``)."""
     tape_width: float | None
-    """Width of the tape [m]; None if the field is no tape."""
+    """Width of the tape [m]; None if the field is not of tape."""
     start: Pose2
-    """Where the robot starts, in the map frame."""
+    """Start pose of the robot in the map frame."""
     grid: OccupancyGrid | None = field(default=None, repr=False)
-    """The ROS map that the field comes from; None if it is tape."""
+    """The ROS map that the field comes from; None if the field is of tape."""
 
     def __post_init__(self) -> None:
         if self.edges.ndim != 2 or self.edges.shape[1] != 4 or not len(self.edges):
@@ -59,27 +59,27 @@ class Field:
 
     @property
     def normals(self) -> Array:
-        """Unit vectors (n, 2) across the edges, to the light side."""
+        """Unit vectors (n, 2) across the edges, toward the light side."""
         return edge_geometry.normals(self.edges)
 
     @cached_property
     def edge_index(self) -> EdgeIndex:
-        """The edges by place, for casting rays."""
+        """Spatial index of the edges, for casting rays."""
         return index_edges(self.edges)
 
     @cached_property
     def sharp_ends(self) -> NDArray[np.bool_]:
-        """Whether each edge ends, or turns sharply, at its start and at its end (n, 2)."""
+        """(n, 2) whether the outline ends, or turns sharply, at each edge's start and end."""
         return edge_geometry.sharp_ends(self.edges)
 
     @cached_property
     def symmetries(self) -> tuple[Pose2, ...]:
-        """Rotations that carry the edges onto themselves, but for the whole turn."""
+        """Rotations that map the edges onto themselves, except the full turn; () for a ROS map."""
         return symmetries(self.edges) if self.grid is None else ()
 
     @cached_property
     def visibility(self) -> Visibility:
-        """Which parts of the edges the line scanner sees, as it is set by default."""
+        """Which parts of the edges the line scanner sees with its default settings."""
         return visibility(self.edges, self.tape_width)
 
     @property
@@ -88,7 +88,7 @@ class Field:
         return self.floor.extent
 
     def contains(self, pose: Pose2) -> bool:
-        """Whether a pose lies on the floor picture; its heading may be anything finite."""
+        """Return whether a pose lies on the floor picture; its heading may be any finite number."""
         xmin, ymin, xmax, ymax = self.extent
         on_floor = xmin <= pose.x <= xmax and ymin <= pose.y <= ymax
         return on_floor and pose.is_finite()
@@ -97,7 +97,7 @@ class Field:
         """Refuse a pose that is not on the field.
 
         Raises:
-            FieldError: names the place and where the field lies.
+            FieldError: the pose is outside; the message names it and the limits of the field.
         """
         if not self.contains(pose):
             xmin, ymin, xmax, ymax = self.extent
@@ -107,33 +107,33 @@ class Field:
             )
 
     def require_free(self) -> None:
-        """Refuse a field on which no robot could be.
+        """Refuse a field without room for a robot.
 
         Raises:
-            FieldError: it has no light floor.
+            FieldError: the field has no free floor.
         """
         _ = self._free_cells
 
     def occupancy(self, resolution: float) -> OccupancyGrid:
-        """The field as cells of a side [m], over the whole floor; row 0 at the bottom.
+        """Return the whole floor as cells of a side [m]; row 0 is at the bottom.
 
-        Tape: 100 where it covers at least half of a cell, else 0. A field from a ROS map: what the
-        map has at the middle of each cell, -1 beyond it.
+        Of tape, a cell is 100 where tape covers at least half of it, else 0. Of a ROS map, a cell
+        has the map's value at the cell's centre, and -1 beyond the map.
 
         Raises:
-            FieldError: the resolution is no positive number, or asks for too many cells.
+            FieldError: the resolution is not a positive number, or gives too many cells.
         """
         xmin, ymin, xmax, ymax = self.extent
         if not 0 < resolution < math.inf:
             raise FieldError(f"the resolution is {resolution} m; valid is more than 0")
-        # A floor of whole cells must not get one more from rounding.
+        # Rounding must not add a cell to a floor of whole cells.
         width = max(1, math.ceil((xmax - xmin) / resolution - 1e-6))
         height = max(1, math.ceil((ymax - ymin) / resolution - 1e-6))
         if width * height > MAX_CELLS:
             raise FieldError(f"{width} x {height} cells are too many; valid are {MAX_CELLS}")
         if self.grid is None:
             in_cells = (self.edges - np.tile([xmin, ymin], 2)) / resolution
-            # Tape that ends in the middle of cells must not be ragged by rounding.
+            # Rounding must not make tape ragged that ends in the middle of cells.
             cells = np.where(coverage(in_cells, (height, width)) > 0.5 - 1e-6, 100, 0)
         else:
             rows, columns = np.mgrid[:height, :width] + 0.5
@@ -142,9 +142,9 @@ class Field:
         return OccupancyGrid(cells.astype(np.int8), resolution, Pose2(xmin, ymin))
 
     def free_poses(self, rng: np.random.Generator, count: int) -> Array:
-        """Poses (count, 3) drawn evenly from where a robot may be, with any heading.
+        """Draw poses (count, 3) uniformly from the free floor, with any heading.
 
-        That is: light floor within ``roamed``, or the free cells of a ROS map.
+        The free floor is the light floor within ``roamed``, or the free cells of a ROS map.
         """
         origin, side, cells = self._free_cells
         chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
@@ -153,9 +153,10 @@ class Field:
 
     @cached_property
     def roamed(self) -> Extent:
-        """Where robots drive, as xmin, ymin, xmax, ymax [m]: the bounding box of the tape.
+        """The area where robots drive, as xmin, ymin, xmax, ymax [m]: the tape's bounding box.
 
-        The whole floor, if next to nothing but tape is in the box: robots drive beside a line.
+        If the box holds almost nothing but tape, it is the whole floor: robots then drive beside a
+        line.
         """
         box = self._tape_box
         if self.grid is None and self._light_cells(box).free.mean() < _LEAST_LIGHT:
@@ -170,7 +171,7 @@ class Field:
 
     @cached_property
     def _free_cells(self) -> tuple[Pose2, float, NDArray[np.float64]]:
-        """Free cells (n, 2) as column and row, with their side [m] and the grid's origin."""
+        """The grid's origin, the side of a cell [m], and free cells (n, 2) as column and row."""
         grid = self.grid or self._light_cells(self.roamed)
         free = np.argwhere(grid.free)[:, ::-1].astype(np.float64)
         if not len(free):
@@ -178,12 +179,12 @@ class Field:
         return grid.origin, grid.resolution, free
 
     def _light_cells(self, box: Extent) -> OccupancyGrid:
-        """Light floor within a box, in cells of a few millimetres."""
+        """Return the light floor within a box, in cells of a few millimetres."""
         low = np.array(box[:2])
         size = np.array(box[2:]) - low
         side = max(self.floor.resolution, math.sqrt(size[0] * size[1] / _MAX_SEARCH_CELLS))
         width, height = np.maximum(np.round(size / side), 1).astype(int)
-        # Pixels of the cells' picture, row 0 at its bottom, as places in the floor picture.
+        # Transform from pixels of the cells' picture, row 0 at its bottom, to the floor picture.
         pixel = self.floor.pixel_from_map
         step = pixel[:, :2] * side
         place = np.column_stack([step, pixel[:, :2] @ low + pixel[:, 2] + step.sum(axis=1) / 2])

@@ -1,4 +1,4 @@
-"""Finding a field by its name or its file."""
+"""Loads a field by its name or its file."""
 
 from __future__ import annotations
 
@@ -16,12 +16,13 @@ GENERATED = "generated-0 to generated-4294967295, or an .svg or .yaml file"
 def load_field(name: str, maps: Path) -> Field:
     """Load a field by the name of a drawing in the folder ``maps``, or from an SVG or YAML file.
 
-    A bare name (``square``) is a drawing of the folder; whatever has an ending or a folder is a
-    file. ``generated-17`` is the field that is generated from the seed 17, wherever drawings are.
-    A ROS map's field has the name of its YAML file.
+    A bare name (``square``) is a drawing of the folder; a name with an ending or a folder is a
+    file. ``generated-17`` is the field that is generated from the seed 17, for any ``maps``. A ROS
+    map's field has the name of its YAML file.
 
     Raises:
-        FieldError: there is no such field (the names available are listed) or its file is no use.
+        FieldError: there is no such field (the message lists the available names), or its file
+            cannot be used.
     """
     seed = generated_seed(name)
     if seed is not None:
@@ -41,7 +42,7 @@ def load_field(name: str, maps: Path) -> Field:
 
 
 def field_names(maps: Path) -> list[str]:
-    """The names of the drawings in a folder, sorted."""
+    """Return the names of the drawings in a folder, sorted."""
     return sorted(path.stem for path in maps.glob("*.svg"))
 
 

@@ -1,6 +1,7 @@
-"""What the floor looks like from above: the picture that a simulated camera looks at.
+"""Picture of the floor from above: what a simulated camera looks at.
 
-Clean grey areas with anti-aliased edges; texture, light and noise are added where it is seen.
+It has clean grey areas with anti-aliased edges; texture, light and noise are added where it is
+seen.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from robot.fields.edges import outline
 from robot.geometry import Array
 
 FINEST_M = 0.001
-"""Size of a pixel where the field is not too large for it [m]."""
+"""Size of a pixel [m], unless the field is too large for it."""
 
 MAX_PIXELS = 16_000_000
 
@@ -32,11 +33,11 @@ Extent = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class FloorPicture:
-    """The floor from above, its rows along -y of the map: row 0 is at the top, at ymax.
+    """The floor from above; its rows run along -y of the map: row 0 is at the top, at ymax.
 
     Pixel (row, column) shows the square from xmin + column * resolution to one resolution further
     right, and from ymax - row * resolution to one further down. Its **centre** therefore lies half
-    a pixel inside that corner, and has the whole coordinates (column, row) in OpenCV's convention.
+    a pixel inside that corner, and has integer coordinates (column, row) in OpenCV's convention.
     """
 
     image: NDArray[np.uint8] = field(repr=False)
@@ -58,13 +59,13 @@ class FloorPicture:
 
     @property
     def pixel_from_map(self) -> Array:
-        """(2, 3) affine transform from the map [m] to pixels (column, row) as OpenCV has them."""
+        """(2, 3) affine transform from the map [m] to pixels (column, row), OpenCV's convention."""
         scale = 1 / self.resolution
         xmin, _, _, ymax = self.extent
         return np.array([[scale, 0, -xmin * scale - 0.5], [0, -scale, ymax * scale - 0.5]])
 
     def scaled(self, factor: float) -> FloorPicture:
-        """The same picture of a floor that is larger by a factor, about the map's origin."""
+        """Return the same picture for a floor enlarged by a factor about the map's origin."""
         if factor == 1:
             return self
         xmin, ymin, xmax, ymax = (factor * side for side in self.extent)
@@ -72,14 +73,14 @@ class FloorPicture:
 
     @cached_property
     def border(self) -> int:
-        """The commonest grey level along the picture's rim: what to show outside it."""
+        """The most frequent grey level along the picture's border, to be shown outside it."""
         rim = [self.image[0], self.image[-1], self.image[:, 0], self.image[:, -1]]
         return int(np.bincount(np.concatenate(rim)).argmax())
 
     def grey_at(self, points: Array) -> NDArray[np.uint8]:
-        """Grey levels (n,) of the pixels that points (n, 2) [m] of the map lie in.
+        """Return the grey levels (n,) of the pixels that contain points (n, 2) [m] of the map.
 
-        Points outside the picture get the tone of its border.
+        Points outside the picture get the grey level of its border.
         """
         column, row = np.floor(points @ self.pixel_from_map[:, :2].T + self._corner).T
         height, width = self.image.shape
@@ -104,18 +105,18 @@ class Layer:
     grey: float
     """0 to 255."""
     alpha: float = 1.0
-    """0 (nothing to see) to 1 (covers what is below)."""
+    """0 (invisible) to 1 (covers what is below)."""
 
 
 def finest_resolution(width: float, height: float) -> float:
-    """Side of a pixel [m] for a floor of a width and height [m]: 1 mm, coarser if it is large."""
+    """Return a pixel's side [m] for a floor's width and height [m]: 1 mm, more on large floors."""
     return max(FINEST_M, math.sqrt(width * height / MAX_PIXELS))
 
 
 def paint(extent: Extent, layers: Sequence[Layer]) -> FloorPicture:
     """Paint layers onto paper, first to last; each pixel gets the mean over its area.
 
-    Only whole pixels are kept: the picture may end up to a pixel before the extent's right and
+    Only whole pixels are kept, so the picture may end up to one pixel before the extent's right and
     lower border.
     """
     xmin, ymin, xmax, ymax = extent
@@ -132,7 +133,7 @@ def paint(extent: Extent, layers: Sequence[Layer]) -> FloorPicture:
 
 
 def _joined(layers: Sequence[Layer]) -> list[Layer]:
-    """Unite neighbouring coats of the same paint, or else a seam would show where they touch."""
+    """Unite successive layers of the same paint: otherwise a seam would show where they touch."""
     joined: list[list[Layer]] = []
     for layer in layers:
         if joined and (layer.grey, layer.alpha) == (joined[-1][0].grey, joined[-1][0].alpha):

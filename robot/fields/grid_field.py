@@ -1,4 +1,4 @@
-"""A field from a ROS map: walls in place of tape."""
+"""A field from a ROS map: walls instead of tape."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from robot.fields.grid_map import OCCUPIED, UNKNOWN, OccupancyGrid
 from robot.geometry import Array, Pose2, heading_vectors
 
 _TONES = np.concatenate([np.rint(np.linspace(254, 0, OCCUPIED + 1)), [205]]).astype(np.uint8)
-"""Grey level by value, 0 to 100 and then -1; as map_server saves free, occupied and unknown."""
+"""Grey level by value, 0 to 100 and then -1, as map_server saves free, occupied and unknown."""
 
 
 def field_from_grid(grid: OccupancyGrid, name: str) -> Field:
-    """The field whose dark areas are the occupied cells (65 or more) of a map.
+    """Return the field whose dark areas are the occupied cells (65 or more) of a map.
 
     Edges are where an occupied cell meets one that is not, or the end of the map. The start is the
-    free place furthest from anything else, heading along the map's own rows.
+    free cell farthest from all that is not free, heading along the map's own rows.
 
     Raises:
-        FieldError: no cell is occupied, or none free.
+        FieldError: no cell is occupied, or no cell is free.
     """
     edges = cell_outline(grid.occupied) * grid.resolution
     if not len(edges):
@@ -51,7 +51,7 @@ def _roomiest(grid: OccupancyGrid) -> Pose2:
 
 
 def _floor(grid: OccupancyGrid) -> FloorPicture:
-    """The map as a picture along the map frame's axes; around a turned map it is unknown."""
+    """Return the map as a picture along the map frame's axes; unknown around a turned map."""
     xmin, ymin, xmax, ymax = _extent(grid)
     resolution = finest_resolution(xmax - xmin, ymax - ymin)
     width = max(1, math.floor((xmax - xmin) / resolution + 1e-6))
@@ -71,7 +71,7 @@ def _floor(grid: OccupancyGrid) -> FloorPicture:
 
 
 def _extent(grid: OccupancyGrid) -> Extent:
-    """The box along the map's axes around all cells."""
+    """Return the box around all cells, along the map frame's axes."""
     height, width = grid.data.shape
     corners = np.array([[0, 0], [width, 0], [0, height], [width, height]], dtype=np.float64)
     places = grid.origin.apply(corners * grid.resolution)
@@ -80,9 +80,9 @@ def _extent(grid: OccupancyGrid) -> Extent:
 
 
 def _shrunk(tones: NDArray[np.uint8], cell: float, pixel: float) -> tuple[NDArray[np.uint8], Array]:
-    """Tones of cells no finer than the pixels they are shown by, and their sides (2,) [m].
+    """Return tones of cells that are no finer than the pixels, and the cells' sides (2,) [m].
 
-    Else thin walls would fall between the pixels.
+    With finer cells, thin walls would fall between the pixels.
     """
     height, width = tones.shape
     size = [max(1, round(side * min(1.0, cell / pixel))) for side in (width, height)]
@@ -93,7 +93,10 @@ def _shrunk(tones: NDArray[np.uint8], cell: float, pixel: float) -> tuple[NDArra
 
 
 def _cell_from_pixel(origin: Pose2, cell: Array, pixel_from_map: Array) -> Array:
-    """(2, 3): from pixels of the floor picture to cells, both with whole numbers in the middle."""
+    """Return the transform (2, 3) from pixels of the floor picture to cells.
+
+    Both have integer coordinates at their centres.
+    """
     along_x, along_y = heading_vectors(np.array([origin.theta, origin.theta + math.pi / 2]))
     map_from_cell = np.column_stack([along_x * cell[0], along_y * cell[1], (origin.x, origin.y)])
     map_from_cell[:, 2] += map_from_cell[:, :2] @ (0.5, 0.5)

@@ -1,7 +1,7 @@
-"""Occupancy grids, and ROS's files of them: map_server's YAML beside a picture.
+"""Occupancy grids and their ROS files: map_server's YAML with a picture.
 
-What a pixel means is what nav2's map_server makes of it (nav2_map_server, ``map_io``), mode by
-mode; so a map looks the same here as in the robot it was made for.
+A pixel means the same as in nav2's map_server (nav2_map_server, ``map_io``), mode by mode. So a map
+is the same here as on the robot that it was made for.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ RESOLUTION_M = (1e-4, 100.0)
 """Smallest and largest cell [m]."""
 
 FAR_M = 1e6
-"""An origin further away than this is a mistake [m]."""
+"""An origin farther away is a mistake [m]."""
 
 Cells = NDArray[np.int8]
 
 
 @dataclass(frozen=True)
 class OccupancyGrid:
-    """Cells that are free, occupied or unknown, as nav_msgs/OccupancyGrid has them."""
+    """Cells that are free, occupied or unknown, as in nav_msgs/OccupancyGrid."""
 
     data: Cells = field(repr=False)
     """(h, w), read-only: -1 unknown, else 0 (free) to 100 (occupied). Row 0 is at the bottom."""
@@ -66,7 +66,7 @@ class OccupancyGrid:
         return (self.data >= FREE) & (self.data <= 25)
 
     def values_at(self, points: Array) -> Cells:
-        """Values (n,) of the cells that points (n, 2) [m] of the map lie in; -1 beyond the grid."""
+        """Return the values (n,) of the cells at points (n, 2) [m] of the map; -1 off the grid."""
         column, row = np.floor(self.origin.inverse().apply(points) / self.resolution).T
         height, width = self.data.shape
         inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
@@ -77,16 +77,16 @@ class OccupancyGrid:
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """How the brightness of a pixel becomes a cell."""
+    """How the brightness of a pixel is converted to a cell."""
 
     mode: str = "trinary"
-    """trinary: occupied, free or unknown; scale: also what is between; raw: the value itself."""
+    """trinary: occupied, free or unknown; scale: also values between; raw: the value itself."""
     negate: bool = False
     """Whether white is occupied, instead of black."""
     occupied_thresh: float = 0.65
-    """Occupied from this share of darkness on, 0 to 1."""
+    """A pixel is occupied above this share of darkness, 0 to 1."""
     free_thresh: float = 0.196
-    """Free below this share of darkness, 0 to 1; grey 205 (0.1961) is just not free."""
+    """A pixel is free below this share of darkness, 0 to 1; grey 205 (0.1961) is just not free."""
 
     def __post_init__(self) -> None:
         if self.mode not in MODES:
@@ -99,7 +99,7 @@ class Meaning:
                 raise MapError(f"{name} is {value}; valid is 0 to 1")
 
     def cells(self, shade: Array) -> Cells:
-        """Cells (n,) of pixels with a shade (n,) from 0 (black) to 1 (white), all opaque."""
+        """Return the cells (n,) of opaque pixels with shades (n,) from 0 (black) to 1 (white)."""
         if self.mode == "raw":
             value = np.floor(shade * 255 + 0.5)
             return np.where(value <= OCCUPIED, value, UNKNOWN).astype(np.int8)
@@ -116,7 +116,7 @@ def load_map_yaml(path: Path) -> OccupancyGrid:
     """Read a map from map_server's YAML and the picture that it names.
 
     Raises:
-        MapError: a file is absent, broken or absurd; one line names the file and what is valid.
+        MapError: a file is missing, broken or absurd; one line names the file and what is valid.
     """
     try:
         content = read_map_yaml(path)
@@ -138,13 +138,15 @@ def load_map_yaml(path: Path) -> OccupancyGrid:
 def save_map_yaml(
     grid: OccupancyGrid, path: Path, meaning: Meaning | None = None, picture: str = ""
 ) -> None:
-    """Write a map as map_server does: a YAML file, and a picture of the same name beside it.
+    """Write a map as map_server does: a YAML file, and a picture with the same name beside it.
 
-    The picture's kind is pgm or png; by default png for the mode scale, which needs transparency
-    for unknown cells, and else pgm. Only raw keeps every value; trinary keeps -1, 0 and 100.
+    The picture's kind is pgm or png. The default is png for the mode scale, which needs
+    transparency for unknown cells, and otherwise pgm. Only raw keeps every value; trinary keeps -1,
+    0 and 100.
 
     Raises:
-        MapError: the kind of picture is unknown, unfit for the mode, or cannot be written.
+        MapError: the kind of picture is unknown, unfit for the mode, or cannot be written; or the
+            meaning has ``negate`` or thresholds in the wrong order.
     """
     meaning = meaning or Meaning()
     picture = picture or ("png" if meaning.mode == "scale" else "pgm")
@@ -170,10 +172,10 @@ def save_map_yaml(
 
 
 def _cells(picture: Picture, meaning: Meaning) -> Cells:
-    """Cells (h, w) of a picture, row 0 at its top.
+    """Return the cells (h, w) of a picture, row 0 at its top.
 
-    A pixel's shade is the mean of its channels, in trinary with alpha as one of them. There are
-    few possible sums of channels, so each is looked at once.
+    A pixel's shade is the mean of its channels; in the mode trinary, alpha is one of them. The sum
+    of channels has few possible values, so each value is converted only once.
     """
     channels = (
         [picture.colour] if picture.colour.ndim == 2 else list(np.moveaxis(picture.colour, 2, 0))
@@ -192,7 +194,7 @@ def _cells(picture: Picture, meaning: Meaning) -> Cells:
 
 
 def _unknown_tone(meaning: Meaning) -> int:
-    """The grey level of unknown cells: 205 as everywhere, unless that would be read as another."""
+    """Return the grey level of unknown cells: the usual 205, unless it would be read otherwise."""
     customary = 205
     if meaning.free_thresh <= 1 - customary / 255 <= meaning.occupied_thresh:
         return customary
@@ -200,7 +202,7 @@ def _unknown_tone(meaning: Meaning) -> int:
 
 
 def _pixels(grid: OccupancyGrid, meaning: Meaning) -> NDArray[np.uint8]:
-    """The picture of a grid: grey (h, w), or for scale with transparency (h, w, 4)."""
+    """Return the picture of a grid: grey (h, w), or with transparency (h, w, 4) for scale."""
     value = np.arange(UNKNOWN, OCCUPIED + 1)
     if meaning.mode == "raw":
         tone = np.where(value == UNKNOWN, 255, value)

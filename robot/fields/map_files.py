@@ -1,6 +1,6 @@
-"""Reading the two files of a ROS map, which may be anything: the YAML and the picture.
+"""Reads the two files of a ROS map, the YAML and the picture, which may contain anything.
 
-Nothing is believed before it is small: sizes are read from headers, and only then decoded.
+Sizes are read from headers and checked before anything is decoded.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ MAX_YAML_BYTES = 64 << 10
 MAX_PICTURE_BYTES = 256 << 20
 MAX_PIXELS = 64_000_000
 MAX_SIDE = 32_000
-"""Pixels of a side: OpenCV's transforms take no more."""
+"""Largest side [px]: OpenCV's transforms take no more."""
 
 
 class MapError(ValueError):
-    """A map that cannot be used; the message says what would be valid."""
+    """A map that cannot be used; the message says what is valid."""
 
 
 @dataclass(frozen=True, slots=True)
 class MapYaml:
-    """The keys of a map's YAML, still as text: so ``1e-2`` is a number, as yaml-cpp has it."""
+    """The keys of a map's YAML, still as text: so ``1e-2`` is a number, as in yaml-cpp."""
 
     content: dict[str, Any]
 
     def text(self, key: str, default: str | None = None) -> str:
-        """A text that is not empty."""
+        """Return a text that is not empty."""
         value = self.content.get(key, default)
         if value is None:
             raise MapError(f"the key {key} is missing")
@@ -43,18 +43,18 @@ class MapYaml:
         return value
 
     def number(self, key: str) -> float:
-        """A finite number."""
+        """Return a finite number."""
         return _number(key, self.text(key))
 
     def numbers(self, key: str, count: int) -> list[float]:
-        """A list of so many finite numbers."""
+        """Return a list of ``count`` finite numbers."""
         values = self.content.get(key)
         if not isinstance(values, list) or len(values) != count:
             raise MapError(f"{key} is {_shown(values)}; valid is a list of {count} numbers")
         return [_number(key, value) for value in values]
 
     def flag(self, key: str) -> bool:
-        """A truth value, or a whole number: 0 is false."""
+        """Return a truth value, which may be written as a whole number: 0 is false."""
         value = self.text(key)
         if re.fullmatch(r"[+-]?\d{1,9}", value):
             return int(value) != 0
@@ -70,16 +70,16 @@ class Picture:
     colour: NDArray[np.uint8 | np.uint16] = field(repr=False)
     """(h, w) grey or (h, w, 3); row 0 at the top."""
     alpha: NDArray[np.uint8 | np.uint16] | None = field(repr=False)
-    """(h, w), white where opaque; None if the picture knows no transparency."""
+    """(h, w), ``white`` where opaque; None if the picture has no transparency."""
     white: int
-    """The brightest value that there can be."""
+    """The brightest possible value."""
 
 
 def read_map_yaml(path: Path) -> MapYaml:
-    """Read a map's YAML, without looking at the meaning of its keys.
+    """Read a map's YAML, without interpreting its keys.
 
     Raises:
-        MapError: there is no such file, or it is no mapping in YAML.
+        MapError: there is no such file, or it is not a mapping in YAML.
     """
     try:
         content = yaml.load(_read(path, MAX_YAML_BYTES), yaml.BaseLoader)
@@ -94,10 +94,10 @@ def read_map_yaml(path: Path) -> MapYaml:
 
 
 def read_picture(path: Path) -> Picture:
-    """Read a PGM, PPM, PNG or BMP, told apart by what is in it rather than by its name.
+    """Read a PGM, PPM, PNG or BMP; the content decides the kind, not the name.
 
     Raises:
-        MapError: there is no such file, it is of another kind, too large or damaged.
+        MapError: there is no such file, or it is of another kind, too large or damaged.
     """
     try:
         data = _read(path, MAX_PICTURE_BYTES)
@@ -129,7 +129,7 @@ def _read(path: Path, limit: int) -> bytes:
 
 
 def _number(key: str, value: object) -> float:
-    # What is no number in YAML (hexadecimal, underscores, inf) is none here.
+    # Only decimal numbers are valid here, not hexadecimal ones, underscores or inf.
     if not isinstance(value, str) or not re.fullmatch(r"[+-]?[\d.]+(?:[eE][+-]?\d{1,3})?", value):
         raise MapError(f"{key} is {_shown(value)}; valid is a finite number")
     try:
@@ -159,9 +159,9 @@ def _check_size(width: int, height: int) -> None:
 
 
 def _read_netpbm(data: bytes) -> Picture:
-    """A grey map (P5, P2) or a colour one (P6, P3), binary or in digits.
+    """Read a grey map (P5, P2) or a colour map (P6, P3), binary or in digits.
 
-    OpenCV would lose its brightest value.
+    OpenCV would lose the file's brightest value.
     """
     gap = rb"(?:\s|#[^\n\r]*[\n\r])+"
     header = re.match(rb"P([2356])" + 3 * (gap + rb"(\d{1,9})") + rb"\s", data)
@@ -183,7 +183,7 @@ def _read_netpbm(data: bytes) -> Picture:
 
 
 def _digits(data: bytes) -> bytes:
-    """Numbers in digits as big-endian 16-bit numbers."""
+    """Convert numbers in digits to big-endian 16-bit numbers."""
     try:
         return np.array(data.split(), dtype=np.int64).astype(">u2").tobytes()
     except ValueError as error:
@@ -201,7 +201,7 @@ def _decode(data: bytes) -> Picture:
     if image.ndim == 2:
         return Picture(image, None, white)
     alpha = image[:, :, 3] if image.shape[2] == 4 else None
-    # A BMP's fourth byte is mostly not alpha but nothing, and then it is 0 throughout.
+    # A BMP's fourth byte is usually unused instead of alpha, and then it is 0 throughout.
     if alpha is not None and data.startswith(b"BM") and not alpha.any():
         alpha = None
     return Picture(image[:, :, :3], alpha, white)

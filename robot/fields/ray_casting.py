@@ -12,17 +12,17 @@ from robot.fields.edge_index import EdgeIndex
 from robot.geometry import Array
 
 TINY = 1e-200
-"""Stands for zero where it is divided by."""
+"""Replaces zero in a divisor."""
 
 
 @njit(cache=True, nogil=True)
 def cast_ray(
     x: float, y: float, heading: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
-    """Distance [m] to the first edge that is met from its light side, and the edge's number.
+    """Return the distance [m] to the first edge met from its light side, and the edge's number.
 
-    Beyond the range, and where nothing is met, that is (+inf, -1). Of edges at the same distance
-    it is the one with the smallest number.
+    If no edge is met within the range, the result is (+inf, -1). Of edges at the same distance, it
+    is the one with the smallest number.
 
     Args:
         x: start of the ray [m].
@@ -51,7 +51,7 @@ def cast_rays(
 def cast_toward(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
-    """As ``cast_ray``, along a unit vector."""
+    """Do the same as ``cast_ray``, along a unit vector (dx, dy)."""
     if index.columns * index.rows == 1:
         edges, items = index.edges, index.items
         nearest, met = _nearest_of(x, y, dx, dy, edges, items, 0, len(items), range_max, -1)
@@ -62,10 +62,10 @@ def cast_toward(
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def tangent_at(x: float, y: float, edge: int, index: EdgeIndex) -> tuple[float, float]:
-    """The outline's tangent at a point of an edge, as long as the edge [m].
+    """Return the outline's tangent at a point of an edge, about as long as the edge [m].
 
-    Between the chords of a curve it turns evenly: by the chords alone, to move along a curve would
-    seem to change ranges.
+    On the chords of a curve the tangent turns evenly. With the directions of the chords alone, a
+    motion along a curve would seem to change ranges.
     """
     edges, bends = index.edges, index.bends
     ex, ey = edges[edge, 2] - edges[edge, 0], edges[edge, 3] - edges[edge, 1]
@@ -81,13 +81,14 @@ def tangent_at(x: float, y: float, edge: int, index: EdgeIndex) -> tuple[float, 
 def _walk(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
-    """Look from cell to cell (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).
+    """Search cell by cell (Amanatides and Woo, A Fast Voxel Traversal Algorithm, 1987).
 
-    It is over when the nearest edge met so far lies no farther than where the ray leaves the cell.
+    The search ends when the nearest edge met so far is no farther than the end of the ray's path
+    through the cell.
     """
     nearest, met = range_max, -1
     cell, columns, rows = index.cell, index.columns, index.rows
-    # Never zero, so that a border along the ray is merely very far.
+    # The divisor is never zero: a cell border that is parallel to the ray is merely very far.
     per_x, per_y = 1.0 / (dx or TINY), 1.0 / (dy or TINY)
     left, bottom = index.x - x, index.y - y
     enter = _enter(left, bottom, per_x, per_y, columns * cell, rows * cell)
@@ -127,13 +128,13 @@ def _nearest_of(
     nearest: float,
     met: int,
 ) -> tuple[float, int]:
-    """The nearest of the one met so far and the edges ``items[first:last]``."""
+    """Return the nearest of the edge met so far and the edges ``items[first:last]``."""
     for k in range(first, last):
         number = items[k]
         x0, y0 = edges[number, 0] - x, edges[number, 1] - y
         x1, y1 = edges[number, 2] - x, edges[number, 3] - y
-        # The edge is met where its ends lie on either side. An end that two edges share lies on
-        # the same side for both, whatever the rounding: no ray slips through between them.
+        # An edge is met if its ends lie on different sides of the ray. An end that two edges share
+        # lies on the same side for both, whatever the rounding: no ray slips through between them.
         side0, side1 = x0 * dy - y0 * dx, x1 * dy - y1 * dx
         if not (side0 <= 0.0 <= side1 and side0 < side1):
             continue
@@ -148,7 +149,7 @@ def _nearest_of(
 def _enter(
     left: float, bottom: float, per_x: float, per_y: float, width: float, height: float
 ) -> float:
-    """How far along a ray the grid begins [m]: 0 from within, +inf if the ray passes it by."""
+    """Return how far along a ray the grid begins [m]: 0 from within, +inf if the ray misses it."""
     if -width <= left <= 0.0 and -height <= bottom <= 0.0:
         return 0.0
     if math.isnan(left + bottom + per_x + per_y):

@@ -1,12 +1,12 @@
 """A field from an SVG drawing: its tape, its floor picture and its start.
 
 The drawing is in millimetres, scaled from its viewBox to its width and height (mm, cm, in, or
-without a unit: mm). Its own (0, 0) is the origin of the map, with x to the right and y **up**,
-while SVG's y points down. Every dark stroke (brightness below a half) is tape: the line, as wide
-as its stroke, with its caps and joins, all united. What is painted light over tape hides it.
+without a unit: mm). Its own (0, 0) is the origin of the map; x points right and y **up**, while
+SVG's y points down. Every dark stroke (brightness below a half) is tape: the line, as wide as its
+stroke, with its caps and joins. All tape is united. Light paint over tape hides it.
 
-Fills belong to the floor picture only: a light one gives the floor its tone, and a **dark one is
-clutter**: seen by the camera, unknown to the edge map.
+Fills belong to the floor picture only. A light fill gives the floor its tone. A **dark fill is
+clutter**: the camera sees it, and the edge map does not contain it.
 
 ``data-start="x y theta"`` (mm, mm, degrees; y up) on the ``<svg>`` is the start pose.
 """
@@ -32,10 +32,10 @@ from robot.fields.floor_picture import Extent, Layer, paint
 from robot.geometry import Array, Pose2
 
 TOLERANCE_MM = 0.08
-"""Curves are flattened this closely, to stay within 0.1 mm after all rounding [mm]."""
+"""Tolerance of flattened curves [mm], so that they stay within 0.1 mm after all rounding."""
 
 MERGED_M = 1e-5
-"""A corner that is closer to the line between its neighbours is none [m]."""
+"""A corner that is closer to the line between its neighbours is removed [m]."""
 
 TAPE_MM = (1.0, 1000.0)
 """Narrowest and widest tape [mm]."""
@@ -45,10 +45,10 @@ _DARK = 127.5
 
 
 def load_svg(path: Path) -> Field:
-    """Read a drawing as a field, named as its file.
+    """Read a drawing as a field with the name of its file.
 
     Raises:
-        FieldError: the file is absent, broken or absurd, or draws no tape; one line says why.
+        FieldError: the file is missing, broken or absurd, or draws no tape; one line says why.
     """
     try:
         return _field(read_svg(path), path.stem)
@@ -88,7 +88,7 @@ class _Coat:
 
     layer: Layer
     width: float | None = None
-    """Of a stroke [m]; a fill has none."""
+    """Width of a stroke [m]; a fill has none."""
 
     @property
     def is_tape(self) -> bool:
@@ -102,7 +102,7 @@ class _Coat:
 
 
 def _coats(page: Page) -> Iterator[_Coat]:
-    """What is painted, in the map frame, in order: of each shape the fill, then the stroke."""
+    """Yield what is painted, in order and in the map frame: each shape's fill, then its stroke."""
     for shape in page.shapes:
         if shape.scale == 0 or not shape.lines:
             continue
@@ -137,7 +137,7 @@ def _layer(area: shapely.Geometry, place: Array, ink: Ink) -> Layer:
 
 
 def _map_from_shape(shape: Shape, origin: tuple[float, float]) -> Array:
-    """(2, 3) affine transform from a shape's units to the map [m]."""
+    """Return the affine transform (2, 3) from a shape's units to the map [m]."""
     place = shape.page_from_shape.copy()
     place[:, 2] -= origin
     place *= [[0.001], [-0.001]]
@@ -145,24 +145,24 @@ def _map_from_shape(shape: Shape, origin: tuple[float, float]) -> Array:
 
 
 def _tape(coats: list[_Coat]) -> shapely.Geometry:
-    """All that is dark tape at the end."""
+    """Return the area of tape that is visible after all coats."""
     tape: shapely.Geometry = shapely.Polygon()
     fresh: list[shapely.Geometry] = []
     for coat in coats:
         if coat.is_tape:
             fresh.append(coat.layer.area)
         elif coat.hides_tape:
-            # Only what is painted after the tape hides it.
+            # Light paint hides only the tape that was painted before it.
             tape = shapely.difference(shapely.union_all([tape, *fresh]), coat.layer.area)
             fresh = []
     return shapely.union_all([tape, *fresh])
 
 
 def _within(tape: shapely.Geometry, extent: Extent) -> shapely.Geometry:
-    """The tape on the floor, its outlines free of corners that are none.
+    """Return the tape on the floor, its outlines without false corners.
 
-    Coordinates are snapped to nanometres: then lines that ran into each other at a rounding error
-    are one, and a ring can begin at its lowest left point, which is a true corner.
+    Coordinates are snapped to nanometres. Then lines that continue each other up to a rounding
+    error are one, and a ring can begin at its lowest left point, which is a true corner.
     """
     on_floor = shapely.intersection(tape, shapely.box(*extent))
     areas = [part for part in shapely.get_parts(on_floor) if part.geom_type == "Polygon"]
@@ -174,7 +174,7 @@ def _within(tape: shapely.Geometry, extent: Extent) -> shapely.Geometry:
 
 
 def _tape_width(coats: list[_Coat]) -> float:
-    """The width of the strokes that cover most floor [m]."""
+    """Return the width of the strokes that cover the largest area of floor [m]."""
     covered: defaultdict[float, float] = defaultdict(float)
     for coat in coats:
         if coat.is_tape and coat.width is not None:

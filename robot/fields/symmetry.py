@@ -1,4 +1,4 @@
-"""Turns that carry a field onto itself: what looks the same from several places cannot be told."""
+"""Rotations that map a field onto itself: poses that look the same cannot be told apart."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from robot.fields.edges import lengths, sample
 from robot.geometry import Array, Pose2
 
 STEP, TOLERANCE = 0.010, 0.008
-"""Edges are compared at points so far apart, which may lie so far off: no more than their half, and
-a little [m]."""
+"""Edges are compared at points STEP apart, which may be off by TOLERANCE [m]: half of STEP and a
+little more."""
 FACING = 0.95
-"""Least cosine between the sides that edges face."""
+"""Smallest cosine between the normals of matching points, and smallest share of such points."""
 FOLDS = (2, 3, 4, 5, 6, 8)
-"""Full turns are cut into so many parts, to be tried."""
+"""The full turn is divided by each of these numbers; all multiples of the parts are tried."""
 
 
 def symmetries(edges: Array) -> tuple[Pose2, ...]:
-    """Every rotation, as a pose in the map, after which edges (n, 4) lie where edges lay.
+    """Return every rotation, as a pose in the map, that maps edges (n, 4) onto themselves.
 
-    Rotations about the edges' centre; none if only a whole turn does it.
+    The rotations are about the edges' centre. There are none if only a full turn does it.
     """
     points, normals = sample(edges, STEP)
     weights = lengths(edges)

@@ -1,9 +1,9 @@
-"""Which parts of a field's edges can the line scanner see?
+"""Visibility of a field's edges: the parts that the line scanner can see.
 
-The scanner's own judgement, asked of the map: pairs of entry and exit are laid along the outline of
-the tape as rays would meet them straight on, and ``judge_chain`` says whether they are tape. So
-what bends too tightly, is too short, or has no width of tape behind it counts as blind: there the
-scanner may see the edge from some places and not from others.
+The scanner's own judgement is applied to the map. Pairs of entry and exit are laid along the
+outline of the tape as rays would meet them straight on, and ``judge_chain`` decides whether they
+are tape. An edge that bends too tightly, is too short, or has no width of tape behind it counts as
+blind: the scanner may see it from some poses and not from others.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from robot.scanning.line_scanner import LineScannerSettings
 from robot.scanning.tape_edges import NEIGHBOURS, Verdict, judge_chain
 
 STEP = 0.005
-"""An edge is judged in parts not longer than this [m]."""
+"""Largest length of the parts in which an edge is judged [m]."""
 SPACING = 0.003
 """Distance of the pairs along the outline [m]."""
 ASIDE = 0.3
-"""So far away on the light side the rays come from [m]."""
+"""Distance of the rays' start from the edge, on the light side [m]."""
 BORDER = 0.010
-"""What lies so close to a blind part is blind, too [m]: rays come from aside."""
+"""Parts within this distance of a blind part are blind too, as rays also come from aside [m]."""
 
 _COUNTED = int(Verdict.COUNTED)
 
 
 class Visibility(NamedTuple):
-    """Which parts of which edges are seen; compiled functions take it as it is."""
+    """Which parts of the edges are seen; compiled functions use it directly."""
 
     ends: NDArray[np.bool_]
-    """(n, 2) whether each edge ends, or turns sharply, at its start and at its end."""
+    """(n, 2) whether the outline ends, or turns sharply, at each edge's start and end."""
     starts: NDArray[np.int64]
-    """(n + 1,) the first part of each edge; an edge is cut into equal parts."""
+    """(n + 1,) index of the first part of each edge; an edge is cut into equal parts."""
     seen: NDArray[np.bool_]
     """(m,) whether the scanner sees each part."""
     support: float
@@ -50,7 +50,10 @@ class Visibility(NamedTuple):
 def visibility(
     edges: Array, tape_width: float | None, settings: LineScannerSettings | None = None
 ) -> Visibility:
-    """Of edges (n, 4) around tape of a width [m]; without one they are walls, and all seen."""
+    """Return the visibility of edges (n, 4) around tape of a width [m].
+
+    Without a tape width, the edges are walls, and all of them are seen.
+    """
     ends = sharp_ends(edges)
     if tape_width is None:
         return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_), 0.0)
@@ -91,7 +94,7 @@ def _judge_parts(
         x0, y0, x1, y1 = edges[edge]
         length = math.hypot(x1 - x0, y1 - y0)
         count = starts[edge + 1] - starts[edge]
-        # The light side lies to the right of the way along an edge.
+        # The light side is on the right in the direction of an edge.
         away_x, away_y = ASIDE * (y1 - y0) / length, -ASIDE * (x1 - x0) / length
         for part in range(count):
             along = (part + 0.5) / count * length
@@ -118,14 +121,14 @@ def _lay(
     inward: EdgeIndex,
     chain: Array,
 ) -> int:
-    """Lay pairs along the outline to one side, seen from (x, y); returns how many."""
+    """Lay pairs along the outline to one side, seen from (x, y); return how many."""
     for count in range(NEIGHBOURS + 1):
         x0, y0, x1, y1 = edges[edge]
         length = math.hypot(x1 - x0, y1 - y0)
         tx, ty = (x1 - x0) / length, (y1 - y0) / length
         position = NEIGHBOURS + way * count
         px, py = x0 + along * tx, y0 + along * ty
-        # Into the dark, which lies to the left.
+        # The ray goes into the dark side, which is on the left.
         deep, _ = cast_toward(px - 1e-7 * ty, py + 1e-7 * tx, -ty, tx, inward, 1.0)
         chain[position, 0], chain[position, 1] = px - x, py - y
         chain[position, 2], chain[position, 3] = px - deep * ty - x, py + deep * tx - y
@@ -152,7 +155,7 @@ def _without_border(
     before: NDArray[np.int64],
     after: NDArray[np.int64],
 ) -> NDArray[np.bool_]:
-    """Parts that are seen, less those that lie within ``BORDER`` of a blind one."""
+    """Return which parts are seen, without those that lie within ``BORDER`` of a blind one."""
     kept = seen.copy()
     for edge in range(len(edges)):
         for part in range(starts[edge], starts[edge + 1]):

@@ -1,1 +1,1 @@
-"""The Build HAT: its language, its port and the joints that it drives."""
+"""The Build HAT: its protocol, its port and the joints that it drives."""

@@ -1,8 +1,8 @@
-"""The Build HAT with its motors, without a port and without a clock: bytes in, bytes out.
+"""Driver of a Build HAT with its motors, without port and clock: bytes in, bytes out.
 
-One thread talks to the board (``SerialLink``: ``receive`` and ``tick``), another asks for joint
-velocities and looks at the joints (``command`` and ``state``). Whatever goes wrong, the motors
-stop: the program's set-points end when they are not renewed, and so do those in the firmware,
+One thread talks to the board (``SerialLink``: ``receive`` and ``tick``). Another thread requests
+joint velocities and reads the joints (``command`` and ``state``). Whatever goes wrong, the motors
+stop: the program's set-points end when they are not renewed. So do the firmware's set-points,
 which are pulses.
 """
 
@@ -25,35 +25,35 @@ from robot.hat.start.bring_up import BringUp
 from robot.hat.supply import Supply
 
 PULSE_S = 0.2
-"""Length of the pulses: the motors stop by themselves so long after the last one [s]."""
+"""Length of the pulses [s]: without a new one the motors stop by themselves after this time."""
 
 RENEW_S = 0.08
-"""A set-point that stays is sent again after this time [s]."""
+"""An unchanged set-point is sent again after this time [s]."""
 
 COMMAND_S = 0.2
 """A command of the program ends after this time [s]."""
 
 SILENT_S = 0.6
-"""The board is asked for its voltage all the time; without an answer for so long it is gone, or
-does not hear [s]."""
+"""The board is asked for its voltage all the time. Without an answer for this time [s], it is gone
+or does not hear."""
 
 LIST_S = 3.0
-"""How often it is asked for its devices while one is missing [s]."""
+"""How often the board is asked for its devices while a motor is missing [s]."""
 
 OLDEST_S = 0.05
-"""A motor that has fallen silent keeps the others' positions back by no more than this [s]."""
+"""A silent motor delays the positions of the others by at most this time [s]."""
 
 STOP_AGAIN_S = 0.3
-"""How often the motors are told to stop while something is wrong [s]."""
+"""How often the motors are told to stop while they rest or something is wrong [s]."""
 
 SOON_S = 1.0
-"""A start that takes no longer than this is not worth a word [s]."""
+"""A start that takes no longer than this is not reported [s]."""
 
 MISHEARD_S = 0.1
-"""An error so soon after a set-up may be about it [s]."""
+"""A command error within this time after a set-up may be about the set-up [s]."""
 
 DUTY_STEPS = 255
-"""The firmware's pulse width has so many steps."""
+"""Number of steps of the firmware's pulse width."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ class BoardState:
     """The joints at one moment."""
 
     stamp: float
-    """When the motors were where they are said to be, on the program's clock [s]."""
+    """When the motors were at these positions, on the program's clock [s]."""
     positions: Array = field(repr=False)
     """(j,) [rad]"""
     velocities: Array = field(repr=False)
@@ -69,9 +69,9 @@ class BoardState:
     ready: bool
     """Whether the joints follow commands."""
     faults: tuple[str, ...]
-    """Why not, with the cure; empty too while the board has just begun to start."""
+    """Why they do not follow commands, with the cure; also empty just after the start begins."""
     supply_v: float | None
-    """[V]"""
+    """Voltage of the supply [V]; None while unknown."""
 
 
 class Board:
@@ -91,16 +91,16 @@ class Board:
         self._wanted = np.zeros(len(wirings))
         self._wanted_until = -math.inf
         self._sent: dict[int, int] = {}
-        """Duties that the firmware has, in steps."""
+        """Duty in steps that the firmware has, by port."""
         self._sent_at = -math.inf
         self._set_up_at = self._listed = -math.inf
         self._answered = self._ready_at = -math.inf
-        """When the board last told its voltage, and when it was found to be ready [s]."""
+        """When the board last reported its voltage, and when it became ready [s]."""
         self._begun = -math.inf
         self._open = False
         self._lost: str | None = None
 
-    # What the serial link calls.
+    # Called by the serial link.
 
     @property
     def wants_reset(self) -> bool:
@@ -108,17 +108,17 @@ class Board:
         return self.bring_up.wants_reset
 
     def was_reset(self, current: float) -> None:
-        """It was."""
+        """Take note that the board was reset by its pin."""
         with self._lock:
             self.bring_up.was_reset(current)
 
     def cannot_reset(self, reason: str, current: float) -> None:
-        """It cannot be."""
+        """Take note that the board cannot be reset by its pin."""
         with self._lock:
             self.bring_up.cannot_reset(reason, current)
 
     def opened(self, current: float) -> bytes:
-        """The port is open; returns what to ask first."""
+        """Begin with an open port; return what to send first."""
         with self._lock:
             self._lost = None
             self._open = True
@@ -126,14 +126,14 @@ class Board:
             return self._begin(current)
 
     def lost(self, reason: str, current: float) -> None:
-        """The port cannot be opened, or went away."""
+        """Take note that the port cannot be opened, or is gone."""
         with self._lock:
             self._lost = reason
             self._open = False
             self._forget()
 
     def receive(self, data: bytes, current: float) -> bytes:
-        """Bytes came; returns what to answer."""
+        """Take bytes of the board; return what to send."""
         with self._lock:
             result = self._decoder.feed(data)
             answer = b""
@@ -145,7 +145,7 @@ class Board:
             return answer + b"".join(self._take(event, current) for event in result)
 
     def tick(self, current: float) -> bytes:
-        """A hundredth of a second passed; returns what to send."""
+        """Do the work of one tick, every hundredth of a second; return what to send."""
         with self._lock:
             if not self.bring_up.ready:
                 return self.bring_up.tick(current)
@@ -159,14 +159,14 @@ class Board:
             )
 
     def farewell(self) -> bytes:
-        """What stops the motors for good."""
-        # Twice: a byte that is lost in the first can leave a motor at the old set-point.
+        """Return the bytes that stop the motors for good."""
+        # Sent twice: if a byte of the first is lost, a motor can stay at the old set-point.
         return 2 * commands.stop(self._by_port)
 
-    # What the program calls.
+    # Called by the program.
 
     def command(self, velocities: Array, current: float) -> Array:
-        """Ask for joint velocities (j,) [rad/s]; returns those that the joints will go for."""
+        """Request joint velocities (j,) [rad/s]; return those that the joints really aim for."""
         with self._lock:
             limits = self._limits if self._is_ready(current) else 0 * self._limits
             self._wanted = np.clip(velocities, -limits, limits)
@@ -174,7 +174,7 @@ class Board:
             return self._wanted.copy()
 
     def state(self, current: float) -> BoardState:
-        """The joints, at a moment when all of them were sampled."""
+        """Return the joints at a moment when all of them were sampled."""
         with self._lock:
             ready = self._is_ready(current)
             stamp = current - LINE_TIME - self._settings.encoder_delay
@@ -190,7 +190,7 @@ class Board:
                 self._supply.volts,
             )
 
-    # Under the lock.
+    # Called with the lock held.
 
     def _begin(self, current: float) -> bytes:
         self._forget()
@@ -232,14 +232,14 @@ class Board:
                 motor.report(values, current)
 
     def _list(self, current: float) -> bytes:
-        """Ask what is plugged in while a motor is missing: its arrival may not have been heard."""
+        """Ask for the devices while a motor is missing: its arrival may not have been heard."""
         if all(motor.usable for motor in self.motors) or current - self._listed < LIST_S:
             return b""
         self._listed = current
         return commands.devices()
 
     def _set_up(self, current: float) -> bytes:
-        """The next motor's set-up, one a tick: it takes 9 ms of wire."""
+        """Return the next motor's set-up, one per tick: it takes 9 ms on the wire."""
         for motor in self.motors:
             line = motor.set_up(current)
             if line:
@@ -281,7 +281,7 @@ class Board:
             return b""
         self._sent, self._sent_at = duties, current
         if resting:
-            # Not pulses of zero: a bit that flips in one of them would be a wheel that turns.
+            # No pulses of zero are sent: a flipped bit in one of them would make a wheel turn.
             return commands.stop(self._by_port)
         return commands.pulses({port: duty / DUTY_STEPS for port, duty in duties.items()}, PULSE_S)
 

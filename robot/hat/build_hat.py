@@ -1,4 +1,4 @@
-"""The robot in bricks: motors on a Build HAT, a camera, behind the interface of every robot."""
+"""The LEGO robot: motors on a Build HAT and a camera, behind the common interface of robots."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ PERIOD = 0.02
 
 
 class Link(Protocol):
-    """What carries bytes between the board and its driver."""
+    """Carries bytes between the board and its driver."""
 
     failure: Exception | None
-    """Why it ended by itself; None while it works."""
+    """The exception that ended the link; None while it works."""
 
     def start(self) -> None:
         """Open the port, and keep it open."""
         ...
 
     def close(self) -> None:
-        """Stop the motors and let go of the port; may be called twice."""
+        """Stop the motors and close the port; may be called twice."""
         ...
 
 
 class BuildHat:
-    """A ``Robot``; what is wrong with a motor or the camera is told with every reading."""
+    """A ``Robot``; every reading reports what is wrong with a motor or the camera."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class BuildHat:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Take what is wired together; the link is started here, and ended by ``close``."""
+        """Take the connected parts and start the link; ``close`` ends it."""
         self.name = "LEGO robot"
         self.spec = spec
         self._board = board
@@ -71,10 +71,10 @@ class BuildHat:
     def open(
         cls, spec: RobotSpec, settings: BuildHatSettings, camera: CameraSourceSettings
     ) -> BuildHat:
-        """Wire up the robot of this computer; what is missing is told with every reading.
+        """Connect the robot of this computer; every reading reports what is missing.
 
         Raises:
-            ValueError: there can never be such a camera.
+            ValueError: no camera can have the name in the settings.
         """
         board = Board(spec.joints, settings, BringUp(FirmwareImage.installed))
         device = find_device() if settings.serial_port == "auto" else settings.serial_port
@@ -82,17 +82,17 @@ class BuildHat:
         return cls(spec, board, link, open_camera(spec.lens, camera))
 
     def read(self) -> Reading:
-        """Wait for the next fiftieth of a second, and tell where the joints and the camera are.
+        """Wait for the next period, and return the joints' state and the camera's newest picture.
 
         Raises:
-            RobotError: the program's part that talks to the Build HAT has failed.
+            RobotError: the link to the Build HAT has failed.
         """
         self._wait()
         if self._link.failure is not None:
             raise RobotError(f"the link to the Build HAT failed: {self._link.failure}")
         current = self._clock()
         state = self._board.state(current)
-        # Without motors stamps still rise, as nothing downstream expects time to stand.
+        # Stamps rise even without motors, because callers expect time to advance.
         stamp = max(state.stamp - self._zero, self._last + 1e-4)
         self._last = stamp
         problem = self._camera.problem
@@ -107,13 +107,13 @@ class BuildHat:
         )
 
     def write(self, velocities: Array) -> Array:
-        """Ask for joint velocities (j,) [rad/s]; returns those really gone for, 0 in a fault."""
+        """Request joint velocities (j,) [rad/s]; return those really aimed for, 0 in a fault."""
         if self._closed:
             return np.zeros_like(velocities)
         return self._board.command(velocities, self._clock())
 
     def close(self) -> None:
-        """Stop the motors and let go of port and camera; may be called twice."""
+        """Stop the motors, close the port and release the camera; may be called twice."""
         if self._closed:
             return
         self._closed = True
@@ -128,6 +128,6 @@ class BuildHat:
 
     def _wait(self) -> None:
         current = self._clock()
-        # After a stall the schedule starts anew instead of hurrying.
+        # After a stall the schedule restarts instead of catching up.
         self._due = max(self._due + PERIOD, current - PERIOD)
         self._sleep(max(0.0, self._due - current))

@@ -1,4 +1,4 @@
-"""Where one motor's shaft is: reports checked, unwrapped and remembered by the time of sampling."""
+"""Angle of one motor's shaft: reports are checked, unwrapped and kept by their sampling time."""
 
 from __future__ import annotations
 
@@ -8,57 +8,58 @@ from collections import deque
 from typing import NamedTuple
 
 COUNTS = 2**32
-"""The motor counts degrees in 32 bits and wraps."""
+"""The motor counts degrees in 32 bits, and the count wraps."""
 
 FASTEST = 1600.0
-"""No motor turns faster [degree/s]: a report beyond that is a garbled one."""
+"""No motor turns faster [degree/s]; a report of a faster turn is garbled."""
 
 LONGEST_STALL = 1.0
-"""So long reports may have waited to be read [s]; a motor turns no farther meanwhile."""
+"""Longest time that reports may wait to be read [s]; it limits how far a motor turns meanwhile."""
 
 SLACK = 8.0
-"""What a report may be off beside the fastest turn: counting and jitter of the stamps [degree]."""
+"""A report may exceed the fastest turn by this, due to counting and jitter of stamps [degree]."""
 
 MARK_SLACK = 3
-"""Relative and absolute position are read one after the other [degree]."""
+"""Tolerance between relative and absolute position, which are read one after the other [degree]."""
 
 REFUSED = 5
-"""So many reports in a row that fit each other but not the past are a new beginning."""
+"""After this many reports in a row that fit each other but not the past, counting starts again."""
 
 MEMORY = 1.0
 """How long samples are kept [s]."""
 
 
 class Sample(NamedTuple):
-    """One position."""
+    """One measured angle."""
 
     stamp: float
-    """When the motor took it, on the program's clock [s]."""
+    """When the motor measured it, on the program's clock [s]."""
     angle: float
-    """[degree], going on over every re-plug, never wrapped."""
+    """[degree], continuous over every re-plug, never wrapped."""
 
 
 class JointTrack:
     """Turns a motor's reports into one continuous angle.
 
-    A motor counts from where it was plugged in. The track goes on where it was, so a robot that
-    was unplugged and plugged in again stands where it stood. A digit that is lost on the wire makes
-    another number, not an error; so every report is held against the fastest turn and against the
-    absolute position that comes with it, which differs from the relative one by a constant.
+    A motor counts from the angle at which it was plugged in. The track continues from its last
+    angle, so the joints of a robot that was unplugged and plugged in again keep their angles. A
+    digit that is lost on the wire makes another number, not an error. So every report is compared
+    with the fastest turn, and with the absolute position in the same report, which differs from the
+    relative one by a constant.
     """
 
     def __init__(self) -> None:
         self._samples: deque[Sample] = deque()
         self._count: int | None = None
-        """The last count, gone on beyond 32 bits; None when the next is a new beginning."""
+        """The last count, continued beyond 32 bits; None if counting starts with the next one."""
         self._mark: int = 0
-        """Count minus absolute position, in one turn [degree]."""
+        """Count minus absolute position, within one turn [degree]."""
         self._odd: list[int] = []
-        """Counts that were refused, newest last."""
+        """Refused counts, newest last."""
 
     @property
     def newest(self) -> Sample | None:
-        """The last sample, None before the first."""
+        """The last sample; None before the first."""
         return self._samples[-1] if self._samples else None
 
     @property
@@ -72,17 +73,17 @@ class JointTrack:
         return self._samples[-1].stamp if self._samples else -math.inf
 
     def begin_anew(self) -> None:
-        """The motor was unplugged: its next count has nothing to do with the last one."""
+        """Take note that the motor was unplugged: its next count is unrelated to the last one."""
         self._count = None
         self._odd.clear()
 
     def report(self, stamp: float, count: float, absolute: float) -> bool:
-        """Take a report; returns whether it was believed.
+        """Take a report; return whether it was accepted.
 
         Args:
             stamp: when the motor sampled it [s].
             count: relative position [degree], 32 bits.
-            absolute: position against the motor's mark, -180 to 179 [degree].
+            absolute: position relative to the motor's mark, -180 to 179 [degree].
         """
         if not (float(count).is_integer() and float(absolute).is_integer()):
             return False
@@ -91,7 +92,7 @@ class JointTrack:
             return self._start(stamp, current, mark)
         turned = (current - self._count + COUNTS // 2) % COUNTS - COUNTS // 2
         passed = max(stamp - self._samples[-1].stamp, 0.0)
-        # Not the count itself: where that wraps, 256 degrees of a turn are missing.
+        # The raw count would not do: where it wraps, 256 degrees of a turn are missing.
         apart = (self._count + turned - int(absolute) - self._mark + 180) % 360 - 180
         too_far = abs(turned) > FASTEST * passed + SLACK
         if abs(apart) > MARK_SLACK or too_far:
@@ -99,13 +100,13 @@ class JointTrack:
                 return False
             if abs(apart) > MARK_SLACK or abs(turned) > FASTEST * LONGEST_STALL:
                 return self._start(stamp, current, mark)
-            # Reports that waited while the program did not come to read them have one stamp.
+            # Otherwise the reports had to wait until the program read them, and have one stamp.
         self._count, self._odd = self._count + turned, []
         self._add(stamp, self._samples[-1].angle + turned)
         return True
 
     def at(self, stamp: float) -> float:
-        """The angle [degree] at a moment, interpolated; before and after what is known, the end."""
+        """Return the angle [degree] at a moment, interpolated; outside the samples, the nearest."""
         if not self._samples:
             return 0.0
         after = bisect_left(self._samples, stamp, key=lambda sample: sample.stamp)
@@ -116,7 +117,7 @@ class JointTrack:
         return low.angle + part * (high.angle - low.angle)
 
     def speed(self, span: float) -> float:
-        """Mean speed over the last while [degree/s]."""
+        """Return the mean speed [degree/s] over the last ``span`` [s]."""
         if len(self._samples) < 2:
             return 0.0
         last = self._samples[-1]
@@ -134,7 +135,7 @@ class JointTrack:
         return True
 
     def _has_enough_like(self, count: int) -> bool:
-        """Remember an odd count; true when enough agree that it is the past that is wrong."""
+        """Remember a refused count; return whether enough of them agree against the past."""
         if self._odd and abs(count - self._odd[-1]) > FASTEST * 0.02 + SLACK:
             self._odd.clear()
         self._odd.append(count)
@@ -144,7 +145,7 @@ class JointTrack:
         if not math.isfinite(stamp):
             raise ValueError(f"a sample at {stamp} s")
         if self._samples and stamp <= self._samples[-1].stamp:
-            # Two reports of one moment: the later one holds.
+            # Of two reports of one moment, the later one is kept.
             stamp = self._samples.pop().stamp
         self._samples.append(Sample(stamp, angle))
         while self._samples[0].stamp < stamp - MEMORY:

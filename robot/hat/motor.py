@@ -1,4 +1,4 @@
-"""One joint's motor: what is plugged in where, whether it can be used, and how far it turned."""
+"""One joint's motor: which device is plugged in, whether it is usable, and how far it turned."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from robot.hat.settings import BuildHatSettings
 from robot.hat.speed_loop import SpeedLoop
 
 EACH_SAMPLE = 0
-"""Report period [ms]: at once, whenever the motor has a new position. By the board's own clock a
-report would be up to 10 ms old, and by how much would change with the drift of the two clocks."""
+"""Report period [ms]: zero reports each new position of the motor at once. With a period of the
+board's own clock, a report would be up to 10 ms old, and its age would change with the drift of
+the two clocks."""
 
 LINE_TIME = 0.002
-"""A report of 23 bytes on the wire at 115200 baud [s]."""
+"""Time of a report of 23 bytes on the wire at 115200 baud [s]."""
 
 QUIET_S = 0.3
-"""Without a report for so long a motor that should tell is not trusted, and is set up again [s]."""
+"""A motor that sends no report for this time is not trusted, and is set up again [s]."""
 
 HELD_S = 1.0
-"""How long a motor that did not turn is left alone [s]."""
+"""How long a motor that did not turn is not driven [s]."""
 
 SPEED_SPAN = 0.1
-"""Speed is the difference over this time [s]: 1 degree then is 10 degrees/s."""
+"""Speed is measured over this time [s]; 1 degree in it is 10 degrees/s."""
 
 
 class Motor:
@@ -38,15 +39,15 @@ class Motor:
         self.track = JointTrack()
         self._settings = settings
         self._type: int | None = None
-        """What is plugged in; None is nothing, or not known."""
+        """Type id of the device that is plugged in; None if there is none or it is not known."""
         self._loop: SpeedLoop | None = None
         self._set_up = -math.inf
-        """When it was last set up [s]."""
+        """When the motor was last set up [s]."""
         self._heard = -math.inf
-        """When it last told its position [s]."""
+        """When the motor last reported its position [s]."""
         self._held_until = -math.inf
         self._asked = 0
-        """How often it was set up since it came."""
+        """How often the motor was set up since it was plugged in."""
 
     @property
     def usable(self) -> bool:
@@ -54,7 +55,7 @@ class Motor:
         return self._loop is not None
 
     def plugged(self, type_id: int, current: float) -> None:
-        """A device said what it is; it has to be set up anew, unless it is known and at work."""
+        """Take a device's type; the device must be set up, unless it is known and reporting."""
         if type_id == self._type and current - self._heard < QUIET_S:
             return
         self._type = type_id
@@ -64,7 +65,7 @@ class Motor:
         self._begin_anew()
 
     def unplugged(self) -> None:
-        """Nothing is there any more; where the joint is stays known."""
+        """Take note that no device is plugged in; the joint's angle stays known."""
         self._type = self._loop = None
         self._begin_anew()
 
@@ -74,7 +75,7 @@ class Motor:
         self._set_up = self._heard = -math.inf
 
     def report(self, values: tuple[float, ...], current: float) -> None:
-        """Speed, position and absolute position, as they arrived at a moment [s]."""
+        """Take speed, position and absolute position, which arrived at a moment [s]."""
         if self._loop is None or len(values) != 3 or math.isinf(self._set_up):
             return
         sampled = current - LINE_TIME - self._settings.encoder_delay
@@ -82,7 +83,7 @@ class Motor:
             self._heard = current
 
     def set_up(self, current: float) -> bytes:
-        """What makes it report and takes its limits away, if that is due now; else nothing."""
+        """Return the set-up (reports on, power limit raised) if it is due now; else nothing."""
         heard = max(self._heard, self._set_up)
         if self._loop is None or current - heard < QUIET_S:
             return b""
@@ -92,16 +93,16 @@ class Motor:
         return commands.set_up_motor(self.port, EACH_SAMPLE, self._settings.power_limit)
 
     def set_up_again(self) -> None:
-        """The last set-up may not have been understood."""
+        """Request another set-up: the last one may not have been understood."""
         self._set_up = self._heard = -math.inf
 
     def is_ready(self, current: float) -> bool:
-        """Whether it is the right one, tells where it is and turns when it should."""
+        """Return whether the motor is the right one, reports its position and turns on command."""
         tells = self._loop is not None and current - self._heard < QUIET_S
         return tells and current >= self._held_until
 
     def fault(self, current: float) -> str | None:
-        """Why it cannot be used, and what to do; None while it has just come, too."""
+        """Return why the motor cannot be used, and what to do; None also just after its arrival."""
         where = f"port {self.wiring.port} ({self.wiring.name})"
         if self._type is None:
             return (
@@ -118,7 +119,7 @@ class Motor:
         return None
 
     def duty(self, velocity: float, current: float, supply_v: float | None) -> float:
-        """The duty, -1 to 1 as the port has it, for a joint velocity [rad/s]."""
+        """Return the duty, -1 to 1 in the port's direction, for a joint velocity [rad/s]."""
         assert self._loop is not None
         wanted = math.degrees(velocity) * self.wiring.direction
         duty = self._loop.update(wanted, current, self.track, supply_v)
@@ -127,12 +128,12 @@ class Motor:
         return duty
 
     def rest(self) -> None:
-        """Give up what was to be made up for."""
+        """Set the duty to zero and forget the lag."""
         if self._loop is not None:
             self._loop.rest()
 
     def angle(self, stamp: float) -> float:
-        """Joint position at a moment [rad]."""
+        """Return the joint position at a moment [rad]."""
         return math.radians(self.track.at(stamp)) * self.wiring.direction
 
     @property

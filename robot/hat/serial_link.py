@@ -1,4 +1,4 @@
-"""The one thread that talks to a Build HAT's serial port."""
+"""The only thread that talks to a Build HAT's serial port."""
 
 from __future__ import annotations
 
@@ -16,54 +16,58 @@ LOG = logging.getLogger("brickpose")
 
 REOPEN_S = 0.5
 THREAD = "build hat"
-"""What the thread is called, in Python and in the system."""
+"""Name of the thread, in Python and in the system."""
 
 EARLY, LATE = 0.3, 1.2
-"""Ticks come with the motors' reports, as these have the same period: 0.9 to 1.2 periods apart."""
+"""Fractions of a period. A tick comes 1.2 periods after the last one, or up to 0.3 earlier if a
+motor's report arrives. As reports have the same period, ticks come with them."""
 
 FAREWELL_S = 0.5
 JOIN_S = 2.0
 
 
 class Talker(Protocol):
-    """What stands behind the port; called by the link's thread alone. Times are its clock's [s]."""
+    """The driver behind the port; only the link's thread calls it. Times are by its clock [s]."""
 
     @property
     def wants_reset(self) -> bool:
-        """Whether the board must be reset by its pin; cleared by the answer to it."""
+        """Whether the board must be reset by its pin; was_reset or cannot_reset clears it."""
         ...
 
     def opened(self, current: float) -> bytes:
-        """The port is open; returns what to send."""
+        """Begin with an open port; return what to send."""
         ...
 
     def receive(self, data: bytes, current: float) -> bytes:
-        """Bytes that just arrived; returns what to send."""
+        """Take bytes that just arrived; return what to send."""
         ...
 
     def tick(self, current: float) -> bytes:
-        """About a period is over; returns what to send."""
+        """Do the work of one tick, about once a period; return what to send."""
         ...
 
     def lost(self, reason: str, current: float) -> None:
-        """The port cannot be opened or is gone, with the cure; it is tried again for ever."""
+        """Take note that the port is missing or gone; the link tries again without limit.
+
+        ``reason`` includes the cure.
+        """
         ...
 
     def was_reset(self, current: float) -> None:
-        """The board has just been reset by its pin."""
+        """Take note that the board has just been reset by its pin."""
         ...
 
     def cannot_reset(self, reason: str, current: float) -> None:
-        """The board could not be reset by its pin."""
+        """Take note that the board could not be reset by its pin."""
         ...
 
     def farewell(self) -> bytes:
-        """What to send before the port is closed: the motors' stop."""
+        """Return what to send before the port is closed: the motors' stop."""
         ...
 
 
 class SerialLink:
-    """Opens the port, carries bytes both ways, and opens it again when it went away."""
+    """Opens the port, carries bytes both ways, and opens the port again after it was lost."""
 
     def __init__(
         self,
@@ -73,9 +77,9 @@ class SerialLink:
         period: float = 0.01,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """``reset`` pulls the board's pin and raises if it cannot; ``period`` of the ticks [s]."""
+        """``reset`` pulses the board's reset pin or raises; ``period`` is that of the ticks [s]."""
         self.failure: Exception | None = None
-        """What ended the thread, if the talker failed."""
+        """The exception that ended the thread, if the talker failed."""
         self._device = device
         self._talker = talker
         self._reset = reset
@@ -91,11 +95,11 @@ class SerialLink:
         return self._thread.is_alive()
 
     def start(self) -> None:
-        """Begin; a port that cannot be opened is told to the talker, not raised."""
+        """Start the thread; a port that cannot be opened is reported to the talker, not raised."""
         self._thread.start()
 
     def close(self) -> None:
-        """Say farewell and let go of the port; may be called twice."""
+        """Send the farewell and close the port; may be called twice."""
         self._stopping.set()
         if self._thread.ident is None:
             return
@@ -115,7 +119,7 @@ class SerialLink:
             LOG.exception("the Build HAT's driver failed; its motors were told to stop")
 
     def _open_and_serve(self) -> None:
-        """Serve the port until it is gone or the end is asked for."""
+        """Serve the port until it is gone or the link is closed."""
         try:
             port = SerialPort(self._device, self._clock)
         except PortError as error:
@@ -146,13 +150,13 @@ class SerialLink:
         self._take_leave(port)
 
     def _step(self, port: SerialPort, due: float) -> float:
-        """Move bytes, and tick if it is time; returns when the next tick is due."""
+        """Move bytes, and tick if it is time; return when the next tick is due."""
         data = port.exchange(due - self._clock())
         current = self._clock()
         if data:
             port.put(self._talker.receive(data, current))
-        # With what just came at hand a tick may come early: to wake up for it again costs as much
-        # of the processor as all that is done then.
+        # After data, a tick may come early: to wake up again for the tick would take as much
+        # processor time as the tick itself.
         if current >= due - (EARLY * self._period if data else 0):
             port.put(self._talker.tick(current))
             due = current + LATE * self._period
@@ -175,7 +179,7 @@ class SerialLink:
             LOG.error("%s took no farewell; the motors stop when their pulse ends", self._device)
 
     def _lost(self, reason: str) -> None:
-        """Tell the talker, once for each reason."""
+        """Tell the talker, but not the same reason twice in a row."""
         if reason != self._reason:
             self._reason = reason
             self._talker.lost(reason, self._clock())

@@ -1,4 +1,4 @@
-"""The serial port of a Build HAT: which it is, how it is opened, and bytes without blocking."""
+"""The serial port of a Build HAT: finds it, opens it, and moves bytes without blocking."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ import serial  # type: ignore[import-untyped, unused-ignore]
 
 BAUD = 115_200
 TOGETHER_S = 0.003
-"""A line of 21 bytes takes 2 ms to arrive; all of it is waited for [s]. To be woken for each of its
-parts would take as much of the processor again."""
+"""How long to wait for the rest of a line [s]; a line of 21 bytes takes 2 ms to arrive. Waking up
+for each part of it would double the processor load."""
 
 STUCK_S = 3.0
-"""A port that takes no byte for so long is given up."""
+"""A port that takes no byte for this time is given up [s]."""
 
 MODEL = Path("/proc/device-tree/model")
 RP1_MODELS = re.compile(r"Raspberry Pi (?:5|500|Compute Module 5)\b")
@@ -30,11 +30,11 @@ RASPI_CONFIG = "sudo raspi-config, Interface Options, Serial Port: login shell n
 
 
 class PortError(OSError):
-    """A serial port cannot be opened or used; says what to do."""
+    """A serial port cannot be opened or used; the message says what to do."""
 
 
 def find_device(model: Path = MODEL) -> str:
-    """The serial port on this Pi's header; on a Pi 5 /dev/serial0 is another connector."""
+    """Return the serial port on this Pi's header; on a Pi 5 /dev/serial0 is another connector."""
     try:
         name = model.read_text(encoding="utf-8", errors="replace")
     except OSError:
@@ -44,13 +44,13 @@ def find_device(model: Path = MODEL) -> str:
 
 
 class SerialPort:
-    """An open port; whatever is written waits here until the port takes it."""
+    """An open port; written bytes wait here until the port takes them."""
 
     def __init__(self, device: str, clock: Callable[[], float] = time.monotonic) -> None:
         """Open a port for this program alone.
 
         Raises:
-            PortError: it cannot be; says why, and the cure.
+            PortError: the port cannot be opened; the message says why, and the cure.
         """
         self.device = device
         self._clock = clock
@@ -67,16 +67,16 @@ class SerialPort:
             raise PortError(_reason(device, error)) from error
 
     def put(self, data: bytes) -> None:
-        """Send when the port takes it; never blocks."""
+        """Queue bytes to be sent when the port takes them; never blocks."""
         if not self._waiting:
             self._moved = self._clock()
         self._waiting += data
 
     def exchange(self, seconds: float) -> bytes:
-        """Send what waits and receive; returns as soon as something came, or after a time [s].
+        """Send waiting bytes and receive; return as soon as bytes came, or after a time [s].
 
         Raises:
-            PortError: the port is gone, or takes nothing any more.
+            PortError: the port is gone, or takes no bytes any more.
         """
         try:
             if self._waiting:
@@ -97,12 +97,12 @@ class SerialPort:
         return data
 
     def finish(self, last: bytes, seconds: float) -> bool:
-        """Drop what waits, send last words and let them leave; whether they left in time.
+        """Drop waiting bytes and send the last ones; return whether these left in time.
 
         Raises:
             PortError: the port is gone.
         """
-        # A line may be cut in the middle: its end keeps the last words from being glued to it.
+        # A dropped line may be half sent: CR ends it, so that the last bytes begin a new line.
         self._waiting = bytearray(b"\r" + last if self._waiting else last)
         end = self._clock() + seconds
         while self._waiting and self._clock() < end:
@@ -117,7 +117,7 @@ class SerialPort:
         return False
 
     def close(self) -> None:
-        """Let go of the port; may be called twice."""
+        """Close the port; may be called twice."""
         self._port.close()
 
     def _write(self) -> None:
@@ -132,16 +132,16 @@ class SerialPort:
 
 
 def _refuse_others(fd: int) -> None:
-    """Let nobody else open the port, not even who knows nothing of locks.
+    """Let no other program open the port, not even one that ignores locks.
 
-    Not for a pseudo-terminal: its other end outlives a killed program, and the refusal with it.
+    A pseudo-terminal is excepted: its other end outlives a killed program, and the refusal with it.
     """
     if os.major(os.fstat(fd).st_rdev) not in PTY_MAJORS:
         fcntl.ioctl(fd, termios.TIOCEXCL)
 
 
 def _reason(device: str, error: OSError | ValueError) -> str:
-    """Why a port cannot be opened, and what to do."""
+    """Return why a port cannot be opened, and what to do."""
     match error.errno if isinstance(error, OSError) else None:
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
             return f"there is no serial port {device}; switch it on: {RASPI_CONFIG}; then reboot"

@@ -1,4 +1,4 @@
-"""What can be set about the robot in bricks."""
+"""Settings of the Build HAT and its motors."""
 
 from __future__ import annotations
 

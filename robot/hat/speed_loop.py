@@ -1,14 +1,14 @@
-"""Makes one wheel turn as fast as it is told: the duty from the speed asked for and the encoder.
+"""Speed controller of one wheel: computes the duty from the wanted speed and the encoder.
 
-The loop runs on the computer, a hundred times a second. What the motor is expected to do is
-reckoned beside it, with the motor's lag and the wire's delay; the duty is what that takes (feed
-forward), and a correction by how far the shaft is from where it should be by now. A wheel that was
-held back catches up, so both wheels of a robot cover their ground together; and what is only delay
-is no error, so nothing is wound up that would overshoot.
+The loop runs on the computer, a hundred times a second. A model wheel predicts the shaft's motion,
+with the motor's lag and the wire's delay. The duty has two parts: the duty for the wanted speed
+(feed forward), and a correction by how far the shaft is from the model wheel. A wheel that was held
+back catches up, so both wheels of a robot cover their distances together. A mere delay is no error,
+so nothing accumulates that would overshoot.
 
 The firmware has a PID controller of its own. It was measured beside this one (`brickpose bench
-wheels`) and is slower: its integral is never cleared, and the speed that the motors report comes in
-steps of 10 degrees/s.
+wheels`) and is slower: its integral is never cleared, and the motors report their speed in steps of
+10 degrees/s.
 """
 
 from __future__ import annotations
@@ -20,57 +20,58 @@ from robot.description.motor_kinds import MotorKind
 from robot.hat.joint_track import JointTrack
 
 WIRE_DELAY = 0.012
-"""From reckoning a duty until the motor has it: a line of 60 bytes, half a firmware tick [s]."""
+"""Time from computing a duty until the motor has it [s]: the time of a line of 60 bytes, and half a
+firmware tick."""
 
 NOMINAL_SUPPLY = 7.2
 """The voltage of the data sheets [V]."""
 
 KICK_S = 0.03
-"""A wheel that stood is given what gets it to turn for so long [s]."""
+"""How long a wheel that stood gets its breakaway duty [s]."""
 
 RAIL = 0.9
 """Share of the supply that reaches the motors: 7.2 of 8 V."""
 
 LOWEST_V = 4.0
-"""Below this supply the duty is not raised any further [V]."""
+"""Below this supply voltage the duty is not raised any further [V]."""
 
 LARGEST_LAG = 25.0
-"""A wheel that is held behind this far is blocked; more is not made up for [degree]."""
+"""A wheel this far behind is blocked; it does not make up for more [degree]."""
 
 HELD_S = 0.2
 HELD_TRAVEL = 5.0
-"""A shaft that stays on one degree for so long [s], while it should have turned so far [degree],
-is blocked."""
+"""A shaft is blocked if it stays on one degree for HELD_S [s] while it should have turned by
+HELD_TRAVEL [degree]."""
 
 TURNING_SPAN = 0.03
-"""Over which it is seen whether a wheel still turns when it is asked to turn again [s]."""
+"""When a wheel is to turn again, its speed over this time shows whether it still turns [s]."""
 
 STANDING = 1.0
-"""Below this speed a wheel stands [degree/s]."""
+"""Below this speed a wheel counts as standing [degree/s]."""
 
 
 class SpeedLoop:
-    """Controls one motor; all angles at the shaft, positive as the motor counts."""
+    """Controls one motor; all angles are at the shaft, positive as the motor counts."""
 
     def __init__(self, kind: MotorKind, position_gain: float) -> None:
         self._kind = kind
         self._gain = position_gain
         self._speed = 0.0
-        """What the model wheel does [degree/s]."""
+        """Speed of the model wheel [degree/s]."""
         self._past: deque[tuple[float, float]] = deque()
-        """Stamp and angle of the model wheel; empty while it rests."""
+        """Stamps and angles of the model wheel; empty while it rests."""
         self._began = -math.inf
-        """When it last began to turn [s]."""
+        """When the wheel last began to turn from standstill [s]."""
         self._seen = 0.0
-        """The last angle that differed from the one before [degree]."""
+        """The last shaft angle that differed from the one before [degree]."""
         self._seen_at = -math.inf
         self._travel = 0.0
-        """What the model wheel turned since then [degree]."""
+        """How far the model wheel has turned since then [degree]."""
         self.duty = 0.0
         """The last duty, -1 to 1."""
 
     def rest(self) -> None:
-        """Let go: no duty, and nothing that is to be made up for."""
+        """Set the duty to zero and forget the lag."""
         self._speed = self.duty = self._travel = 0.0
         self._past.clear()
 
@@ -81,12 +82,12 @@ class SpeedLoop:
     def update(
         self, wanted: float, current: float, track: JointTrack, supply_v: float | None
     ) -> float:
-        """The duty from now on, -1 to 1.
+        """Return the duty from now on, -1 to 1.
 
         Args:
-            wanted: speed asked for [degree/s].
+            wanted: requested speed [degree/s].
             current: the program's clock [s].
-            track: where the shaft was.
+            track: measured angles of the shaft.
             supply_v: the board's supply [V], None while it is not known.
         """
         if wanted == 0:
@@ -111,7 +112,7 @@ class SpeedLoop:
         self._past.append((current, track.angle))
 
     def _lag(self, wanted: float, current: float, track: JointTrack) -> float:
-        """Advance the model wheel; returns how far the shaft is behind it [degree]."""
+        """Advance the model wheel; return how far the shaft is behind it [degree]."""
         earlier, angle = self._past[-1]
         passed = max(current - earlier, 0.0)
         kept = math.exp(-passed / self._kind.time_constant)
@@ -129,7 +130,7 @@ class SpeedLoop:
         return self._bounded(lag)
 
     def _at(self, stamp: float) -> float:
-        """Where the model wheel was [degree]; older moments than asked for are forgotten."""
+        """Return the model wheel's angle at a stamp [degree]; forget older moments."""
         while len(self._past) > 2 and self._past[1][0] <= stamp:
             self._past.popleft()
         (a, low), (b, high) = self._past[0], self._past[min(1, len(self._past) - 1)]
@@ -137,7 +138,7 @@ class SpeedLoop:
         return low + part * (high - low)
 
     def _bounded(self, lag: float) -> float:
-        """Give up what is more than can be made up for."""
+        """Return the lag within its bounds; forget the rest of it."""
         excess = lag - min(max(lag, -LARGEST_LAG), LARGEST_LAG)
         if excess:
             self._past = deque((stamp, angle - excess) for stamp, angle in self._past)

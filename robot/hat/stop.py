@@ -6,22 +6,23 @@ from robot.hat.protocol import commands
 from robot.hat.serial_port import PortError, SerialPort
 
 PATIENCE_S = 1.0
-"""A line of 63 bytes takes 5 ms [s]."""
+"""Longest time for sending the stop [s]; a line of 63 bytes takes 5 ms."""
 
 
 def stop_motors(device: str) -> None:
     """Tell all four ports to brake.
 
-    It is for when a program ended without it: the pulses in the firmware have ended by then, if
-    it was this one, but another's motors turn for ever.
+    Use it when a program ended without stopping the motors. If it was this program, the pulses in
+    the firmware have ended by then. Motors started by another program keep turning.
 
     Raises:
-        PortError: the port cannot be opened, or takes nothing; says why, and the cure.
+        PortError: the port cannot be opened, or takes no bytes; the message says why, and the
+            cure.
     """
     port = SerialPort(device)
     try:
-        # Who was killed may have left half a line; its end keeps the stop from being a part of it.
-        # Twice: a byte that is lost in the first can leave a motor at the old set-point.
+        # A killed program may have left half a line: CR ends it, so that the stop is a line of its
+        # own. Sent twice: if a byte of the first is lost, a motor can stay at the old set-point.
         if not port.finish(b"\r" + 2 * commands.stop(), PATIENCE_S):
             raise PortError(f"{device} takes no bytes; is what is behind it stopped?")
     finally:

@@ -1,4 +1,4 @@
-"""Watches the board's power: voltage, and the faults that the board tells of."""
+"""Monitors the board's power: its voltage, and the faults that the board reports."""
 
 from __future__ import annotations
 
@@ -7,52 +7,53 @@ import math
 from robot.hat.protocol import commands
 
 POLL_S = 0.1
-"""How often the voltage is asked for [s]."""
+"""Time between two requests for the voltage [s]."""
 
 USB_V = 5.5
-"""Below this the board lives on what comes over USB, which does not reach the motors [V]."""
+"""Below this voltage the board runs on power from USB, which does not reach the motors [V]."""
 
 LOWEST_V, HIGHEST_V = 3.0, 20.0
-"""Any supply that a board can tell of [V]."""
+"""Lowest and highest voltage that a board can report [V]."""
 
 HYSTERESIS_V = 0.3
-"""A supply that sagged under load is good again this much higher [V]."""
+"""A supply that was too low is good again this much above the limit [V]."""
 
 FAULT_S = 2.5
-"""The board repeats a fault every second; without it for so long [s] the fault is over."""
+"""A fault is over if the board does not report it for this time [s]; it repeats it every second."""
 
 
 class Supply:
-    """Whether the motors may be driven, as far as power goes."""
+    """Decides whether the power supply allows the motors to be driven."""
 
     def __init__(self, low_v: float) -> None:
         self.volts: float | None = None
-        """The last voltage told [V]."""
+        """The last reported voltage [V]."""
         self._low_v = low_v
         self._low = False
         self._low_before = False
         self._asked = -math.inf
         self._faults: dict[str, float] = {}
-        """When a fault was last told [s]."""
+        """When each fault was last reported [s]."""
 
     def forget(self) -> None:
-        """The board begins anew."""
+        """Forget everything, because the board starts again."""
         self.volts = None
         self._low = self._low_before = False
         self._asked = -math.inf
         self._faults.clear()
 
     def ask(self, current: float) -> bytes:
-        """The question for the voltage, when it is due."""
+        """Return the request for the voltage, if it is due."""
         if current - self._asked < POLL_S:
             return b""
         self._asked = current
         return commands.supply()
 
     def told(self, volts: float) -> None:
-        """A voltage came [V]. Low counts from the second time on: a start takes it down briefly.
+        """Take a reported voltage [V].
 
-        What the board cannot live on was garbled on the way.
+        A low voltage counts from the second time on, because a start lowers it briefly. A voltage
+        on which the board cannot run was garbled on the way and is ignored.
         """
         if not LOWEST_V <= volts <= HIGHEST_V:
             return
@@ -63,12 +64,12 @@ class Supply:
         self._low_before = low
 
     def fault(self, what: str, current: float) -> bytes:
-        """The board told of a fault, "motor" or "port"; returns what clears its latch."""
+        """Take a fault that the board reported, "motor" or "port"; return what clears its latch."""
         self._faults[what] = current
         return commands.clear_faults()
 
     def complaints(self, current: float) -> list[str]:
-        """Why the motors may not be driven, with the cure."""
+        """Return why the motors may not be driven, with the cure."""
         result = []
         if self._recent("motor", current):
             result.append(

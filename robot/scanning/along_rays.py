@@ -1,4 +1,4 @@
-"""Compiled ways between places along a ray, points on the floor and ranges."""
+"""Compiled conversions between positions along a ray, points on the floor and ranges."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robot.geometry import Array
 
 @njit(cache=True, nogil=True)
 def between(row: NDArray[np.floating], position: float) -> float:
-    """A row's value (m,) at a place between samples, by the parabola through the nearest three."""
+    """Return the value of a row (m,) between samples, by the parabola through the nearest three."""
     i = min(max(int(position + 0.5), 1), len(row) - 2)
     part = position - i
     before, current, after = row[i - 1], row[i], row[i + 1]
@@ -20,10 +20,10 @@ def between(row: NDArray[np.floating], position: float) -> float:
 
 @njit(cache=True, nogil=True)
 def points_of(edges: Array, distances: Array, directions: Array) -> Array:
-    """Pairs (k, p, 2) [samples] as points (k, p, 4) [m]: x and y of the entry, then of the exit.
+    """Convert pairs [samples] to points (k, p, 4) [m]: x and y of the entry, then of the exit.
 
     Args:
-        edges: entry and exit along each ray [samples]; nan after the last pair.
+        edges: (k, p, 2) entry and exit along each ray [samples]; nan after the last pair.
         distances: (k, m) of the samples from the rays' centre [m].
         directions: (k, 2) unit vectors along the rays.
     """
@@ -50,19 +50,19 @@ def ranges_of(
     distances: Array,
     directions: Array,
 ) -> tuple[Array, Array]:
-    """Where rays meet the lines of their edges.
+    """Return where rays meet the lines of their edges.
 
     Args:
         lines: (k, 3) unit normal and offset [m] of the entry edges.
         pairs: (k, p, 2) entries and exits [samples].
-        chosen: (k,) which pair of each ray.
+        chosen: (k,) index of the pair of each ray.
         verdicts: (k,) zero for those that count.
         distances: (k, m) of the samples from the rays' centre [m].
         directions: (k, 2) unit vectors along the rays.
 
     Returns:
-        Ranges (k,) [m], inf for those that do not count; chosen entries and exits (k, 2)
-        [samples], entries that count moved to where the range says.
+        Ranges (k,) [m], inf for rays that do not count; chosen entries and exits (k, 2) [samples].
+        Entries that count are moved to the position of their range.
     """
     ranges = np.full(len(lines), np.inf)
     edges = np.empty((len(lines), 2))
@@ -71,7 +71,7 @@ def ranges_of(
         if verdicts[ray] == 0:
             facing = lines[ray, 0] * directions[ray, 0] + lines[ray, 1] * directions[ray, 1]
             ranges[ray] = lines[ray, 2] / facing
-            # Back from metres to samples; three steps of Newton's are exact to a nanometre.
+            # Convert metres to samples; three steps of Newton's method are exact to a nanometre.
             for _ in range(3):
                 slope = between(distances[ray], position + 0.5) - between(
                     distances[ray], position - 0.5
@@ -94,17 +94,17 @@ def unskew(
     v: float,
     omega: float,
 ) -> None:
-    """Turn ranges into those of a camera that exposes all rows at the frame's stamp.
+    """Correct ranges to those of a camera that exposes all rows at the frame's stamp.
 
-    A row exposed dt after the stamp saw the floor from a robot that had moved on by v dt; in the
-    frame at the stamp the edge lies that much farther along. The edge is a line, so along the same
+    A row exposed dt after the stamp saw the floor from a robot that had moved on by v dt. In the
+    frame at the stamp, the edge is farther by this motion. The edge is a line, so along the same
     bearing the range changes by (n . moved) / (n . direction).
 
     Args:
-        ranges: (k,) [m], to be changed.
+        ranges: (k,) [m], changed in place.
         lines: (k, 3) unit normal and offset of each edge.
-        edges: (k, 2) where the entries lie [samples].
-        pixels: (k, m, 2) where the samples lie in the picture.
+        edges: (k, 2) positions of entries and exits [samples].
+        pixels: (k, m, 2) positions of the samples in the picture.
         directions: (k, 2) unit vectors along the rays.
         centre_x: where the rays start, ahead of the robot's origin [m].
         a_row: time from one row's exposure to the next one's [s].

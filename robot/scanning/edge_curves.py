@@ -1,8 +1,9 @@
 """Compiled fits of a line or an arc through the entries of neighbouring rays.
 
-A curve is an array (6,): the unit normal n toward the rays' side (2); n . p of its middle [m]; the
-worst distance of an entry from it [m]; t . p of its middle [m], with the tangent t = (n_y, -n_x);
-and its curvature [1/m], positive where it bulges toward the rays, 0 for a line.
+A curve is an array (6,): the unit normal n toward the rays' side (2); n . p of its middle p [m];
+the worst distance of an entry from it [m]; t . p of its middle [m], with the tangent
+t = (n_y, -n_x); and its curvature [1/m], positive where the curve bulges toward the rays, 0 for a
+line.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from numba import njit
 from robot.geometry import Array
 
 ROUNDS = 4
-"""Gauss-Newton steps of an arc; from a line of 80 mm along a bend of 70 mm three are enough."""
+"""Gauss-Newton steps of an arc; from a line of 80 mm along a bend of 70 mm, three are enough."""
 GRAZING = 0.03
-"""A ray at a flatter angle to an arc than this keeps the range that was measured."""
+"""A ray that meets an arc at a flatter angle than this keeps its measured range."""
 FEWEST = 6
-"""Entries that make an arc."""
+"""Smallest number of entries for an arc or a parabola."""
 
 
 @njit(cache=True, nogil=True)
 def fit_line(chain: Array, first: int, last: int, curve: Array) -> None:
-    """Total least squares through the entries first..last of a chain (n, 4)."""
+    """Fit a line through the entries first..last of a chain (n, 4), by total least squares."""
     count = last - first + 1
     mean_x = mean_y = xx = xy = yy = 0.0
     for i in range(first, last + 1):
@@ -46,11 +47,10 @@ def fit_line(chain: Array, first: int, last: int, curve: Array) -> None:
 
 @njit(cache=True, nogil=True)
 def fit_arc(chain: Array, first: int, last: int, curve: Array) -> None:
-    """Bend the line that ``fit_line`` has put into the curve: Gauss-Newton on true distances.
+    """Bend the line that ``fit_line`` wrote to the curve, by Gauss-Newton on true distances.
 
     The distance is Karimaeki's (Effective circle fitting for particle trajectories, 1991), which
-    is as good for a line as for an arc. With too few entries, or all in one place, the worst
-    distance becomes infinite.
+    is as good for a line as for an arc. With too few entries, the worst distance becomes infinite.
     """
     if last - first + 1 < FEWEST:
         curve[3] = np.inf
@@ -69,7 +69,7 @@ def fit_arc(chain: Array, first: int, last: int, curve: Array) -> None:
 
 @njit(cache=True, nogil=True)
 def _step(chain: Array, first: int, last: int, curve: Array) -> tuple[float, float, float]:
-    """How far to shift the curve [m], turn it [rad] and bend it [1/m] to fit better."""
+    """Return how far to shift the curve [m], turn it [rad] and bend it [1/m] for a better fit."""
     n = last - first + 1
     s1 = s2 = s3 = s4 = r0 = r1 = r2 = 0.0
     for i in range(first, last + 1):
@@ -103,7 +103,7 @@ def _worst(chain: Array, first: int, last: int, curve: Array) -> float:
 
 @njit(cache=True, nogil=True)
 def taper(chain: Array, first: int, last: int, curve: Array) -> float:
-    """How much the width grows or shrinks from end to end of an edge, by its trend [m]."""
+    """Return how much the width changes from end to end of an edge, by its linear trend [m]."""
     squares = product = mean = 0.0
     for i in range(first, last + 1):
         mean += place(chain[i, 0], chain[i, 1], curve) / (last - first + 1)
@@ -116,9 +116,9 @@ def taper(chain: Array, first: int, last: int, curve: Array) -> float:
 
 @njit(cache=True, nogil=True)
 def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float:
-    """How far a curved edge lies off its line at an entry of the chain; 0 if it is straight.
+    """Return how far a curved edge is off its line at an entry [m]; 0 if it is straight.
 
-    By the parabola through the entries first..last, if it stands out of their noise.
+    The result is from the parabola through the entries first..last, if it exceeds their noise.
     """
     count = last - first + 1
     if count < FEWEST:
@@ -128,7 +128,7 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
         t = place(chain[i, 0], chain[i, 1], curve)
         squares += t * t
         cubes += t * t * t
-    # The square less its own line: what a parabola adds to the line that is there already.
+    # The shape is the square minus its own fitted line: what a parabola adds to the existing line.
     tilt, level = cubes / squares, squares / count
     product = total = rest = 0.0
     for i in range(first, last + 1):
@@ -139,7 +139,7 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
         total += shape * shape
         rest += offset * offset
     explained = product * product / total
-    # Three standard errors.
+    # The parabola counts from three standard errors on.
     if explained < 9 * (rest - explained) / (count - 3):
         return 0.0
     t = place(chain[middle, 0], chain[middle, 1], curve)
@@ -148,9 +148,9 @@ def bow(chain: Array, first: int, last: int, curve: Array, middle: int) -> float
 
 @njit(cache=True, nogil=True)
 def meet(x: float, y: float, curve: Array, line: Array) -> None:
-    """Put the tangent of a curve, where the ray to a point (x, y) meets it, into ``line`` (3,).
+    """Write to ``line`` (3,) the tangent of a curve where the ray to a point (x, y) meets it.
 
-    The ray comes from (0, 0). A line is its own tangent.
+    The ray starts at (0, 0). A line is its own tangent.
     """
     line[0], line[1], line[2] = curve[0], curve[1], curve[2]
     if curve[5] == 0.0:
@@ -169,7 +169,7 @@ def meet(x: float, y: float, curve: Array, line: Array) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def _normal(x: float, y: float, curve: Array, normal: Array) -> None:
-    """The unit normal of a curve at the point of it that is nearest to (x, y)."""
+    """Compute the unit normal of a curve at the curve's point nearest to (x, y)."""
     k = curve[5]
     u, v = curve[0] * x + curve[1] * y - curve[2], place(x, y, curve)
     nx = curve[0] + k * (u * curve[0] + v * curve[1])
@@ -180,7 +180,7 @@ def _normal(x: float, y: float, curve: Array, normal: Array) -> None:
 
 @njit(cache=True, nogil=True, inline="always")
 def distance(x: float, y: float, curve: Array) -> float:
-    """Signed distance of a point from a curve, positive on the rays' side [m]."""
+    """Return the signed distance of a point from a curve, positive on the rays' side [m]."""
     u = curve[0] * x + curve[1] * y - curve[2]
     k = curve[5]
     if k == 0.0:
@@ -192,18 +192,18 @@ def distance(x: float, y: float, curve: Array) -> float:
 
 @njit(cache=True, nogil=True, inline="always")
 def place(x: float, y: float, curve: Array) -> float:
-    """Where along a curve's tangent a point lies, from the curve's middle [m]."""
+    """Return a point's coordinate along a curve's tangent, from the curve's middle [m]."""
     return float(curve[1] * x - curve[0] * y - curve[4])
 
 
 @njit(cache=True, nogil=True, inline="always")
 def width(chain: Array, i: int, curve: Array) -> float:
-    """Distance from an entry to its exit across a curve [m]."""
+    """Return the distance from an entry to its exit across a curve [m]."""
     leaving = distance(chain[i, 2], chain[i, 3], curve)
     return float(abs(leaving - distance(chain[i, 0], chain[i, 1], curve)))
 
 
 @njit(cache=True, nogil=True, inline="always")
 def squared(a: Array, b: Array) -> float:
-    """Square of the distance of two entries [m²]."""
+    """Return the squared distance of two entries [m²]."""
     return float((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]))

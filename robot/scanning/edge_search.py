@@ -1,7 +1,7 @@
 """Compiled search for edges along rays: where the floor gets darker, and where brighter again.
 
-A ray is first looked through coarsely, at the pixels next to its samples; only around what looks
-like an edge is the picture interpolated, to find the edge's place between the pixels.
+A ray is first searched coarsely, at the pixels next to its samples. Only around a likely edge is
+the picture interpolated, to find the edge's position between the pixels.
 """
 
 from __future__ import annotations
@@ -16,17 +16,18 @@ from robot.geometry import Array
 from robot.scanning.picture_noise import clearness, kernel_for, noise_of
 
 PAIRS = 4
-"""Pairs kept on one ray; farther ones are left out."""
+"""Largest number of pairs on one ray; farther pairs are left out."""
 PARTS = 2
-"""A sample is cut into so many parts to find an edge's place."""
+"""The step between samples is cut into this many parts to find an edge's position."""
 REACH = 4
-"""Parts, to either side, in which the place is searched."""
+"""The position is searched in this many parts to either side."""
 _NEAR = 2
-"""Parts from the top of the kernel's answer to the neighbours that its parabola goes through."""
+"""The parabola through the maximum of the kernel's response uses the responses this many parts to
+either side."""
 
 
 SLANTED = 8.0
-"""How many times longer than a sharp edge one is searched, at most, that a ray crosses aslant."""
+"""If a ray crosses an edge at a slant, the search is stretched by at most this factor."""
 
 
 @njit(cache=True, nogil=True)
@@ -39,22 +40,22 @@ def find_edges(
     kernel: int,
     threshold: float,
 ) -> tuple[Array, NDArray[np.int32], float, int, Array]:
-    """Entries and exits of dark stripes on each ray, between the pixels.
+    """Find entries and exits of dark stripes on each ray, between the pixels.
 
     Args:
         picture: (h, w)
         places: (k, m) pixel of each sample, counted row by row.
         counts: (k,) samples in use on each ray.
-        pixels: (k, m, 2) where the samples lie in the picture.
-        apart: samples from one to the next that shares no pixel with it.
+        pixels: (k, m, 2) positions of the samples in the picture.
+        apart: number of samples to the next one that shares no pixel with the first.
         kernel: half width of the edge kernel in a picture without much noise [samples].
-        threshold: weakest edge that is one in such a picture [grey levels].
+        threshold: weakest edge that counts in such a picture [grey levels].
 
     Returns:
-        Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; how many edges
-        were met (k,), where an odd number means that the last entry has no exit, and -1 that the
-        ray is out of sight; the picture's noise [grey levels]; half width of the kernel that
-        suited it [samples]; the probability (k,) that tape in the way of a ray is found.
+        Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; the number of
+        edges met (k,), where an odd number means that the last entry has no exit, and -1 that the
+        ray is out of sight; the picture's noise [grey levels]; the half width of the kernel chosen
+        for the noise [samples]; the probability (k,) that tape on a ray is found.
     """
     grey = sample_rays(picture, places, counts)
     noise = noise_of(grey, counts, apart)
@@ -82,9 +83,10 @@ def find_edges(
 def sample_rays(
     picture: NDArray[np.uint8], places: NDArray[np.uint32], counts: NDArray[np.int32]
 ) -> NDArray[np.int16]:
-    """Grey levels (k, m) of the pixels next to each sample.
+    """Return the grey levels (k, m) of the pixels next to each sample.
 
-    After a ray's ``counts`` (k,) none is filled in; ``places`` (k, m) count pixels row by row.
+    Only the first ``counts`` (k,) levels of a ray are filled in. ``places`` (k, m) are indices of
+    pixels, counted row by row.
     """
     pixels = picture.ravel()
     grey = np.empty(places.shape, dtype=np.int16)
@@ -96,7 +98,7 @@ def sample_rays(
 
 @njit(cache=True, nogil=True)
 def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -> NDArray[np.int16]:
-    """(k, m) sum of the ``half`` samples ahead less sum of those behind; 0 near a ray's ends."""
+    """Return (k, m) the sum of ``half`` samples ahead minus those behind; 0 near a ray's ends."""
     answers = np.zeros(grey.shape, dtype=np.int16)
     start = half + 1
     for ray in range(len(counts)):
@@ -107,7 +109,7 @@ def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -
         for away in range(1, half + 1):
             ahead = grey[ray, start + away : start + away + size]
             behind = grey[ray, start - away : start - away + size]
-            # The conversion lets the compiler take 32 samples at once.
+            # The conversion lets the compiler process 32 samples at once.
             for i in range(size):
                 inner[i] += np.int16(ahead[i] - behind[i])
     return answers
@@ -117,24 +119,24 @@ def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -
 def find_pairs(
     answer: NDArray[np.int16], half: int, threshold: float, pairs: NDArray[np.int32]
 ) -> int:
-    """Entries and exits of dark stripes along one ray, to the sample.
+    """Find entries and exits of dark stripes along one ray, to the nearest sample.
 
-    An edge is a run of samples where the kernel's answer is beyond the threshold. Of entries in a
-    row the sharpest is kept; with the first exit after it, it is a pair.
+    An edge is a run of samples where the kernel's response is beyond the threshold. Of several
+    entries in a row, the sharpest is kept. It forms a pair with the first exit after it.
 
     Args:
-        answer: (m,) of the ray's ``differences``.
+        answer: (m,) row of ``differences`` of the ray.
         half: half width of the kernel [samples].
-        threshold: weakest edge that is one [grey levels].
-        pairs: (PAIRS, 2, 2) to be filled in: place and length of entry and exit [samples].
+        threshold: weakest edge that counts [grey levels].
+        pairs: (PAIRS, 2, 2) the output: position and length of entry and exit [samples].
 
     Returns:
-        How many edges were met: an odd number means that the last entry has no exit.
+        Number of edges met; an odd number means that the last entry has no exit.
     """
     weakest = math.ceil(threshold * half)
     result = sharpest = stop = 0
     for i in range(len(answer)):
-        # Most samples are no edge, and this is all that is done for them.
+        # Most samples are not on an edge, and need no more than this test.
         if abs(answer[i]) < weakest or i < stop:
             continue
         stop = _run_end(answer, i, weakest)
@@ -153,7 +155,7 @@ def find_pairs(
 
 @njit(cache=True, nogil=True)
 def _run_end(answer: NDArray[np.int16], start: int, weakest: int) -> int:
-    """First sample after one beyond the threshold that is not, or has the other sign."""
+    """Return the first sample after ``start`` that is below the threshold or has the other sign."""
     darker = answer[start] < 0
     for i in range(start + 1, len(answer)):
         if abs(answer[i]) < weakest or (answer[i] < 0) != darker:
@@ -163,10 +165,10 @@ def _run_end(answer: NDArray[np.int16], start: int, weakest: int) -> int:
 
 @njit(cache=True, nogil=True)
 def _top(answer: NDArray[np.int16], start: int, stop: int, half: int) -> tuple[int, int]:
-    """Strongest answer of a run, and where its edge is.
+    """Return the strongest response of a run, and the position of its edge.
 
-    That is where the answer is strongest; of a run longer than a sharp edge's it is the middle, as
-    the top of a wide hill is anywhere in noise.
+    The edge is where the response is strongest. In a run longer than that of a sharp edge, it is
+    the run's centroid, because noise can put the top of a wide hill anywhere.
     """
     peak = place = total = moment = 0
     for i in range(start, stop):
@@ -182,7 +184,7 @@ def _top(answer: NDArray[np.int16], start: int, stop: int, half: int) -> tuple[i
 
 @njit(cache=True, nogil=True, inline="always")
 def _sharp(half: int) -> int:
-    """Longest run [samples] that a sharp edge, crossed straight on, makes of the kernel."""
+    """Return the longest run [samples] of a sharp edge that the ray crosses at a right angle."""
     return 2 * half + 2
 
 
@@ -195,15 +197,15 @@ def refine(
     half: int,
     scale: float,
 ) -> float:
-    """Place of an edge along a ray, in samples with fractions.
+    """Return the position of an edge along a ray, in samples with fractions.
 
-    Top of the parabola through the same kernel's answers in finer steps, on the picture
-    interpolated between four pixels. The sample itself where that straight search would leave the
-    picture: the lens may bend the ray away from it.
+    The position is the maximum of the parabola through the same kernel's responses in finer steps,
+    on the picture interpolated between four pixels. It is the sample itself where this straight
+    search would leave the picture, because the lens may bend the ray away from a straight line.
 
     Args:
         picture: (h * w,) all pixels, row by row, ``width`` in a row.
-        pixels: (m, 2) of the ray's samples.
+        pixels: (m, 2) positions of the ray's samples in the picture.
         place: sample where the edge was found.
         half: half width of the kernel [samples].
         scale: how many times wider than the kernel the edge is; the search is stretched by it.
@@ -233,7 +235,7 @@ def refine(
 
 @njit(cache=True, nogil=True, inline="always")
 def _answer(total: Array, wide: int, shift: int) -> float:
-    """Size of the difference between the sums ahead and behind, out of running totals."""
+    """Return the size of the difference between the sums ahead and behind, from running totals."""
     position = wide + REACH + shift
     ahead, behind = (
         total[position + wide + 1] - total[position + 1],
@@ -244,10 +246,10 @@ def _answer(total: Array, wide: int, shift: int) -> float:
 
 @njit(cache=True, nogil=True, inline="always")
 def _between(pixels: NDArray[np.uint8], width: int, u: float, v: float) -> float:
-    """Brightness of a place between four pixels."""
+    """Return the brightness of a point between four pixels."""
     column, row = int(u), int(v)
     right, down = u - column, v - row
-    # Unsigned: no need to look for indices that count from the end.
+    # Unsigned indices need no check for indices that count from the end.
     position = np.uint32(row * width + column)
     a, b = np.float64(pixels[position]), np.float64(pixels[position + np.uint32(1)])
     position = np.uint32(position + width)

@@ -1,8 +1,8 @@
-"""Distances to floor tape out of a camera picture, as if a laser had measured them.
+"""Line scanner: distances to floor tape from a camera picture, as if a laser had measured them.
 
-Rays are drawn around a point on the floor and looked up in the picture; a one-dimensional kernel
-finds where it gets darker and brighter along each; what is as wide as the tape and lies on a line
-is reported by where the ray meets the line of its entry edge.
+Rays around a point on the floor are looked up in the picture. A one-dimensional kernel finds where
+the picture gets darker and brighter along each ray. A dark stripe counts if it is as wide as the
+tape and lies on a line. The range is where the ray meets the line of the stripe's entry edge.
 """
 
 from __future__ import annotations
@@ -99,21 +99,21 @@ class LineScannerSettings:
 
 @dataclass(frozen=True, slots=True)
 class LineScan:
-    """What was found in one picture: the scan, and everything needed to show why."""
+    """Result of one picture: the scan, and everything needed to explain it."""
 
     scan: Scan
     verdicts: NDArray[np.int8] = field(repr=False)
-    """(k,) a ``Verdict`` a ray."""
+    """(k,) the ``Verdict`` of each ray."""
     edges: Array = field(repr=False)
     """(k, 2) entry and exit of the judged pair [samples along the ray]; nan without a pair."""
     widths: Array = field(repr=False)
-    """(k,) measured across the line [m]; nan where no line was found."""
+    """(k,) width of the stripe across its line [m]; nan where no line was found."""
     noise: float
-    """Standard deviation of the picture's noise [grey levels], as measured."""
+    """Measured standard deviation of the picture's noise [grey levels]."""
     kernel: int
-    """Half width of the edge kernel that suited the noise [samples]."""
+    """Half width of the edge kernel, chosen for the noise [samples]."""
     picture: NDArray[np.uint8] = field(repr=False)
-    """(h, w) in grey, read-only."""
+    """(h, w) the picture in grey, read-only."""
     table: RayTable = field(repr=False)
     """Where the rays run."""
 
@@ -121,19 +121,19 @@ class LineScan:
     def tape_width(self) -> float:
         """Median of the widths that counted [m]; nan if none did.
 
-        It tells of the camera's health: a pitch wrong by half a degree makes 2 mm of 50 mm.
+        It shows the camera's health: a pitch error of half a degree changes 50 mm by 2 mm.
         """
         counted = self.widths[self.verdicts == Verdict.COUNTED]
         return float(np.median(counted)) if len(counted) else math.nan
 
     @property
     def grey(self) -> NDArray[np.uint8]:
-        """(k, m) brightness along the rays, worked out when it is asked for."""
+        """(k, m) brightness along the rays, computed on request."""
         return self.picture.ravel()[self.table.places]
 
     @property
     def response(self) -> NDArray[np.float32]:
-        """(k, m) the edge kernel's answer [grey levels], worked out when it is asked for."""
+        """(k, m) response of the edge kernel [grey levels], computed on request."""
         answers = differences(self.grey.astype(np.int16), self.table.counts, self.kernel)
         return (answers / self.kernel).astype(np.float32)
 
@@ -164,8 +164,8 @@ class LineScanner:
         """Search one picture.
 
         Args:
-            frame: the picture, of the size that the lens was described for.
-            twist: the robot's velocity, which undoes the rolling shutter's skew.
+            frame: the picture, of the size in the lens description.
+            twist: the robot's velocity, for the correction of the rolling shutter's skew.
 
         Raises:
             ValueError: the picture has another size, or neither one colour nor three.
@@ -209,7 +209,7 @@ class LineScanner:
         return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
 
     def pixels(self, positions: Array) -> Array:
-        """Pixels (k, 2) of one place on each ray, given in samples (k,); nan stays nan."""
+        """Return the pixels (k, 2) of one position on each ray (k,) [samples]; nan stays nan."""
         low = np.clip(np.nan_to_num(positions), 0, self.table.pixels.shape[1] - 2).astype(int)
         part = (positions - low)[:, None]
         rays = np.arange(len(positions))
@@ -218,7 +218,7 @@ class LineScanner:
         return on_chord
 
     def distance(self, ray: int, position: float) -> float:
-        """Distance [m] from the centre of a place on a ray, given in samples."""
+        """Return the distance [m] from the centre to a position on a ray [samples]."""
         return float(between(self.table.distances[ray], position))
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -1,4 +1,4 @@
-"""Compiled measures of how clear a picture is, and how it must be searched for edges therefore."""
+"""Compiled measures of a picture's noise and clearness, and the edge search that suits them."""
 
 from __future__ import annotations
 
@@ -11,27 +11,29 @@ from numpy.typing import NDArray
 from robot.geometry import Array
 
 CERTAIN = 3.5
-"""Standard deviations of noise by which an edge stands out of it."""
+"""An edge stands out of the noise by this many of the noise's standard deviations."""
 _EVERY = 16
-"""Of the samples, one in so many is looked at to measure noise."""
+"""One in this many samples is used to measure the noise."""
 
 
 CONTRAST = 0.83
-"""How much darker than the floor tape is, as a share of the floor's brightness."""
+"""How much darker tape is than the floor, as a share of the floor's brightness."""
 EVEN_CHANCE, CHANCE_SD = 1.2, 0.8
-"""By so many standard deviations of the kernel's answer must an edge stand above the threshold for
-half of the rays to return it, and the spread of that: straightness and width are judged, too.
-Measured on simulated pictures at a noise of 3 to 40 and a light of 1 to 0.15."""
+"""How far above the threshold an edge must stand for half of the rays to return it, and the spread
+of this margin, in standard deviations of the kernel's response. Straightness and width, which are
+judged too, are included. Measured on simulated pictures at a noise of 3 to 40 and a light of 1 to
+0.15."""
 
 
 @njit(cache=True, nogil=True)
 def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> float:
-    """Standard deviation of the picture's noise [grey levels], by the median second difference.
+    """Return the standard deviation of the picture's noise [grey levels].
 
-    A slope has none, and edges are too few to move the median. Of normal noise, a second
-    difference has sqrt(6) the standard deviation, and a median size of 0.6745 of that.
+    It is computed from the median second difference along the rays. A slope has no second
+    difference, and edges are too few to move the median. For normal noise, the second difference
+    has sqrt(6) times its standard deviation, and the median size is 0.6745 of that.
 
-    ``apart`` is from one sample to the next that shares no pixel with it.
+    ``apart`` is the number of samples to the next one that shares no pixel with the first.
     """
     tally = np.zeros(1024, dtype=np.int32)
     total = 0
@@ -52,11 +54,11 @@ def noise_of(grey: NDArray[np.int16], counts: NDArray[np.int32], apart: int) -> 
 
 @njit(cache=True, nogil=True)
 def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]:
-    """Half width of the edge kernel and threshold that suit a picture's noise [grey levels].
+    """Return the edge kernel's half width and the threshold for a picture's noise [grey levels].
 
     Between the means of h samples ahead and behind, noise alone makes a difference of
-    sqrt(2 / h) its size. The kernel grows by up to half, lest far tape's edges run into one
-    another, then the threshold.
+    sqrt(2 / h) times its size. In noise, the kernel grows first, but only by up to half, so that
+    the edges of far tape do not merge. Then the threshold grows.
     """
     wanted = math.ceil(2 * (CERTAIN * noise / threshold) ** 2)
     half = min(max(kernel, wanted), kernel + (kernel + 1) // 2)
@@ -67,14 +69,14 @@ def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]
 def clearness(
     grey: NDArray[np.int16], counts: NDArray[np.int32], noise: float, half: int, threshold: float
 ) -> Array:
-    """Probability (k,) that tape in the way of a ray is found, by the ray's own brightness.
+    """Return the probability (k,) that tape on a ray is found, by the ray's own brightness.
 
     Args:
-        grey: (k, m) levels along the rays.
+        grey: (k, m) grey levels along the rays.
         counts: (k,) samples in use.
-        noise: standard deviation of a level.
+        noise: standard deviation of a grey level.
         half: half width of the edge kernel [samples].
-        threshold: weakest edge that is one [grey levels].
+        threshold: weakest edge that counts [grey levels].
     """
     sd = max(noise, 1.0) * math.sqrt(2 / half)
     clear = np.zeros(len(counts))

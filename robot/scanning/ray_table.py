@@ -1,4 +1,4 @@
-"""Where each ray of the line scanner runs through the picture: worked out once for a camera."""
+"""Where each ray of the line scanner runs through the picture, computed once for a camera."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ MARGIN_PX = 3.0
 inside."""
 
 BESIDE_PX = 1.5
-"""By so much more than a sample's step: an edge is searched up to a sample beyond a ray's ends."""
+"""Rays keep at least a sample's step and this far from the border, because the search for an edge
+extends up to a sample beyond a ray's ends."""
 
 
 @dataclass(frozen=True)
@@ -29,13 +30,13 @@ class RayTable:
     bearings: Array
     """(k,) [rad]"""
     counts: NDArray[np.int32]
-    """(k,) samples of the row that are used; the rest repeats the last."""
+    """(k,) number of samples in use of the row; the rest of the row repeats the last one."""
     distances: Array = field(repr=False)
-    """(k, m) from the centre [m], rising along a row."""
+    """(k, m) distance of each sample from the centre [m], increasing along a row."""
     pixels: NDArray[np.float32] = field(repr=False)
-    """(k, m, 2) where each sample lies in the picture."""
+    """(k, m, 2) position of each sample in the picture."""
     places: NDArray[np.uint32] = field(repr=False)
-    """(k, m) the pixel next to each sample, counted row by row."""
+    """(k, m) index of the pixel nearest to each sample, counted row by row."""
 
     @classmethod
     def build(
@@ -50,10 +51,10 @@ class RayTable:
         """Follow each ray over the floor and sample it at even steps in the picture.
 
         Args:
-            view: the camera over the floor.
+            view: the camera above the floor.
             bearings: (k,) [rad] in the robot frame.
             centre_x: where the rays start, ahead of the robot's origin [m].
-            range_max: how far they are followed [m].
+            range_max: how far the rays are followed [m].
             step_px: distance of the samples in the picture [px].
         """
         rows = [_follow(view, centre_x, b, range_max, step_px) for b in heading_vectors(bearings)]
@@ -72,7 +73,7 @@ class RayTable:
 
     @cached_property
     def limits(self) -> Array:
-        """(k, 2) nearest and farthest distance [m] that each ray sees; nan if it sees none."""
+        """(k, 2) nearest and farthest distance [m] that each ray sees; nan if it sees nothing."""
         last = np.maximum(self.counts - 1, 0)
         ends = np.column_stack([self.distances[:, 0], self.distances[np.arange(len(last)), last]])
         ends[self.counts == 0] = np.nan
@@ -80,7 +81,7 @@ class RayTable:
         return ends
 
     def lines(self, points: int) -> Array:
-        """Each ray as a line of pixels (k, points, 2), to be drawn; bent as the lens bends it."""
+        """Return each ray as a line of pixels (k, points, 2) to draw, bent as the lens bends it."""
         parts = np.linspace(0, 1, points)
         index = np.rint(parts * np.maximum(self.counts - 1, 0)[:, None]).astype(int)
         return np.take_along_axis(self.pixels, index[:, :, None], axis=1).astype(np.float64)
@@ -89,7 +90,7 @@ class RayTable:
 def _follow(
     view: FloorView, centre_x: float, direction: Array, range_max: float, step_px: float
 ) -> tuple[Array, Array]:
-    """Distances (m,) and pixels (m, 2) of one ray, even in the picture."""
+    """Return distances (m,) and pixels (m, 2) of one ray at even steps in the picture."""
     dense = np.linspace(0.0, range_max, 1 + math.ceil(range_max / 0.0005))
     pixels = view.pixels(dense[:, None] * direction + (centre_x, 0.0))
     inside = np.flatnonzero(view.inside(pixels, max(MARGIN_PX, step_px + BESIDE_PX)))

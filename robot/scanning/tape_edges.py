@@ -1,8 +1,9 @@
-"""Compiled decision which edges are tape's: those on a line or an arc, a tape's width apart.
+"""Compiled decision which edges belong to tape: those on a line or an arc, a tape's width apart.
 
-A pair is a place on a ray where it gets darker (entry) and the next where it gets brighter (exit).
-It counts if the entries on neighbouring rays lie on a line, or on an arc that bends no tighter
-than tape does, and if the distance from entry to exit across it is the tape's width and stays so.
+A pair is the entry, where a ray gets darker, and the next exit, where it gets brighter. A pair
+counts under two conditions. The entries on neighbouring rays lie on a line, or on an arc that bends
+no tighter than tape does. The distance from entry to exit across it is the tape's width along the
+whole edge.
 """
 
 from __future__ import annotations
@@ -26,20 +27,20 @@ from robot.scanning.edge_curves import (
 )
 
 NEIGHBOURS = 48
-"""Rays to either side that may support a pair."""
+"""Largest number of rays on either side that may support a pair."""
 
 GAP = 2.0
-"""Neighbouring entries of one edge lie at most so many times the support apart."""
+"""Neighbouring entries of one edge are at most this many times the support apart."""
 
 STRICTER = 2.0
-"""So many times closer than on a line must entries lie on an arc, and its width be tape's."""
+"""The limits of straightness and width are this many times tighter for an arc than for a line."""
 
 SIDE = 4
-"""Neighbours to each side that are asked, however far away they lie."""
+"""This many neighbours on each side are used even if fewer already span the support."""
 
 
 class Verdict(IntEnum):
-    """Why a ray counted, or did not."""
+    """Why a ray counts or does not count."""
 
     COUNTED = 0
     OUT_OF_SIGHT = 1
@@ -71,23 +72,23 @@ def judge_pairs(
     most_taper: float,
     bend_radius: float,
 ) -> tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]:
-    """Which pairs are tape.
+    """Decide which pairs are tape.
 
     Args:
         pairs: (k, p, 4) x and y [m] of entry and exit; nan after a ray's last pair.
-        met: (k,) edges that each ray met, two a pair; -1 if it is out of sight.
+        met: (k,) number of edges that each ray met, two for each pair; -1 if it is out of sight.
         tape_width: [m].
         width_tolerance: how far the measured width may be off [m].
         support: length of edge [m] that must be seen on neighbouring rays.
         straightness: how far entries may lie off their common line or arc [m].
-        most_taper: how much the width may change along it [m].
-        bend_radius: of the tightest arc that is an edge of tape [m].
+        most_taper: how much the width may change along the edge [m].
+        bend_radius: radius of the tightest arc that can be an edge of tape [m].
 
     Returns:
-        For each ray the nearest pair that counts, or the one that came closest to counting:
+        For each ray, the nearest pair that counts, or else the pair that came closest to counting:
         its index (k,), the ``Verdict`` (k,), its width (k,) [m] and the line of its entry edge
-        (k, 3), the tangent of an arc: unit normal toward the rays' side, and n . p where the ray
-        meets it; else nan.
+        (k, 3). The line is the unit normal n toward the rays' side, and n . p where the ray meets
+        the line; of an arc, it is the tangent there. Without a line it is nan.
     """
     rays = len(pairs)
     chosen = np.zeros(rays, dtype=np.int8)
@@ -136,10 +137,10 @@ def _go_on(
     curves: Array,
     sure: NDArray[np.bool_],
 ) -> None:
-    """Count rays whose entry goes on the edge of the ray beside them, though their exit does not.
+    """Count rays whose entry continues the edge of the neighbouring ray, even if their exit fails.
 
-    So it is by corners, where rays leave through another tape, and where they all but run along an
-    edge. It goes on by as many rays at most as are sure of it.
+    This happens near corners, where rays leave through another tape, and where rays run almost
+    along an edge. The edge continues by at most as many rays as are sure of it.
     """
     rays, most, _ = pairs.shape
     strength = 0
@@ -170,18 +171,19 @@ def judge_chain(
     limits: tuple[float, float, float, float, float, float],
     curve: Array,
 ) -> tuple[int, float]:
-    """Verdict of the pair in the middle of a chain and its width [m].
+    """Return the verdict of the pair in the middle of a chain, and its width [m].
 
-    Puts the line or arc of its entry edge into ``curve``; nan and inf stand there without one. A
-    line is tried on the entries to both sides and to one; an arc only where no line makes it tape.
+    The line or arc of its entry edge is written to ``curve``; without one, that is nan, and inf for
+    the worst distance. A line is tried on the entries of both sides, then of one side. An arc is
+    tried only where no line makes the pair tape.
 
     Args:
         chain: (2 * NEIGHBOURS + 1, 4) pairs along an edge, the middle one at NEIGHBOURS.
-        left: how many stand before the middle.
-        right: how many stand after it.
-        limits: as ``judge_pairs`` takes them: tape_width, width_tolerance, support, straightness,
+        left: number of pairs before the middle.
+        right: number of pairs after the middle.
+        limits: as in ``judge_pairs``: tape_width, width_tolerance, support, straightness,
             most_taper, bend_radius [m].
-        curve: (6,) to be filled in.
+        curve: (6,) the output.
     """
     tape_width, width_tolerance, support, straightness, most_taper, _ = limits
     middle = NEIGHBOURS
@@ -189,7 +191,7 @@ def judge_chain(
     curve[:] = np.nan
     curve[3] = np.inf
     trial = np.empty(6)
-    # Both halves first: it is the best fit; beside a corner or an end one side alone is straight.
+    # Both sides come first, as the best fit; near a corner or an end, only one side is straight.
     spans = (
         (middle - left, middle + right),
         (middle - left // 2, middle + right // 2),
@@ -229,14 +231,15 @@ def _fit_bend(
     limits: tuple[float, float, float, float, float, float],
     curve: Array,
 ) -> float:
-    """The width [m] of tape whose entries lie on an arc; -1 if they do not.
+    """Return the width [m] of tape whose entries lie on an arc; -1 if it is not such tape.
 
-    An arc fits more than a line does, so it must fit ``STRICTER``: else cables and shoes pass.
+    An arc fits more shapes than a line does, so its limits are ``STRICTER`` times tighter:
+    otherwise cables and shoes would pass.
     """
     tape_width, width_tolerance, _, straightness, most_taper, bend_radius = limits
     fit_line(chain, first, last, curve)
     fit_arc(chain, first, last, curve)
-    # Of nan never true.
+    # Comparisons with nan are false, so nan is rejected here.
     if not (curve[3] <= straightness / STRICTER and abs(curve[5]) * bend_radius <= 1):
         return -1.0
     across = width(chain, NEIGHBOURS, curve)
@@ -247,7 +250,7 @@ def _fit_bend(
 
 @njit(cache=True, nogil=True)
 def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain: Array) -> int:
-    """Walk to one side along neighbouring entries until they are enough; returns how many."""
+    """Collect neighbouring entries on one side until they span the support; return how many."""
     rays, most, _ = pairs.shape
     position = NEIGHBOURS
     for j in range(4):
@@ -259,7 +262,7 @@ def _collect(pairs: Array, ray: int, pair: int, step: int, support: float, chain
         best, gap = -1, (GAP * support) ** 2
         for candidate in range(most):
             away = squared(pairs[other, candidate], chain[position])
-            # Never true of nan, where there is no pair.
+            # False for nan, where there is no pair.
             if away < gap:
                 best, gap = candidate, away
         if best < 0:

@@ -1,4 +1,4 @@
-"""How much of each cell of a grid an area covers: exactly, whatever the size of the cells."""
+"""Exact share of each cell of a grid that an area covers, for any size of the cells."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from robot.geometry import Array
 
 
 def coverage(edges: Array, shape: tuple[int, int]) -> Array:
-    """The covered share (h, w), 0 to 1, of each cell of a grid.
+    """Return the covered share (h, w), 0 to 1, of each cell of a grid.
 
-    Edges (n, 4) in cells form closed outlines, with the area to their left where y points up (as
-    ``edges`` has them). Cell (row, column) covers column to column + 1 and row to row + 1;
-    rows count along +y. What lies outside the grid is cut off.
+    Edges (n, 4) in cells form closed outlines. The area is on their left where y points up, as in
+    ``edges``. Cell (row, column) covers column to column + 1 and row to row + 1; rows count along
+    +y. The area outside the grid is cut off.
 
-    Green's theorem by cells: cut at all grid lines, each piece of an edge lies in one cell. It
-    covers its height times the width to its right there, and its height of all cells further
-    right; the sum over an outline, with signs, is the area inside.
+    The method is Green's theorem by cells. Edges are cut at all grid lines, so each piece lies in
+    one cell. There it covers its height times the width to its right. In all cells further right it
+    covers its height. The signed sum over an outline is the area inside.
     """
     height, width = shape
     start, end = _cut_at_grid_lines(edges)
@@ -35,7 +35,7 @@ def coverage(edges: Array, shape: tuple[int, int]) -> Array:
 
 
 def _cut_at_grid_lines(edges: Array) -> tuple[Array, Array]:
-    """Cut edges (n, 4) wherever they cross whole x or y: start and end points (m, 2)."""
+    """Cut edges (n, 4) wherever they cross whole x or y; return start and end points (m, 2)."""
     start, step = edges[:, :2], edges[:, 2:] - edges[:, :2]
     count = len(edges)
     whole = np.arange(count)
@@ -53,7 +53,7 @@ def _cut_at_grid_lines(edges: Array) -> tuple[Array, Array]:
 
 
 def _lines_between(a: Array, b: Array) -> tuple[NDArray[np.intp], Array]:
-    """Whole numbers strictly between a (n,) and b (n,): whose they are (m,), and they (m,)."""
+    """Return the whole numbers strictly between a (n,) and b (n,): pair indices, numbers (m,)."""
     first = np.floor(np.minimum(a, b)) + 1
     counts = np.maximum(np.ceil(np.maximum(a, b)) - first, 0).astype(np.intp)
     owner = np.repeat(np.arange(len(a)), counts)

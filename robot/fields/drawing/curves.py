@@ -1,4 +1,4 @@
-"""Curves as chains of straight lines that are fine enough for the stroke drawn along them."""
+"""Flattens curves to chains of straight lines, fine enough for the stroke drawn along them."""
 
 from __future__ import annotations
 
@@ -11,35 +11,36 @@ from robot.geometry import Array
 MAX_LINES = 20_000
 
 _DENSE = 192
-"""Steps at which the bending of a curve is looked at, before it is cut."""
+"""Number of steps in which the bend of a curve is sampled before the curve is cut."""
 
 _REFINEMENTS = 16
 _LOOKED_AT = (0.2, 0.5, 0.8)
-"""Where along each line its distance from the curve is looked at."""
+"""Positions along each line where its distance from the curve is checked."""
 
 _STRAIGHT = 1e-6
-"""A curve that asks for fewer lines than this is a straight line."""
+"""A curve that needs fewer lines than this is a straight line."""
 
 _NEAR_END = np.array([1 / 81, 1 / 27, 1 / 9, 1 / 3])
 """Additional points at both ends of a curve, in shares of its first line.
 
-Caps and corners must be square to the curve's end, not to its last chord; and lines must get
-short step by step, or else the wide end of a long one sticks out beyond a cap.
+Caps and corners must be square to the curve's end, not to its last chord. Lines must get shorter
+step by step; otherwise the wide end of a long line sticks out beyond a cap.
 """
 
 
 def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float) -> Array:
-    """Points (n, 2) on a curve, first to last, to be joined by straight lines.
+    """Return points (n, 2) on a curve, first to last, to be joined by straight lines.
 
     The curve gives points (n, 2) for parameters (n,) from 0 to 1. A line and its two parallels at
     the half width stay within the tolerance of the curve and of its parallels (same unit).
 
-    A chord that turns by phi over a length c leaves an arc of radius c/phi by phi c / 8 (the
-    sagitta), its outer parallel by phi (c + h phi) / 8. So a step of the dense sampling asks for
-    sqrt(phi (c + h phi) / (8 tolerance)) lines, and the lines are spread in that proportion.
+    Let a chord of length c turn by phi, and h be the half width. The chord is off its arc of radius
+    c/phi by phi c / 8 (the sagitta), and its outer parallel by phi (c + h phi) / 8. So a step of
+    the dense sampling needs sqrt(phi (c + h phi) / (8 tolerance)) lines. The lines are spread in
+    that proportion.
 
     Raises:
-        ValueError: it would take absurdly many lines.
+        ValueError: the curve needs absurdly many lines.
     """
     parameters = np.linspace(0, 1, _DENSE + 1)
     chords = np.diff(curve(parameters), axis=0)
@@ -56,15 +57,15 @@ def flatten(curve: Callable[[Array], Array], half_width: float, tolerance: float
     places = np.linspace(0, total, lines + 1)
     ends = _NEAR_END * places[1]
     places = np.concatenate([[0.0], ends, places[1:-1], total - ends[::-1], [total]])
-    # Where nothing is asked for, any place will do: interpolation needs an increasing sequence.
+    # Interpolation needs an increasing sequence; where no line is needed, any position will do.
     rising = reached + np.linspace(0, 1e-9 * total, len(reached))
     return _refined(curve, np.interp(places, rising, parameters), tolerance)
 
 
 def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: float) -> Array:
-    """Points (n, 2) at parameters (n,), and more where a line is still too far from the curve.
+    """Return points (n, 2) at parameters (n,), and more where a line is too far from the curve.
 
-    That is where a curve bends so sharply that the dense sampling has stepped over the bend.
+    This happens where a curve bends so sharply that the dense sampling has stepped over the bend.
     """
     for _ in range(_REFINEMENTS):
         points = curve(parameters)
@@ -79,7 +80,7 @@ def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: floa
 
 
 def _distance(points: Array, start: Array, end: Array) -> Array:
-    """Distances (n,) of points (n, 2) from the line segments between start and end (n, 2)."""
+    """Return distances (n,) of points (n, 2) from line segments between start and end (n, 2)."""
     along, across = end - start, points - start
     square = (along**2).sum(axis=1)
     share = np.clip((across * along).sum(axis=1) / np.where(square > 0, square, 1), 0, 1)
@@ -88,7 +89,7 @@ def _distance(points: Array, start: Array, end: Array) -> Array:
 
 
 def _turning(chords: Array) -> Array:
-    """How much the curve turns along each chord (n,) [rad]: half of each neighbour's corner."""
+    """Return how much the curve turns on each chord (n,) [rad]: half of the corner at each end."""
     before, after = chords[:-1], chords[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     corner = np.abs(np.arctan2(cross, (before * after).sum(axis=1)))

@@ -1,4 +1,4 @@
-"""Dashed lines: which pieces of a line are drawn."""
+"""Dashed lines: the pieces of a line that are drawn."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ MAX_DASHES = 10_000
 
 
 def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: float) -> list[Array]:
-    """The drawn pieces, each (m, 2), of a line through points (n, 2), as SVG cuts it.
+    """Return the drawn pieces, each (m, 2), of a line through points (n, 2), by SVG's rules.
 
-    The pattern holds lengths of dash, gap, dash, gap ... in the unit of the points, not all 0; an
-    odd number of them is taken twice. The offset is how far into the pattern the line begins. On
-    a closed line dashes that meet at its start are one.
+    The pattern holds lengths of dash, gap, dash, gap ... in the unit of the points, not all 0. An
+    odd number of lengths is taken twice. The line begins at the offset in the pattern. On a closed
+    line, dashes that meet at its start are one.
 
     Raises:
-        ValueError: a length is negative, or there would be too many dashes to mean it.
+        ValueError: a length is negative, or there would be absurdly many dashes.
     """
     if min(pattern) < 0:
         raise ValueError(f"a dash of length {min(pattern):g}; valid is 0 or more")
@@ -34,7 +34,7 @@ def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: floa
 def _intervals(
     length: float, pattern: tuple[float, ...], offset: float
 ) -> list[tuple[float, float]]:
-    """Where dashes begin and end on a line of some length."""
+    """Return where dashes begin and end on a line of this length."""
     even = pattern if len(pattern) % 2 == 0 else pattern * 2
     period = sum(even)
     repeats = int(length / period) + 2

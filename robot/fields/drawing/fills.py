@@ -12,11 +12,11 @@ from robot.geometry import Array
 
 
 def fill_area(outlines: Sequence[Array], even_odd: bool) -> shapely.Geometry:
-    """The area inside outlines, each (n, 2) and closed by a straight line if it is open.
+    """Return the area inside outlines, each (n, 2) and closed by a straight line if it is open.
 
-    The outlines may cross each other and themselves: they are cut into faces, and a face is inside
-    where the outlines wind around it an odd number of times, or (without ``even_odd``) other than
-    zero times.
+    The outlines may cross each other and themselves. They are cut into faces. With ``even_odd``, a
+    face is inside if the outlines wind around it an odd number of times. Without it, a face is
+    inside if that number is not zero.
     """
     closed = [np.vstack([points, points[:1]]) for points in outlines if len(points) > 2]
     lines = shapely.union_all([shapely.LineString(points) for points in closed])
@@ -29,9 +29,10 @@ def fill_area(outlines: Sequence[Array], even_odd: bool) -> shapely.Geometry:
 
 
 def _winding(outline: Array, places: Array) -> NDArray[np.int64]:
-    """How many times a closed outline (n, 2) winds anticlockwise around places (m, 2).
+    """Return how often a closed outline (n, 2) winds anticlockwise around points (m, 2).
 
-    Counts the lines that cross a ray to the right of each place, up less down (Sunday 2001).
+    The winding number is the number of lines that cross a ray to the right of the point upward,
+    minus those that cross it downward (Sunday 2001).
     """
     start, step = outline[:-1], np.diff(outline, axis=0)
     winding = np.zeros(len(places), np.int64)

@@ -1,6 +1,7 @@
 """The area that a stroke covers: SVG 2, chapter 13.7, "Computing the shape of an element's stroke".
 
-A stroke is the union of one rectangle a line, a joint where two lines meet, and a cap at each end.
+A stroke is the union of a rectangle for each line, a joint where two lines meet, and a cap at each
+end.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ _INSIDE = 0.01
 
 @dataclass(frozen=True, slots=True)
 class Polyline:
-    """A chain of straight lines, perhaps closed."""
+    """A chain of straight lines, open or closed."""
 
     points: Array
-    """(n, 2); a closed one does not repeat its first point."""
+    """(n, 2); a closed chain does not repeat its first point."""
     closed: bool
 
 
@@ -38,12 +39,15 @@ class Pen:
     """miter, round or bevel."""
     miter_limit: float = 4.0
     dashes: tuple[float, ...] = ()
-    """Lengths of dash, gap, dash, gap ...; none, or only zeros, draws through."""
+    """Lengths of dash, gap, dash, gap ...; an empty tuple, or only zeros, means no gaps."""
     dash_offset: float = 0.0
 
 
 def stroke_area(line: Polyline, pen: Pen, tolerance: float) -> shapely.Geometry:
-    """The area under a pen led along a line, all in one unit; arcs are true to the tolerance."""
+    """Return the area under a pen that follows a line; arcs are within the tolerance.
+
+    All lengths are in the same unit.
+    """
     pieces = [line]
     if any(pen.dashes):
         cut = dashes(line.points, line.closed, pen.dashes, pen.dash_offset)
@@ -70,7 +74,7 @@ def _parts(line: Polyline, pen: Pen, tolerance: float) -> list[shapely.Geometry]
 
 
 def _without_repeats(line: Polyline, closer: float) -> Array:
-    """Leave out points closer to their forerunner: so short a line has no direction."""
+    """Remove points that are closer to the previous one: so short a line has no direction."""
     points = line.points
     if not (np.hypot(*np.diff(points, axis=0, append=points[:1]).T) <= closer).any():
         return points
@@ -84,7 +88,7 @@ def _without_repeats(line: Polyline, closer: float) -> Array:
 
 
 def _dot(points: Array, pen: Pen, tolerance: float) -> list[shapely.Geometry]:
-    """What a line of no length shows: a disc or a square where the cap has an extent."""
+    """Return the area of a line of no length: a disc or a square if the cap has an extent."""
     if not len(points) or pen.cap == "butt":
         return []
     right = np.array([1.0, 0.0])
@@ -92,7 +96,7 @@ def _dot(points: Array, pen: Pen, tolerance: float) -> list[shapely.Geometry]:
 
 
 def _left(along: Array) -> Array:
-    """Unit vectors a quarter turn anticlockwise of unit vectors (..., 2)."""
+    """Turn unit vectors (..., 2) by a quarter turn anticlockwise."""
     return np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
 
@@ -104,7 +108,7 @@ def _rectangles(around: Array, along: Array, half: float) -> list[shapely.Geomet
 
 
 def _polygons(corners: Array) -> list[shapely.Geometry]:
-    """One polygon for each of n corner lists (n, k, 2)."""
+    """Return one polygon for each of n corner lists (n, k, 2)."""
     return list(np.asarray(shapely.polygons(corners)))
 
 
@@ -119,11 +123,11 @@ def _joints(
     half = pen.width / 2
     cross = incoming[:, 0] * outgoing[:, 1] - incoming[:, 1] * outgoing[:, 0]
     turn = np.arctan2(cross, (incoming * outgoing).sum(axis=1))
-    # The outer side is to the right of a left turn; a turn back counts as one to the left.
+    # The outer side is on the right of a left turn; a turn of 180 degrees counts as a left turn.
     outer = np.where(turn > 0, -half, half)[:, None]
     first, last = outer * _left(incoming), outer * _left(outgoing)
     inner = points + _INSIDE * half * inward
-    # What a miter adds to a slight bend, such as those of a flattened curve, cannot be seen.
+    # At a slight bend, as in a flattened curve, the addition of a miter cannot be seen.
     slight = (half * turn**2 / 8 <= tolerance) & (np.abs(turn) < 1)
     # SVG's miter ratio is 1 / sin(half the angle between the lines).
     within = np.cos(turn / 2) * pen.miter_limit >= 1
@@ -154,7 +158,7 @@ def _cap(end: Array, outward: Array, pen: Pen, tolerance: float) -> list[shapely
 def _sector(
     centre: Array, inner: Array, first: Array, turn: float, tolerance: float
 ) -> shapely.Geometry:
-    """The part of a disc swept by a radius from its first place through a turn [rad]."""
+    """Return the part of a disc that a radius sweeps from ``first`` through a turn [rad]."""
     radius = math.hypot(*first)
     steepest = 2 * math.acos(max(1 - tolerance / radius, 0.5))
     angles = np.linspace(0, turn, 1 + math.ceil(abs(turn) / steepest))

@@ -1,7 +1,7 @@
-"""Reading a file that should be an SVG drawing, but may be anything.
+"""Reads a file that should be an SVG drawing, but may be anything.
 
-Nothing here draws: the document is checked, cut down to what can be drawn, and its size is worked
-out, so that whoever reads the shapes meets a small and harmless document.
+Nothing is drawn here. The document is checked and cut down to what can be drawn, and its size is
+computed. So the reader of the shapes gets a small and harmless document.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _MM = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4}
 
 
 class SvgError(ValueError):
-    """A drawing that cannot be used; the message says what would be valid."""
+    """A drawing that cannot be used; the message says what is valid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,29 +38,29 @@ class SvgFile:
     """A checked drawing."""
 
     content: bytes = field(repr=False)
-    """The document, its width and height in millimetres without a unit."""
+    """The document; its width and height are in millimetres, without a unit."""
     width: float
     """[mm]"""
     height: float
     """[mm]"""
     start: str
-    """What ``data-start`` says; empty if nothing."""
+    """Text of ``data-start``; empty if there is none."""
 
 
 def read_svg(path: Path) -> SvgFile:
     """Read and check a drawing.
 
     Raises:
-        SvgError: there is no such file, or it is no drawing that can be used.
+        SvgError: there is no such file, or it is not a usable drawing.
     """
     return check_svg(_read(path))
 
 
 def check_svg(data: bytes) -> SvgFile:
-    """Check a drawing that is at hand as a document.
+    """Check a drawing that is already in memory.
 
     Raises:
-        SvgError: it is no drawing that can be used.
+        SvgError: the data is not a usable drawing.
     """
     root = _parse(data)
     if _local_name(root) != "svg":
@@ -76,14 +76,14 @@ def check_svg(data: bytes) -> SvgFile:
 
 
 def numbers(text: str) -> list[float] | None:
-    """Numbers separated by spaces or commas; None if that is not what the text holds."""
+    """Return numbers separated by spaces or commas; None if the text holds anything else."""
     parts = re.split(r"[\s,]+", text.strip())
     values = [float(part) for part in parts if re.fullmatch(_NUMBER, part)]
     return values if len(values) == len(parts) and all(map(math.isfinite, values)) else None
 
 
 def shown(text: str) -> str:
-    """A text from the drawing as error messages show it: quoted, on one line and not too long."""
+    """Return a text of the drawing for error messages: quoted, on one line and not too long."""
     return repr(text if len(text) <= 40 else f"{text[:40]}...")
 
 
@@ -111,7 +111,7 @@ def _parse(data: bytes) -> ElementTree.Element:
 
 
 def _refuse_declarations(data: bytes) -> None:
-    """Refuse a DTD of the document's own: its entities can grow a few bytes into gigabytes."""
+    """Refuse a document with its own DTD: its entities can grow a few bytes into gigabytes."""
     parser = expat.ParserCreate()
 
     def on_doctype(_name: str, _system: object, _public: object, own: bool) -> None:
@@ -127,12 +127,12 @@ def _refuse_declarations(data: bytes) -> None:
 
 
 def _local_name(element: ElementTree.Element) -> str:
-    """The tag without SVG's namespace, which may be missing; a foreign one keeps its braces."""
+    """Return the tag without SVG's namespace, which may be missing; a foreign one stays."""
     return element.tag.removeprefix(f"{{{_SVG}}}")
 
 
 def _remove_foreign(root: ElementTree.Element) -> None:
-    """Remove what editors leave for themselves: other namespaces, and metadata."""
+    """Remove what editors store for themselves: other namespaces, and metadata."""
     for parent in list(root.iter()):
         for child in list(parent):
             name = _local_name(child)
@@ -161,7 +161,7 @@ def _walk(
     drawn: bool = True,
     depth: int = 0,
 ) -> Iterator[tuple[ElementTree.Element, bool]]:
-    """All elements as they are met in drawing, and whether they show: what is used comes again."""
+    """Yield all elements in drawing order, each use again, and whether they are drawn."""
     if depth > MAX_DEPTH:
         raise SvgError(f"elements nested (or using each other) deeper than {MAX_DEPTH}")
     yield element, drawn
@@ -178,7 +178,7 @@ def _walk(
 
 
 def _size(root: ElementTree.Element) -> tuple[float, float]:
-    """Width and height [mm]; one that is missing follows from the viewBox."""
+    """Return width and height [mm]; a missing one follows from the viewBox."""
     width, height = _length(root, "width"), _length(root, "height")
     box = _view_box(root)
     if box is not None:

@@ -1,7 +1,7 @@
-"""The shapes of a drawing with their paint, as plain numbers: the one user of svgelements.
+"""The shapes of a drawing with their paint, as plain numbers: the only user of svgelements.
 
-What svgelements would silently draw otherwise than a browser (unknown colours become black,
-percentages of a stroke's width, masks, markers, ...) is refused by name instead.
+Some features svgelements would silently draw otherwise than a browser (unknown colours become
+black, percentages of a stroke's width, masks, markers, ...). They are refused by name instead.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from robot.geometry import Array
 
 MAX_POINTS = 20_000
 MAX_MM = 1e6
-"""Coordinates further out than this are a mistake [mm]."""
+"""Larger coordinates are a mistake [mm]."""
 
 _ONLY = {
     "clip-path": ("none",),
@@ -48,21 +48,21 @@ _WIDTH = re.compile(r"\d*\.?\d+(?:[eE][+-]?\d+)?(?:px|mm|cm|in)?")
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """What is painted with."""
+    """Paint of a fill or a stroke."""
 
     grey: float
-    """Brightness 0 to 255: 0.299 R + 0.587 G + 0.114 B, as OpenCV makes colours grey."""
+    """Brightness 0 to 255: 0.299 R + 0.587 G + 0.114 B, as OpenCV converts colours to grey."""
     alpha: float
-    """0 to 1."""
+    """Opacity, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """One shape of a drawing, its lines in its own units."""
+    """One shape of a drawing; its lines are in its own units."""
 
     lines: tuple[Polyline, ...]
     page_from_shape: Array
-    """(2, 3) affine transform from its own units to the page [mm], y down, from the top left."""
+    """(2, 3) affine transform from its own units to the page [mm]: from the top left, y down."""
     fill: Ink | None
     even_odd: bool
     stroke: Ink | None
@@ -70,35 +70,35 @@ class Shape:
 
     @property
     def scale(self) -> float:
-        """Largest length on the page of one own unit [mm]."""
+        """Largest length that one of the shape's own units has on the page [mm]."""
         return _scale(self.page_from_shape)
 
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """All shapes, first painted first."""
+    """All shapes of a drawing, in the order of painting."""
 
     shapes: tuple[Shape, ...]
     origin: tuple[float, float]
-    """Where on the page [mm] the drawing's own (0, 0) lies."""
+    """Position on the page [mm] of the drawing's own (0, 0)."""
 
 
 def read_page(svg: SvgFile, tolerance: float) -> Page:
-    """Read the shapes; curves and their strokes are true to the tolerance [mm] on the page.
+    """Read the shapes; curves and their strokes are within the tolerance [mm] on the page.
 
     Raises:
-        SvgError: something in it cannot be understood; the message names what is valid.
+        SvgError: a part of the drawing cannot be understood; the message says what is valid.
     """
     try:
         root = svgelements.SVG.parse(
             io.BytesIO(svg.content), reify=False, ppi=25.4, on_error="raise"
         )
         origin = svgelements.Matrix(root.viewbox_transform).point_in_matrix_space((0, 0))
-        with np.errstate(all="ignore"):  # whatever is not finite is refused
+        with np.errstate(all="ignore"):  # numbers that are not finite are refused
             shapes = tuple(_shapes(root, tolerance))
     except SvgError:
         raise
-    except Exception as error:  # svgelements raises whatever a strange text leads it to
+    except Exception as error:  # svgelements may raise anything on a strange text
         reason = shown(str(error) or type(error).__name__)
         raise SvgError(f"a shape or an attribute cannot be read: {reason}") from error
     return Page(shapes, (float(origin.x), float(origin.y)))
@@ -137,7 +137,7 @@ def _shape(element: Any, values: dict[str, Any], tolerance: float) -> Shape:
     scale = _scale(matrix)
     lines: tuple[Polyline, ...] = ()
     if scale > 0:
-        # A dash may end anywhere, so that its cap is square to a chord instead of to the curve.
+        # A dash may end anywhere; its cap is square to a chord instead of to the curve.
         own_tolerance = tolerance / scale / (16 if pen.dashes else 1)
         lines = tuple(_lines(element.segments(transformed=False), pen.width / 2, own_tolerance))
     places = [line.points @ matrix[:, :2].T + matrix[:, 2] for line in lines]
@@ -164,7 +164,7 @@ def _ink(colour: Any, values: dict[str, Any], role: str) -> Ink | None:
     _number(values, f"{role}-opacity", 1.0)
     if colour is None or colour.value is None or text == "transparent":
         return None
-    # svgelements takes a name that it does not know for black.
+    # svgelements reads an unknown name of a colour as black.
     named = text.isalpha() and (colour.rgb != 0 or text.lower() == "black")
     if not named and not _COLOUR.fullmatch(text):
         raise SvgError(f"{role} is {shown(text)}; valid are none, #rrggbb, rgb(r, g, b) or a name")
@@ -223,7 +223,7 @@ def _lines(segments: Any, half_width: float, tolerance: float) -> Iterator[Polyl
 def _line(parts: list[Array], closed: bool) -> Iterator[Polyline]:
     if not parts:
         return
-    # Each part begins where the one before it ended.
+    # Each part begins where the previous one ended.
     points = np.vstack([parts[0][:1], *[part[1:] for part in parts]])
     if closed and (points[0] == points[-1]).all() and len(points) > 1:
         points = points[:-1]

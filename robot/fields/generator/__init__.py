@@ -1,1 +1,1 @@
-"""Fields that nobody drew: ordinary drawings, made from a seed."""
+"""Generated fields: ordinary drawings, made from a seed."""

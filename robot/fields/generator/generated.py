@@ -1,4 +1,4 @@
-"""Drawings from a seed: the same seed is the same drawing, to the byte."""
+"""Drawings from a seed: the same seed gives the same drawing, byte for byte."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from robot.fields.generator.outlines import GRID, OUTLINES, inside
 from robot.fields.generator.strokes import TAPE, Stroke
 
 SMALLEST, LARGEST = 600, 2950
-"""Sides of the middle of the outermost tape [mm]: with the tape 0.65 to 3 m."""
+"""Sides of the outermost tape's centre line [mm]; with the tape's width, 0.65 to 3 m."""
 
 MARGIN = 250
-"""Floor beyond the middle of the outermost tape [mm], as in the drawings of maps/."""
+"""Floor beyond the centre line of the outermost tape [mm], as in the drawings of maps/."""
 
 SYMMETRIC = 0.3
-"""Share of the fields that half a turn does not change, on purpose."""
+"""Share of the fields that are made symmetric on purpose: half a turn does not change them."""
 
 PREFIX = "generated-"
 MAX_SEED = 2**32 - 1
 
 _ALIKE = 30
-"""Lines of tape stay farther apart than twice this, or cross: nobody lays slits [mm]."""
+"""Lines of tape cross, or are farther apart than twice this [mm]: nobody leaves narrow slits."""
 _SLIT = 2500
-"""So much floor may be lost between lines that cross askew [mm²]."""
+"""Largest area of a slit between lines that cross at a slant [mm²]."""
 _CROSSING = 8000
-"""Lines that share more floor than this in one place lie along each other [mm²]."""
+"""Lines that overlap by more than this in one place lie along each other [mm²]."""
 _CLEAR = (100, 60, 25, 1)
-"""How far the start is from tape, if it can be [mm]."""
+"""Distances of the start from tape [mm]; the first one for which there is room is used."""
 
 
 def generated_seed(name: str) -> int | None:
-    """The seed in a name such as ``generated-17``; None if it is no such name."""
+    """Return the seed in a name such as ``generated-17``; None for any other name."""
     match = re.fullmatch(rf"{PREFIX}(0|[1-9]\d{{0,9}})", name)
     seed = int(match[1]) if match else None
     return seed if seed is not None and seed <= MAX_SEED else None
@@ -46,14 +46,14 @@ def write_drawing(seed: int, path: Path) -> None:
     """Write a generated drawing to a file.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     path.write_text(drawing(seed), encoding="utf-8")
 
 
 @lru_cache(maxsize=64)
 def drawing(seed: int) -> str:
-    """The SVG drawing of a seed: millimetres, 50 mm tape, its start where there is room."""
+    """Return the SVG drawing of a seed: in millimetres, with 50 mm tape, starting on free floor."""
     rng = np.random.default_rng([seed, 0xF1E1D])
     width, height = _size(rng)
     same = bool(rng.random() < SYMMETRIC)
@@ -65,7 +65,7 @@ def drawing(seed: int) -> str:
 
 
 def _size(rng: np.random.Generator) -> tuple[float, float]:
-    """Width and height of the outermost line [mm]; as many small as large ones."""
+    """Draw the width and height of the outermost line [mm]; small and large are equally likely."""
     long = np.exp(rng.uniform(np.log(SMALLEST), np.log(LARGEST)))
     short = max(long * rng.uniform(0.55, 1.0), SMALLEST)
     sides = [float(GRID * max(round(side / GRID), SMALLEST // GRID)) for side in (long, short)]
@@ -82,7 +82,12 @@ def _outline(
 def _marked(
     rng: np.random.Generator, outline: list[Stroke], area: shapely.Geometry, same: bool
 ) -> tuple[list[Stroke], list[str]]:
-    """The outline with marks in it, as many as there is room for: one a quarter square metre."""
+    """Return the outline with marks in it, and the names of the marks.
+
+    Their number is random, from none up to one plus one for each 0.4 m² of the area, but at most 7.
+    There are fewer if there is no room. A symmetric field has half of them, each with its copy
+    after half a turn.
+    """
     wanted = int(rng.integers(0, 2 + min(int(shapely.area(area) / 0.4e6), 6)))
     if same:
         wanted = (wanted + 1) // 2
@@ -103,7 +108,7 @@ def _marked(
 
 
 def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
-    """Old and new lines; none if there is nothing new, or it lies along another line."""
+    """Return old and new lines; none if there is no new line, or it lies along another line."""
     laid = list(strokes)
     for item in more:
         tape = shapely.union_all([other.area for other in laid])
@@ -115,7 +120,7 @@ def _laid(strokes: list[Stroke], more: list[Stroke]) -> list[Stroke]:
 
 
 def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
-    """Whether no slits are between the lines, and enough floor is left."""
+    """Return whether the lines have no slits between them and leave enough floor."""
     tape = shapely.union_all([stroke.area for stroke in strokes])
     closed = shapely.buffer(shapely.buffer(tape, _ALIKE), -_ALIKE)
     slits = shapely.get_parts(shapely.difference(closed, shapely.buffer(tape, 0.5)))
@@ -127,7 +132,7 @@ def _can_be_laid(strokes: list[Stroke], area: shapely.Geometry) -> bool:
 def _start(
     rng: np.random.Generator, strokes: list[Stroke], area: shapely.Geometry
 ) -> tuple[float, float, float]:
-    """x, y [mm] and heading [degrees]: as near to the middle as is clear of tape."""
+    """Return the start's x, y [mm] and heading [degrees]: the clear point nearest to the middle."""
     tape = shapely.union_all([stroke.area for stroke in strokes])
     heading = float(rng.integers(-11, 13) * 15)
     middle = shapely.centroid(area)

@@ -1,4 +1,4 @@
-"""What lies inside a generated field: crosses, bars, stubs, dashes, bends and islands."""
+"""Marks inside a generated field: crosses, lines, bars, stubs, dashes, bends and islands."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ import shapely
 from robot.fields.generator.strokes import BEND, Stroke, bent, oval, straight_parts
 
 SHORTEST = 150
-"""A line of tape is at least so long [mm]."""
+"""Shortest line of tape [mm]."""
 
 Draw = Callable[[np.random.Generator, shapely.Geometry], list[Stroke]]
-"""From chance and the area [mm] that is enclosed."""
+"""Draws a mark, from a random generator and the enclosed area [mm]."""
 
 
 def cross(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """Two lines from side to side."""
+    """Draw two lines from side to side."""
     return across(rng, area, 0.0) + across(rng, area, math.pi / 2)
 
 
 def line(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """One line from side to side, along an axis or aslant."""
+    """Draw one line from side to side, along an axis or at a slant."""
     turn = rng.choice([0.0, math.pi / 2, rng.uniform(0.3, 1.2), -rng.uniform(0.3, 1.2)])
     return across(rng, area, float(turn))
 
 
 def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """A line whose ends are free."""
+    """Draw a line whose ends are free."""
     middle = np.array(_place(rng, area, 150))
     turn = float(rng.choice([0.0, math.pi / 2, rng.uniform(-math.pi, math.pi)]))
     half = rng.uniform(100, 250)
@@ -39,7 +39,7 @@ def bar(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
 
 
 def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """A line from a side inward."""
+    """Draw a line from a side inward."""
     ring = shapely.LineString(shapely.get_coordinates(area))
     position = rng.uniform(0, ring.length)
     before, foot, after = (ring.interpolate((position + s) % ring.length) for s in (-5, 0, 5))
@@ -53,7 +53,7 @@ def stub(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
 
 
 def dashes(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """A dashed line from side to side."""
+    """Draw a dashed line from side to side."""
     turn = float(rng.choice([0.0, math.pi / 2]))
     dash, gap = rng.integers(8, 16) * 10, rng.integers(6, 12) * 10
     return [
@@ -62,7 +62,7 @@ def dashes(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
 
 
 def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """An S of bent tape whose ends are free."""
+    """Draw an S of bent tape whose ends are free."""
     xmin, ymin, xmax, ymax = shapely.bounds(shapely.buffer(area, -130)).tolist()
     long = xmax - xmin
     low = rng.uniform(ymin, (ymin + ymax) / 2)
@@ -76,7 +76,7 @@ def bends(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
 
 
 def island(rng: np.random.Generator, area: shapely.Geometry) -> list[Stroke]:
-    """A small closed shape."""
+    """Draw a small closed shape."""
     half = float(rng.integers(BEND, 210))
     x, y = (float(np.round(item)) for item in _place(rng, area, half + 120))
     if rng.random() < 0.5:
@@ -97,11 +97,11 @@ MARKS: tuple[tuple[Draw, float], ...] = (
     (bends, 0.12),
     (island, 0.12),
 )
-"""With how often each is drawn."""
+"""The marks, each with its probability."""
 
 
 def across(rng: np.random.Generator, area: shapely.Geometry, turn: float) -> list[Stroke]:
-    """A straight line through a place of the area, at a turn [rad], from side to side."""
+    """Draw a straight line at an angle [rad], from side to side through a point of the area."""
     middle = np.array(_place(rng, area, 150))
     way = 5000 * np.array([math.cos(turn), math.sin(turn)])
     whole = shapely.LineString([middle - way, middle + way])
@@ -109,7 +109,7 @@ def across(rng: np.random.Generator, area: shapely.Geometry, turn: float) -> lis
 
 
 def _place(rng: np.random.Generator, area: shapely.Geometry, margin: float) -> tuple[float, float]:
-    """A place in an area, so far from its border [mm] as can be, on a grid of 25 mm."""
+    """Draw a point of an area, if possible on a grid of 25 mm and this far from the border [mm]."""
     inner = shapely.buffer(area, -margin)
     if inner.is_empty:
         middle = shapely.point_on_surface(area)

@@ -1,4 +1,4 @@
-"""What encloses a generated field: rooms, rectangles, curves, or only streets that cross."""
+"""Outlines of a generated field: rooms, rectangles, curves, or only streets that cross."""
 
 from __future__ import annotations
 
@@ -13,49 +13,50 @@ GRID = 50
 """Corners lie on multiples of this [mm]."""
 
 NOTCH = 200
-"""Least side of what a room lacks of a rectangle [mm]."""
+"""Smallest side of a corner that a room lacks [mm]."""
 
 Corner = tuple[float, float]
 Draw = Callable[[np.random.Generator, float, float, bool], list[Stroke]]
-"""From chance, width and height [mm] and whether half a turn is to change nothing."""
+"""Draws an outline, from a random generator, width and height [mm], and whether half a turn must
+change nothing."""
 
 
 def rectangle(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
-    """Four sides."""
+    """Draw a rectangle."""
     return [bent(_box(width, height), closed=True)]
 
 
 def square(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
-    """Four equal sides."""
+    """Draw a square with the smaller of width and height."""
     side = min(width, height)
     return [bent(_box(side, side), closed=True)]
 
 
 def room(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
-    """A rectangle that lacks some of its corners."""
+    """Draw a rectangle that lacks some of its corners."""
     return [bent(_room(rng, width, height, same), closed=True)]
 
 
 def rounded_room(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
-    """A room with bends in place of corners, where there is room for them."""
+    """Draw a room with bends in place of corners, where there is space for them."""
     return [bent(_room(rng, width, height, same), float(rng.integers(BEND, 250)), closed=True)]
 
 
 def rounded(rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
-    """A rectangle with bends in place of corners."""
+    """Draw a rectangle with bends in place of corners."""
     widest = max(BEND + 1, int(min(width, height) / 2))
     return [bent(_box(width, height), float(rng.integers(BEND, widest)), closed=True)]
 
 
 def ellipse(_rng: np.random.Generator, width: float, height: float, _same: bool) -> list[Stroke]:
-    """An oval that nowhere bends more tightly than tape can be laid."""
+    """Draw an oval that nowhere bends more tightly than tape can be laid."""
     long, short = sorted((width / 2, height / 2), reverse=True)
     short = max(short, np.ceil(np.sqrt(BEND * long)))
     return [oval(0, 0, *((long, short) if width >= height else (short, long)))]
 
 
 def streets(rng: np.random.Generator, width: float, height: float, same: bool) -> list[Stroke]:
-    """Two or three streets each way, which cross and end freely."""
+    """Draw two or three streets in each direction, which cross and have free ends."""
     result = []
     for long, across, lies in ((width, height, True), (height, width, False)):
         for street_place in _street_places(rng, across, same):
@@ -77,18 +78,18 @@ OUTLINES: tuple[tuple[Draw, float], ...] = (
     (ellipse, 0.13),
     (streets, 0.12),
 )
-"""With the share of fields that have each."""
+"""The outlines, each with its share of the fields."""
 
 
 def inside(outline: list[Stroke], width: float, height: float) -> shapely.Geometry:
-    """What an outline encloses; of streets their whole box."""
+    """Return the area that an outline encloses; for streets, their whole box."""
     if len(outline) == 1 and outline[0].line.is_closed:
         return shapely.Polygon(outline[0].line.coords)
     return shapely.box(-width / 2, -height / 2, width / 2, height / 2)
 
 
 def _street_places(rng: np.random.Generator, across: float, same: bool) -> list[float]:
-    """Where along a side streets begin [mm], some 0.2 m apart at least."""
+    """Return where streets begin along a side [mm], at least about 0.2 m apart."""
     count = 2 if across < 900 else int(rng.integers(2, 4))
     slot = across / count
     loose = max(slot / 2 - 100, 0)

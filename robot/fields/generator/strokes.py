@@ -1,4 +1,4 @@
-"""Lines of tape: what stands in the drawing, and where the line runs."""
+"""Lines of tape: their text in the drawing, and their course as points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TAPE = 50
 """Width of the tape [mm]."""
 
 BEND = 125
-"""Least radius of the middle of bent tape [mm]: inside, the edge bends with 100 mm."""
+"""Smallest radius of the centre line of bent tape [mm]; the inner edge bends with 100 mm."""
 
 _ARC_STEP = math.radians(3)
 
@@ -28,24 +28,24 @@ class Stroke:
     path: str
     """The line as SVG's path data."""
     line: shapely.LineString = field(repr=False)
-    """The same as points, closely enough to keep lines apart."""
+    """The same line as points, accurate enough to keep lines apart."""
     dashes: str = ""
-    """Lengths of dash and gap, as SVG's ``stroke-dasharray``; empty is without gaps."""
+    """Lengths of dash and gap, as SVG's ``stroke-dasharray``; empty means no gaps."""
     half_turn: bool = False
-    """Whether it is drawn turned by half a turn about the field's middle."""
+    """Whether the line is drawn after half a turn about the field's middle."""
 
     @property
     def area(self) -> shapely.Geometry:
-        """The tape."""
+        """The area of the tape."""
         return shapely.buffer(self.line, TAPE / 2, cap_style="flat", join_style="mitre")
 
     def turned(self) -> Stroke:
-        """The same line, after half a turn about the field's middle."""
+        """Return the same line after half a turn about the field's middle."""
         line = shapely.transform(self.line, np.negative)
         return Stroke(self.path, line, self.dashes, not self.half_turn)
 
     def element(self) -> str:
-        """The line as an element of the drawing."""
+        """Return the line as an element of the drawing."""
         dashes = f' stroke-dasharray="{self.dashes}"' if self.dashes else ""
         turn = ' transform="rotate(180)"' if self.half_turn else ""
         return f'<path d="{self.path}"{dashes}{turn}/>'
@@ -58,9 +58,9 @@ def bent(
     closed: bool = False,
     dashes: str = "",
 ) -> Stroke:
-    """A line by its corners [mm], each rounded with a radius [mm] as far as there is room.
+    """Return a line through corners [mm], each rounded with a radius [mm] as far as there is room.
 
-    A corner without room for ``BEND`` stays sharp: no tape can be laid more tightly.
+    A corner without room for ``BEND`` stays sharp: tape cannot be laid more tightly.
     """
     points: Array = np.asarray(corners, dtype=np.float64).round(1)
     path: list[str] = []
@@ -76,7 +76,7 @@ def bent(
 
 
 def oval(x: float, y: float, along_x: float, along_y: float) -> Stroke:
-    """An ellipse by its middle and its half axes [mm]."""
+    """Return an ellipse with this centre and these half axes [mm]."""
     turn = np.linspace(0, 2 * math.pi, 121)
     points = np.column_stack([x + along_x * np.cos(turn), y + along_y * np.sin(turn)])
     points[-1] = points[0]
@@ -96,7 +96,7 @@ def _neighbours(points: Array, closed: bool) -> Iterator[tuple[Array | None, Arr
 def _corner(
     before: Array | None, corner: Array, after: Array | None, radius: float
 ) -> tuple[str, Array]:
-    """A corner's part of the path data, and its points (n, 2)."""
+    """Return a corner's part of the path data, and its points (n, 2)."""
     sharp = f"{corner[0]:g} {corner[1]:g}", corner[None]
     if before is None or after is None:
         return sharp
@@ -115,7 +115,7 @@ def _corner(
 
 
 def _arc(start: Array, heading: Array, turn: float, radius: float) -> Array:
-    """Points (n, 2) along an arc."""
+    """Return points (n, 2) along an arc."""
     side = math.copysign(1, turn)
     middle = start + side * radius * np.array([-heading[1], heading[0]])
     first = math.atan2(*(start - middle)[::-1])
@@ -128,7 +128,7 @@ def _pair(point: Array) -> str:
 
 
 def straight_parts(geometry: shapely.Geometry, shortest: float) -> list[Stroke]:
-    """The straight lines of a geometry that are at least so long [mm]."""
+    """Return the straight lines of a geometry's parts that have at least this length [mm]."""
     result = []
     for part in shapely.get_parts(geometry):
         if part.geom_type == "LineString" and part.length >= shortest:

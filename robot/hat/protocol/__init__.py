@@ -1,1 +1,1 @@
-"""The Build HAT's language without any I/O: bytes to events, and commands to bytes."""
+"""The Build HAT's protocol without any I/O: bytes to events, and commands to bytes."""

@@ -1,4 +1,4 @@
-"""What a Build HAT says before its firmware runs, while the firmware is sent to it."""
+"""Messages of a Build HAT's bootloader, before the firmware runs and during its upload."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class BootloaderVersion:
-    """The bootloader tells its version: seconds since 1970, and the same as a date."""
+    """The bootloader's version: seconds since 1970, and the same as a date."""
 
     version: int
     date: str
@@ -20,17 +20,17 @@ class BootloaderPrompt:
 
 @dataclass(frozen=True, slots=True)
 class ImageReceived:
-    """The firmware's image has arrived whole; its sum is checked next."""
+    """The firmware's image has arrived completely; its checksum is checked next."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChecksumOk:
-    """The image's sum is the one that was announced."""
+    """The image's checksum is the announced one."""
 
 
 @dataclass(frozen=True, slots=True)
 class ChecksumFailure:
-    """The image's sum is another one; an ``Error`` follows."""
+    """The image's checksum is not the announced one; an ``Error`` follows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,24 +40,24 @@ class SignatureReceived:
 
 @dataclass(frozen=True, slots=True)
 class UploadTimeout:
-    """A second went by without the byte that was to come; an ``Error`` follows."""
+    """An expected byte did not come within a second; an ``Error`` follows."""
 
 
 @dataclass(frozen=True, slots=True)
 class UploadRefused:
-    """What was announced can never be taken: too large, of a wrong length, or missing."""
+    """The announced data cannot be accepted: too large, of a wrong length, or missing."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """Image and signature belong together."""
+    """The signature matches the image."""
 
 
 @dataclass(frozen=True, slots=True)
 class VerificationFailed:
-    """The signature is not the image's; an ``Error`` follows."""
+    """The signature does not match the image; an ``Error`` follows."""
 
 
 @dataclass(frozen=True, slots=True)

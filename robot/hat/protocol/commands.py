@@ -1,8 +1,8 @@
 """Commands of the Build HAT's firmware and bootloader as bytes.
 
-A command line ends in one CR; LF would poison the next line, and more than 256 characters are cut
-without a word. All of a line is executed between two 10 ms ticks of the motors, so what belongs
-together stands in one line. Ports are 0 to 3 (A to D).
+A command line ends in one CR; LF would spoil the next line. A line of more than 256 characters is
+cut without a message. A whole line is executed between two 10 ms ticks of the motors, so commands
+that belong together are in one line. Ports are 0 to 3 (A to D).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Mapping
 
 LONGEST = 256
-"""Characters of a line that the firmware keeps; the CR is counted, to be safe."""
+"""Number of characters of a line that the firmware keeps; to be safe, the CR is counted too."""
 
 PORTS = range(4)
 EXPONENT = re.compile(r"(?:^|[ ;])[+-]?[0-9]*\.?[0-9]*[0-9.][eE][+-]?[0-9]")
@@ -20,14 +20,15 @@ STX, ETX, CR = b"\x02", b"\x03", b"\r"
 
 
 class LineError(ValueError):
-    """What should be a command line is none."""
+    """The text is not a valid command line."""
 
 
 def line(*parts: str) -> bytes:
-    """One command line of these commands.
+    """Return one command line of these commands.
 
     Raises:
-        LineError: not printable ASCII, a number with an exponent, or above 256 bytes.
+        LineError: the text is not printable ASCII, has a number with an exponent, or is longer
+            than 256 bytes.
     """
     text = ";".join(parts)
     if not (text.isascii() and text.isprintable()):
@@ -40,10 +41,10 @@ def line(*parts: str) -> bytes:
 
 
 def fixed(value: float, places: int) -> str:
-    """A number as the firmware reads it, in as few characters as possible: ``-.5``, ``0``, ``20``.
+    """Return a number in the firmware's format, as short as possible: ``-.5``, ``0``, ``20``.
 
     Raises:
-        LineError: NaN or infinite.
+        LineError: the number is NaN or infinite.
     """
     if not math.isfinite(value):
         raise LineError(f"{value} is no number for the firmware; valid are finite ones")
@@ -62,7 +63,7 @@ def version() -> bytes:
 
 
 def devices() -> bytes:
-    """Ask what is at the four ports."""
+    """Ask which devices are at the four ports."""
     return line("list")
 
 
@@ -72,7 +73,7 @@ def supply() -> bytes:
 
 
 def clear_faults() -> bytes:
-    """Forget the motor drivers' faults."""
+    """Clear the motor drivers' faults."""
     return line("clear_faults")
 
 
@@ -86,11 +87,11 @@ def set_up_motor(
     report_ms: int,
     limit: float,
 ) -> bytes:
-    """Make a motor stand, and let it report speed, position and absolute position.
+    """Stop a motor, and let it report speed, position and absolute position.
 
-    All settings of a port are lost with its device, so send this for each ``Connected``. The
-    drive is put to zero before the limit of 0.1 is lifted; ``select`` sets the report period to
-    100 ms, so the period comes after it.
+    A port loses all settings when its device is unplugged, so send this for each ``Connected``. The
+    drive is set to zero before the limit of 0.1 is lifted. ``select`` sets the report period to
+    100 ms, so the report period is set after it.
 
     Args:
         port: 0 to 3.
@@ -100,18 +101,18 @@ def set_up_motor(
     return line(
         f"port {_port(port)};pwm;off",
         f"port_plimit {fixed(limit, 3)}",
-        "pwmparams 0 0",  # an even duty, however small; no whole 10 ms pulses instead
+        "pwmparams 0 0",  # a constant duty, however small, not whole 10 ms pulses
         "combi 0 1 0 2 0 3 0;select 0",
         f"selrate {report_ms}",
     )
 
 
 def pulses(duties: Mapping[int, float], seconds: float) -> bytes:
-    """Drive ports for a time, at the end of which the firmware itself sets them to zero.
+    """Drive ports for a time; at its end the firmware itself sets them to zero.
 
-    Sent again before the end it goes on without a gap. The two short names are those that are
-    first in the firmware's table, so that two motors 100 times a second stay under half of the
-    link: port and set.
+    If pulses are sent again before the end, the drive continues without a gap. ``p`` and ``s`` are
+    short for port and set, the first such names in the firmware's table. With them, commands to two
+    motors 100 times a second need less than half of the link.
 
     Args:
         duties: set-point by port; a duty from -1 to 1 where the port is in direct drive.
@@ -124,10 +125,10 @@ def pulses(duties: Mapping[int, float], seconds: float) -> bytes:
 
 
 def stop(ports: Iterable[int] = PORTS) -> bytes:
-    """Brake, from whatever drive mode and set-point, all ports in one tick.
+    """Brake all these ports in one tick, from any drive mode and set-point.
 
     ``pwm`` alone would drive with the old set-point, and ``off`` alone would not leave a closed
-    loop; in one line they are safe.
+    loop. Together in one line they are safe.
     """
     return line(*(f"port {_port(port)};pwm;off" for port in ports))
 
@@ -138,17 +139,17 @@ def clear() -> bytes:
 
 
 def load(length: int, checksum: int) -> bytes:
-    """Bootloader: an image of that length [bytes] and sum follows as ``payload``."""
+    """Bootloader: announce an image of this length [bytes] and sum; ``payload`` sends it."""
     return line(f"load {length} {checksum}")
 
 
 def signature(length: int) -> bytes:
-    """Bootloader: a signature of that length [bytes] follows as ``payload``."""
+    """Bootloader: announce a signature of this length [bytes]; ``payload`` sends it."""
     return line(f"signature {length}")
 
 
 def payload(data: bytes) -> bytes:
-    """Bootloader: what was announced, 0.1 s after the announcement; any bytes."""
+    """Bootloader: send the announced data, any bytes; wait 0.1 s after the announcement."""
     return STX + data + ETX + CR
 
 

@@ -1,7 +1,7 @@
-"""Bytes of a Build HAT to events, whatever happens to the bytes on the way.
+"""Decodes bytes of a Build HAT to events, even if bytes are lost or garbled on the way.
 
-A garbled byte costs the line that it is in, and nothing more: a line ends at CR LF, or at either
-of them where the other was lost.
+A garbled byte spoils only its own line: a line ends at CR LF, or at one of them if the other was
+lost.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from robot.hat.protocol.events import BusError, Echo, Event, Unknown
 from robot.hat.protocol.grammar import read_line
 
 LONGEST = 512
-"""No line of the board is longer: the signature, the longest, has 211 bytes."""
+"""Limit of a line [bytes]. No line of the board is longer: the longest, the signature, has 211."""
 
 CR, LF, NUL = b"\r", b"\n", b"\0"
 LINE_END = re.compile(rb"[\r\n]")
@@ -23,7 +23,7 @@ GLUED_ERROR = re.compile(rb"<[^<>]*bus (?:timeout|error)>|<P[0-3]: [^<>]*>")
 
 
 class Decoder:
-    """Keeps the begun line between two calls."""
+    """Decodes bytes; keeps the incomplete line between two calls."""
 
     def __init__(self) -> None:
         self._begun = b""
@@ -32,7 +32,7 @@ class Decoder:
         self._after_cr = False
 
     def feed(self, data: bytes) -> list[Event]:
-        """The events that these bytes complete; any bytes are taken, in pieces of any size."""
+        """Return the events that these bytes complete; accept any bytes, in pieces of any size."""
         events: list[Event] = []
         position = 0
         for end in LINE_END.finditer(data):
@@ -43,7 +43,7 @@ class Decoder:
         return events
 
     def _take(self, piece: bytes, events: list[Event]) -> None:
-        """More of the begun line; the bootloader's prompt is seen without waiting for its end."""
+        """Extend the incomplete line; detect the bootloader's prompt, which has no line end."""
         if not piece:
             return
         self._after_cr = False
@@ -71,8 +71,8 @@ class Decoder:
         self._echoes = self._skipping = False
 
     def _tell(self, line: bytes, events: list[Event], even_empty: bool) -> None:
-        """Append what a line says, and what is glued to it."""
-        # A break on the wire is heard as NUL, and comes before what is said next.
+        """Append the event of a line, and the events of messages that are glued to it."""
+        # A break on the wire is read as NUL before the next message.
         line = line.lstrip(NUL)
         if b">" in line:
             line = self._unglued(line, events)
@@ -80,7 +80,7 @@ class Decoder:
             events.append(self._meaning(line))
 
     def _unglued(self, line: bytes, events: list[Event]) -> bytes:
-        """A line without errors of the bus and prompts, which end no line of their own."""
+        """Return a line without bus errors and prompts, which have no line end of their own."""
         for error in GLUED_ERROR.findall(line):
             events.append(BusError(error.decode("utf-8", "replace")))
         line = GLUED_ERROR.sub(b"", line)
@@ -91,7 +91,7 @@ class Decoder:
         return line[prompts.end() :]
 
     def _meaning(self, line: bytes) -> Event:
-        """An echo is what follows a prompt, unless it is something that only the board says."""
+        """Return the event of a line: after a prompt an echo, unless only the board says it."""
         if self._echoes and not line:
             return Echo("")
         event = read_line(line) if len(line) <= LONGEST else Unknown(line[:LONGEST])

@@ -1,6 +1,6 @@
-"""What a Build HAT can say, one type for every kind of line.
+"""Messages of a Build HAT, one type for every kind of line.
 
-Ports are 0 to 3 (A to D). What the firmware does not mark with a port is of the whole board.
+Ports are 0 to 3 (A to D). A message without a port concerns the whole board.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from robot.hat.protocol.bootloader_events import (
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The blank line that comes first after every command line, successful or not."""
+    """The blank line that the board sends first after every command line, successful or not."""
 
 
 @dataclass(frozen=True, slots=True)
 class CommandError:
-    """A command was not understood; the rest of its line was dropped, what stood before was not."""
+    """A command was not understood. The rest of its line was dropped; the part before it ran."""
 
 
 @dataclass(frozen=True, slots=True)
 class FirmwareVersion:
-    """The firmware tells its version: seconds since 1970, and the same as a date."""
+    """The firmware's version: seconds since 1970, and the same as a date."""
 
     version: int
     date: str
@@ -49,21 +49,21 @@ class Signature:
 
 @dataclass(frozen=True, slots=True)
 class InitDone:
-    """The firmware has started and takes commands; its devices come seconds later."""
+    """The firmware has started and accepts commands; its devices connect seconds later."""
 
 
 @dataclass(frozen=True, slots=True)
 class Connecting:
-    """A device answers at a port; it takes seconds until it can be used."""
+    """A device answers at a port; it can be used only seconds later."""
 
     port: int
 
 
 @dataclass(frozen=True, slots=True)
 class Connected:
-    """A device of that type is at a port: it just came, or it is there (in an answer to list).
+    """A device of that type is at a port: newly plugged in, or named in an answer to list.
 
-    One that just came can be used from ``Established`` on; a passive one at once.
+    A newly plugged-in device can be used from ``Established`` on, a passive one at once.
     """
 
     port: int
@@ -73,7 +73,7 @@ class Connected:
 
 @dataclass(frozen=True, slots=True)
 class Established:
-    """A device that just came can be used."""
+    """A newly plugged-in device can be used."""
 
     port: int
     type_id: int
@@ -81,21 +81,21 @@ class Established:
 
 @dataclass(frozen=True, slots=True)
 class NoDevice:
-    """Nothing is at a port; said only in an answer to list."""
+    """No device is at a port; the board says so only in an answer to list."""
 
     port: int
 
 
 @dataclass(frozen=True, slots=True)
 class Disconnected:
-    """A device that could be used is gone, and with it all settings of its port."""
+    """A usable device is gone, and with it all settings of its port."""
 
     port: int
 
 
 @dataclass(frozen=True, slots=True)
 class ConnectionFailed:
-    """A connection breaks off; if the device could be used, ``Disconnected`` follows."""
+    """A connection broke off; if the device was usable, ``Disconnected`` follows."""
 
     port: int
     reason: str
@@ -103,7 +103,7 @@ class ConnectionFailed:
 
 @dataclass(frozen=True, slots=True)
 class PulseDone:
-    """A pulse ended by itself, so nobody renewed it."""
+    """A pulse ended by itself: no program renewed it."""
 
     port: int
 
@@ -134,7 +134,7 @@ class ModeData:
 
 @dataclass(frozen=True, slots=True)
 class CombiData:
-    """A report of a combination of modes, in the device's own units and in the order asked for."""
+    """A report of a combination of modes, in the device's own units and the requested order."""
 
     port: int
     slot: int
@@ -143,7 +143,7 @@ class CombiData:
 
 @dataclass(frozen=True, slots=True)
 class Value:
-    """A report of one value that was taken out of a device's data; may be NaN or infinite."""
+    """A report of one value from a device's data; it may be NaN or infinite."""
 
     port: int
     value: float
@@ -158,7 +158,7 @@ class Supply:
 
 @dataclass(frozen=True, slots=True)
 class MotorPowerFault:
-    """A motor driver reports a fault; repeated each second while it lasts, nothing is stopped."""
+    """A motor driver has a fault; repeated each second while it lasts. No motor is stopped."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +175,7 @@ class FaultDump:
 
 @dataclass(frozen=True, slots=True)
 class Late:
-    """The firmware's main loop took so long [ms]; above 2 it says so."""
+    """Time that the firmware's main loop took [ms]; it is reported above 2 ms."""
 
     ms: int
 
@@ -194,7 +194,7 @@ class BusError:
 
 @dataclass(frozen=True, slots=True)
 class Banner:
-    """What is said in passing: at a start, at a connection and before a reboot."""
+    """Text for information only: at a start, at a connection and before a reboot."""
 
     text: str
 
@@ -208,14 +208,14 @@ class DescriptionLine:
 
 @dataclass(frozen=True, slots=True)
 class Echo:
-    """A command as the board heard it; the bootloader always echoes, the firmware if told to."""
+    """A command as the board received it; the bootloader always echoes, the firmware on request."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A line that no Build HAT says: garbled, cut, or from something else. Long ones are cut."""
+    """A line that no Build HAT sends: garbled, cut, or from something else. Long ones are cut."""
 
     raw: bytes
 
@@ -261,4 +261,4 @@ Event = (
     | Signature
     | Unknown
 )
-"""Anything that a Build HAT can say."""
+"""Any message of a Build HAT."""

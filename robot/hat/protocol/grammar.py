@@ -1,7 +1,7 @@
-"""What each line of a Build HAT means.
+"""Grammar of the lines that a Build HAT sends.
 
 The patterns are as strict as the board is regular: an integer has a sign unless it is zero, and
-zero has a blank in its place. So most lost, doubled or changed bytes are seen, not believed.
+zero has a blank in place of the sign. So most lost, doubled or changed bytes are detected.
 """
 
 from __future__ import annotations
@@ -132,7 +132,7 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
         rb"(Image too large .*|Incorrect signature length .*|No image loaded)",
         lambda f: UploadRefused(_text(f[0])),
     ),
-    # The bootloader says "verifed"; a later one may have learnt to spell.
+    # The bootloader says "verifed"; a later version may spell it correctly.
     (rb"Image verifi?ed OK", lambda f: Verified()),
     (rb"Image verification failed", lambda f: VerificationFailed()),
     (rb"Rebooting\.\.\.", lambda f: Rebooting()),
@@ -152,7 +152,7 @@ PATTERNS = tuple((re.compile(pattern), meaning) for pattern, meaning in MEANINGS
 
 
 def read_line(line: bytes) -> Event:
-    """What a line without its end means; ``Unknown`` if nothing known."""
+    """Return the event of a line without its end; ``Unknown`` if no pattern matches."""
     for pattern, meaning in PATTERNS:
         result = pattern.fullmatch(line)
         if result is not None:

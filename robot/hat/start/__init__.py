@@ -1,1 +1,1 @@
-"""From an open port to a Build HAT that runs the right firmware, without any I/O."""
+"""Start of a Build HAT, from an open port to the right firmware, without any I/O."""

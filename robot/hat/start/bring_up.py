@@ -1,6 +1,6 @@
-"""From an open port to a Build HAT that runs the right firmware and stands still.
+"""Start of a Build HAT, from an open port to the right firmware with its motors stopped.
 
-No I/O, no clock: the caller hands in events and times [s] and sends what it gets back.
+There is no I/O and no clock: the caller passes events and times [s], and sends the returned bytes.
 """
 
 from __future__ import annotations
@@ -25,44 +25,44 @@ from robot.hat.start.stage import Stage
 from robot.hat.start.upload import TRIES, Upload
 
 ASK_S = 1.2
-"""Between two questions to a board that does not answer; it is asked for ever. More than a second:
-so long a bootloader waits for the next byte of an image that an earlier program left unfinished,
-and it would take a question for a part of it."""
+"""Time between two questions to a board that does not answer [s]; there is no limit to their
+number. It is more than a second: a bootloader waits that long for the next byte of an image that an
+earlier program left unfinished, and would take a question for a part of the image."""
 STOP_EVERY = 5
-"""One of so many questions has the motors' stop with it. The bootloader takes 10 ms for each byte
-that waited while it started; always asking in full would keep it deaf."""
+"""One in this many questions includes the motors' stop. The bootloader takes 10 ms for each byte
+that waited while it started; if each question included the stop, it would stay deaf."""
 SILENT_S = 3.0
-"""Without an answer: say so."""
+"""A board that does not answer for this time is reported [s]."""
 RESET_S = 8.0
-"""A board that has said nothing for so long is reset by its pin, once: a bootloader that was
-started in the middle of an upload is deaf for up to 41 s, and a firmware may hang."""
+"""A board that is silent for this time is reset by its pin, once [s]. A bootloader that was started
+in the middle of an upload is deaf for up to 41 s, and a firmware may hang."""
 LIST_S = 1.0
-"""For an answer to list: 0.1 s for each motor."""
+"""How long to wait for an answer to list [s]; it takes 0.1 s for each motor."""
 LISTS = 3
 BOOT_S = 0.5
-"""From a reset to the bootloader's first word."""
+"""Time from a reset to the bootloader's first message [s]."""
 AGAIN_S = 10.0
-"""From a failure to the next try."""
+"""Time from a failure to the next try [s]."""
 
 
 class BringUp:
-    """Asks, uploads, resets and lists, until the board is ready; again if it restarts.
+    """Asks, uploads, resets and lists until the board is ready; starts again if it restarts.
 
-    The motors are told to stop with the first question and with the answer to it, so a board that
-    was left running stands as soon as it hears one.
+    The motors are told to stop with the first question and again after its answer. So the motors of
+    a board that was left running stop as soon as it hears one of the two.
     """
 
     def __init__(self, image: Callable[[], FirmwareImage] = FirmwareImage.installed) -> None:
-        """``image`` is called when a firmware is to be sent, and raises if there is none."""
+        """``image`` is called when a firmware must be sent; it raises if there is none."""
         self.stage = Stage.ASKING
         self.wants_reset = False
-        """Whether the board must be reset by its pin: answer by was_reset or cannot_reset."""
+        """Whether the board must be reset by its pin; answer with was_reset or cannot_reset."""
         self.ready = False
         """Whether the right firmware runs, its reports are off and its ports are known."""
         self.trouble: str | None = None
-        """Why it is not ready, with the cure; None while all goes its way."""
+        """Why the board is not ready, with the cure; None while nothing is wrong."""
         self.version: int | None = None
-        """The firmware that runs, as far as known."""
+        """Version of the running firmware, if known."""
         self._image = image
         self._upload: Upload | None = None
         self._silent_since = self._since = 0.0
@@ -72,12 +72,12 @@ class BringUp:
         self._lists = 0
         self._asked = 0
         self._reset_in_vain = False
-        """Whether a board that said nothing has been reset."""
+        """Whether a silent board has been reset already."""
         self._wrong_version: int | None = None
-        """What it answered last, if that was not the right one."""
+        """The version in the board's last answer, if it was not the right one."""
 
     def begin(self, current: float) -> bytes:
-        """The port has been opened, or the board has fallen silent: find out what is there."""
+        """Find out the board's state, after the port was opened or the board fell silent."""
         self.ready = False
         self.wants_reset = False
         self.trouble = None
@@ -86,11 +86,11 @@ class BringUp:
         return self._ask_anew(current)
 
     def receive(self, events: Sequence[Event], current: float) -> bytes:
-        """What the board said, all of it, at any stage; returns what to send."""
+        """Take all messages of the board, at any stage; return what to send."""
         return b"".join(self._hear(event, current) for event in events)
 
     def tick(self, current: float) -> bytes:
-        """Time goes on; returns what to send."""
+        """Act on the time that has passed; return what to send."""
         if self._upload is not None:
             sent = self._upload.tick(current)
             return sent + self._follow_upload(current)
@@ -107,12 +107,12 @@ class BringUp:
         return b""
 
     def was_reset(self, current: float) -> None:
-        """The board has been reset by its pin; it is asked again when it is awake."""
+        """Take note that the board was reset by its pin; it is asked again after its boot time."""
         self.wants_reset = False
         self._enter(Stage.RESETTING, current)
 
     def cannot_reset(self, reason: str, current: float) -> None:
-        """The pin could not be used; the board is asked again later."""
+        """Take note that the pin could not be used; the board is asked again later."""
         self.wants_reset = False
         if self.version is None:
             self._enter(Stage.ASKING, current)
@@ -120,7 +120,7 @@ class BringUp:
         self._fail(troubles.no_reset(self.version, reason), current)
 
     def _ask_in_vain(self, current: float) -> bytes:
-        """Nothing has answered; ask again, and in the end reset the board."""
+        """Ask again, as no answer came; in the end, request a reset of the board."""
         silent = current - self._silent_since
         if silent >= SILENT_S:
             self.trouble = self._diagnosis()
@@ -154,7 +154,7 @@ class BringUp:
             case Unknown(raw):
                 self._strange = raw
             case Answered() | Echo():
-                # Whatever echoes what it hears gives these too.
+                # Any device that echoes its input produces these too.
                 pass
             case _:
                 self._heard = True
@@ -196,7 +196,7 @@ class BringUp:
         return sent
 
     def _follow_upload(self, current: float) -> bytes:
-        """Go on after an upload that has come to an end, whichever."""
+        """Continue if the upload has ended, with success or failure."""
         upload = self._upload
         assert upload is not None
         self.stage = upload.stage
@@ -217,7 +217,7 @@ class BringUp:
         return self._ask(current)
 
     def _ask(self, current: float) -> bytes:
-        """First end a line that an earlier program may have left half sent."""
+        """Ask for the version, after the end of a line that a program may have left half sent."""
         self._enter(Stage.ASKING, current)
         stop = b"" if self._asked % STOP_EVERY else commands.stop()
         self._asked += 1
@@ -243,7 +243,7 @@ class BringUp:
         self._enter(Stage.FAILED, current)
 
     def _diagnosis(self) -> str:
-        """Why nobody answers, by what was heard instead."""
+        """Return why the board does not answer, judged by what was received instead."""
         strange = self._strange
         if strange is not None and any(word in strange for word in (b"login:", b"Password:")):
             return troubles.login_shell(strange)
@@ -253,5 +253,5 @@ class BringUp:
 
 
 def _restarted(event: Event) -> bool:
-    """Whether only a board says so that has lost all that it was told."""
+    """Return whether the event means that the board was reset and lost all its settings."""
     return isinstance(event, BootloaderPrompt | BootloaderVersion | InitDone)

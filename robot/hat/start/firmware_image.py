@@ -1,7 +1,7 @@
 """The Build HAT's firmware, which is sent to it after each power-up.
 
-It is not part of this program: it comes with the official library, whose data is read without
-running any of it.
+It is not part of this program. It comes with the official library, whose data is read without
+running any of its code.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 EXPECTED_VERSION = 1737564117
-"""The firmware whose language the driver speaks: of 22 January 2025."""
+"""Version of the firmware that the driver supports, of 22 January 2025."""
 
 LONGEST = 245_760
 SIGNATURE_LENGTH = 64
@@ -19,18 +19,18 @@ CURE = "install the one with it: pip install buildhat==0.9.0"
 
 
 class FirmwareImageError(RuntimeError):
-    """There is no firmware to send; says where to get it."""
+    """There is no firmware to send; the message says where to get it."""
 
 
 @dataclass(frozen=True, slots=True)
 class FirmwareImage:
-    """A firmware as the bootloader takes it."""
+    """A firmware in the form that the bootloader accepts."""
 
     version: int
     """Seconds since 1970."""
     data: bytes = field(repr=False)
     signature: bytes = field(repr=False)
-    """Of the data; 64 bytes."""
+    """Signature of the data; 64 bytes."""
 
     def __post_init__(self) -> None:
         if not 0 < len(self.data) <= LONGEST:
@@ -45,15 +45,16 @@ class FirmwareImage:
 
     @property
     def checksum(self) -> int:
-        """What the bootloader compares."""
+        """The checksum that the bootloader compares."""
         return checksum(self.data)
 
     @classmethod
     def installed(cls, package: str = "buildhat") -> FirmwareImage:
-        """The firmware in the installed official library, which is not imported.
+        """Read the firmware from the installed official library, without importing it.
 
         Raises:
-            FirmwareImageError: there is none, or of another version; says what to install.
+            FirmwareImageError: there is no firmware, or it has another version; the message says
+                what to install.
         """
         folder = _data_folder(package)
         try:
@@ -70,7 +71,10 @@ class FirmwareImage:
 
 
 def checksum(data: bytes) -> int:
-    """The bootloader's sum: a 32-bit register from 1 on, shifted and folded by 0x1D872B41."""
+    """Return the bootloader's checksum: a 32-bit register that starts at 1.
+
+    Each byte shifts the register, folds it by 0x1D872B41 and is then combined with it by XOR.
+    """
     register = 1
     for byte in data:
         register <<= 1

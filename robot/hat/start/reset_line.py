@@ -1,4 +1,4 @@
-"""The pin that resets the Build HAT: it stops all motors, and costs the firmware."""
+"""The pin that resets the Build HAT; a reset stops all motors, and the firmware is lost."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CURE = "Install them: pip install gpiozero lgpio"
 
 
 class ResetError(RuntimeError):
-    """The board cannot be reset by its pin; says what to do."""
+    """The board cannot be reset by its pin; the message says what to do."""
 
 
 class ResetLine(Protocol):
@@ -28,13 +28,13 @@ class ResetLine(Protocol):
         """Reset the board; its bootloader answers half a second later.
 
         Raises:
-            ResetError: it cannot be; says why, and what to do.
+            ResetError: the reset fails; the message says why, and what to do.
         """
         ...
 
 
 class GpioResetLine:
-    """The pin on a Pi's header, by gpiozero; held only during the pulse."""
+    """The pin on a Pi's header, through gpiozero; it is held only during the pulse."""
 
     def __init__(self, sleep: Callable[[float], None] = time.sleep) -> None:
         self._sleep = sleep
@@ -42,17 +42,17 @@ class GpioResetLine:
     def pulse(self) -> None:
         """Reset the board; takes 20 ms."""
         try:
-            # Late, for a computer without pins has no use for it.
+            # Imported late, because a computer without pins does not need it.
             gpiozero: Any = importlib.import_module("gpiozero")
         except ImportError as error:
             raise ResetError(f"the reset pin needs gpiozero and lgpio. {CURE}") from error
         try:
-            # One for each way to the pins that is not there; the last one is an error.
+            # gpiozero warns of each missing backend for the pins; if all are missing, it raises.
             warnings.filterwarnings("ignore", module="gpiozero")
             self._pulse(gpiozero.DigitalOutputDevice)
         except gpiozero.GPIOZeroError as error:
             raise ResetError(f"no pin to reset the board: {error} {CURE}") from error
-        # What gpiozero drives the pins with has errors of its own.
+        # The backends of gpiozero raise errors of their own.
         except Exception as error:
             raise ResetError(
                 f"pin {RESET_PIN} is not free: {error}; switch 1-Wire off: sudo raspi-config, "
@@ -60,7 +60,7 @@ class GpioResetLine:
             ) from error
 
     def _pulse(self, output: Callable[[int], Any]) -> None:
-        """BOOT0 low, RESET low and high; then both are let go."""
+        """Set BOOT0 low, and RESET low and then high; then release both."""
         with output(BOOT0_PIN) as boot0, output(RESET_PIN) as reset:
             boot0.off()
             reset.off()

@@ -1,4 +1,4 @@
-"""How far the start of a Build HAT has come."""
+"""Stages of the start of a Build HAT."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Stage(Enum):
-    """A step of the start; its value tells people."""
+    """A stage of the start; its value is the text that users see."""
 
     ASKING = "asking which firmware runs"
     CLEARING = "preparing the upload of the firmware"

@@ -1,4 +1,4 @@
-"""Why a Build HAT is not ready, in plain words, each with its cure."""
+"""Messages that say why a Build HAT is not ready, each with its cure."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HALF_HEARD = (
 
 
 def login_shell(said: bytes) -> str:
-    """A login shell answers instead of the board."""
+    """Return the message for a login shell that answers instead of the board."""
     return (
         f"A login shell is at the serial port, it says {_quoted(said)}. Switch it off: "
         f"{SERIAL_PORT}; then reboot."
@@ -28,7 +28,7 @@ def login_shell(said: bytes) -> str:
 
 
 def stranger(said: bytes) -> str:
-    """Something else answers."""
+    """Return the message for something else that answers instead of the board."""
     return (
         f"What is at the serial port is no Build HAT, it says {_quoted(said)}. Name the right "
         "port; on a Raspberry Pi it is /dev/serial0, on a Pi 5 /dev/ttyAMA0."
@@ -36,12 +36,12 @@ def stranger(said: bytes) -> str:
 
 
 def wrong_version(version: int) -> str:
-    """Another firmware runs; it must go first."""
+    """Return the message for a wrong firmware, which a reset will remove."""
     return f"The Build HAT runs firmware {version}, not {EXPECTED_VERSION}; it is being reset."
 
 
 def no_reset(version: int | None, reason: str) -> str:
-    """Another firmware runs, and cannot be made to go."""
+    """Return the message for a wrong firmware on a board that cannot be reset."""
     return (
         f"The Build HAT runs firmware {version}, not {EXPECTED_VERSION}, and cannot be reset: "
         f"{reason}; or {POWER_CYCLE}."
@@ -49,7 +49,7 @@ def no_reset(version: int | None, reason: str) -> str:
 
 
 def upload_failed(tries: int, reason: str) -> str:
-    """The firmware does not arrive."""
+    """Return the message for a firmware that does not arrive."""
     return (
         f"The Build HAT did not take its firmware in {tries} tries: {reason}. Check that it sits "
         f"firmly on all 40 pins and that no other program uses the port, and {POWER_CYCLE}."

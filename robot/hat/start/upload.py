@@ -1,4 +1,4 @@
-"""The firmware's way into a Build HAT whose bootloader waits."""
+"""Upload of the firmware to a Build HAT whose bootloader is waiting."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from robot.hat.start.stage import Stage
 
 TRIES = 3
 SETTLE_S = 0.3
-"""Until the answers to what was sent before have come; more than 3 kB fit in."""
+"""Time until the answers to earlier commands have come [s]; more than 3 kB arrive in it."""
 PAYLOAD_AFTER_S = 0.1
-"""From an announcement to what it announces, as all drivers of the board do."""
+"""Time from an announcement to the announced data [s], as in all drivers of the board."""
 QUIET_S = 1.5
-"""After a failure: the bootloader waits 1 s for a byte that was lost before it listens again."""
+"""Silence after a failure [s]: the bootloader waits 1 s for a lost byte before it listens again."""
 
 LIMITS_S = {
     Stage.CLEARING: 2.0,
@@ -30,7 +30,7 @@ LIMITS_S = {
     Stage.LOADING: 7.0,
     Stage.SIGNING: 3.0,
     Stage.REBOOTING: 5.0,
-    # A board that never falls silent runs its firmware after all.
+    # A board that never falls silent is running its firmware after all.
     Stage.PAUSING: 15.0,
 }
 
@@ -44,14 +44,14 @@ FAILURES: dict[type[Event], str] = {
 
 
 class Upload:
-    """Sends an image and starts it; again from the beginning after a failure, three times."""
+    """Sends an image and starts it; after a failure it begins again, up to three tries."""
 
     def __init__(self, image: FirmwareImage, current: float) -> None:
         self.stage = Stage.PAUSING
         self.done = False
         """Whether the firmware has started."""
         self.failed: str | None = None
-        """Why the last try failed, when there is no further one."""
+        """Why the last of all tries failed; None while more tries are left."""
         self._image = image
         self._tries = 0
         self._since = self._heard = current
@@ -59,15 +59,15 @@ class Upload:
         self._payload: bytes | None = None
 
     def begin(self, current: float) -> bytes:
-        """A new try."""
+        """Begin a new try; return what to send."""
         self._tries += 1
         self._prompted = False
         self._enter(Stage.CLEARING, current)
-        # A firmware that has started unheard tells its version; to it, clear is clear_faults.
+        # A firmware that started unnoticed answers with its version; to it, clear is clear_faults.
         return commands.clear() + commands.version()
 
     def receive(self, event: Event, current: float) -> bytes:
-        """What the board said; returns what to send."""
+        """Take a message of the board; return what to send."""
         self._heard = current
         if self.stage in (Stage.LOADING, Stage.SIGNING, Stage.REBOOTING):
             failure = FAILURES.get(type(event))
@@ -77,7 +77,7 @@ class Upload:
             case Stage.CLEARING, BootloaderPrompt():
                 self._prompted = True
             case Stage.LOADING, BootloaderPrompt() if current - self._since > SETTLE_S:
-                # It listens to commands again: its complaint was lost on the way.
+                # The bootloader accepts commands again: its error message was lost on the way.
                 return self._fail(FAILURES[UploadTimeout], current)
             case Stage.LOADING, ChecksumOk():
                 signature = self._image.signature
@@ -91,7 +91,7 @@ class Upload:
         return b""
 
     def tick(self, current: float) -> bytes:
-        """Time goes on; returns what to send."""
+        """Act on the time that has passed; return what to send."""
         passed = current - self._since
         if self._payload is not None and passed >= PAYLOAD_AFTER_S:
             payload, self._payload = self._payload, None
