@@ -1,1 +1,1 @@
-"""Measurements, side by side with peers."""
+"""Benchmarks of the program, side by side with peers."""

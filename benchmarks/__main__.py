@@ -11,7 +11,7 @@ from robot.settings import SettingError
 
 
 def main() -> int:
-    """Measure what the command line names; 2 on a name that is none."""
+    """Run the benchmarks that the command line names; return 2 if a name is unknown."""
     parser = argparse.ArgumentParser(prog="brickpose bench", allow_abbrev=False)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--json", type=Path)

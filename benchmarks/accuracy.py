@@ -1,7 +1,7 @@
-"""How exact is the filter, does it find itself, and is it honest about what it does not know?
+"""Benchmark of the filters: tracking error, global localization, kidnapping and calibration.
 
-Robots of the simulator with all imperfections drive the figure-eight; each drive is recorded once
-and every filter is tried on the same ones. Parameters were chosen on seeds from 100 on.
+Simulated robots with all imperfections drive the figure-eight. Each drive is recorded once, and
+every filter runs on the same drives. Parameters were chosen on seeds from 100 on.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ LAPS = 31.8
 """Two laps of the figure-eight [s]."""
 LAP = 16.0
 CARRIED_AT, CARRIED_FOR = 10.0, 5.0
-"""When the robot is carried off, and how long it may take to find itself [s]."""
+"""When the robot is carried off, and the time that it has to find its place again [s]."""
 SETTLED = 1.0
-"""Left out after the start [s]."""
+"""Time after the start that does not count [s]."""
 TOLD = np.diag(np.square([0.01, 0.01, 0.03]))
-"""How well the start is known when tracking is measured."""
+"""Covariance of the start pose when tracking is measured."""
 BORDERS = (0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 0.95, 1.001)
 
 T = TypeVar("T")
@@ -57,7 +57,7 @@ S = TypeVar("S")
 
 
 def with_filter(**changes: object) -> LocalizationParameters:
-    """The defaults, but for some parameters of the filter."""
+    """Return the defaults with some changed parameters of the filter."""
     return LocalizationParameters(filter=replace(FilterParameters(), **changes))  # type: ignore[arg-type]
 
 
@@ -81,7 +81,7 @@ FINDERS_AGAIN = {
 
 
 def each(work: Callable[[S], T], jobs: Iterable[S]) -> list[T]:
-    """Do jobs in as many processes as there are cores."""
+    """Do jobs in parallel, with one process for each core."""
     with ProcessPoolExecutor(os.cpu_count(), mp_context=get_context("spawn")) as pool:
         return list(pool.map(work, jobs))
 
@@ -96,7 +96,7 @@ class Tracked:
 
 
 def track(clutter: str, seed: int) -> dict[str, Tracked]:
-    """Follow one robot on the square for two laps, with each filter."""
+    """Track one robot on the square for two laps, with each filter."""
     config = Config(robot="sim", seed=seed, sim=SimSettings(camera=CameraSettings(clutter=clutter)))
     drive = record(config, LAPS)
     start = drive.ticks[0].truth
@@ -114,27 +114,27 @@ def track(clutter: str, seed: int) -> dict[str, Tracked]:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """How one filter fared on one drive that began, or went on, at an unknown place."""
+    """Result of one filter on a drive that begins, or continues, at an unknown place."""
 
     right: bool
-    """At the end."""
+    """Whether it is right at the end."""
     seconds: float
-    """Until right for good; inf if never."""
+    """Time until it stays right to the end [s]; inf if it never does."""
     wrong_claim: bool
-    """The first claim to be certain was wrong."""
+    """Whether its first claim to be certain was wrong."""
     images: int
     """How many of the four poses that look alike on the square are among the hypotheses."""
     even: bool
-    """Their weights are within a factor of two."""
+    """Whether the weights of these four are within a factor of two."""
     shown: list[Shown]
 
 
 Runs = list[tuple[float, dict[str, Found]]]
-"""For each robot the seconds until the field decides, and how each filter fared."""
+"""For each robot the time until the field decides [s], and the result of each filter."""
 
 
 def lap(of: str, seed: int) -> Drive:
-    """One lap from somewhere."""
+    """Record one lap from a random pose."""
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
     start = on_eight(rng, elapsed)
@@ -142,7 +142,7 @@ def lap(of: str, seed: int) -> Drive:
 
 
 def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> Found:
-    """Scatter, and drive one lap with the default filter and something changed."""
+    """Scatter, and drive one lap with the default filter and a changed setup."""
     of, seed = map_and_seed
     drive, parameters = lap(of, seed), LocalizationParameters()
     setup = change(setup_of(drive.field, parameters))
@@ -150,7 +150,7 @@ def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -
 
 
 def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
-    """Scatter, and drive one lap: seconds until the field decides, and how each filter fares."""
+    """Scatter, and drive one lap; return when the field decides [s], and each filter's result."""
     of, seed = map_and_seed
     drive = lap(of, seed)
     tried = {name: try_filter(drive, p, seed) for name, p in FINDERS.items()}
@@ -158,7 +158,7 @@ def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
 
 
 def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
-    """The same, for a robot that knew its place and was carried off unseen."""
+    """Return the same for a robot that knew its place and was carried off unseen."""
     of, seed = map_and_seed
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
@@ -178,7 +178,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
 
 
 def judged(shown: list[Shown], since: float) -> Found:
-    """How a filter fared from a moment on."""
+    """Return the result of a filter from a stamp [s] on."""
     last = shown[-1]
     turned = [Pose2(theta=quarter * math.pi / 2) @ last.truth for quarter in range(4)]
     weights = [
@@ -196,7 +196,7 @@ def judged(shown: list[Shown], since: float) -> Found:
 
 
 def measure() -> Result:
-    """All of it: several minutes."""
+    """Run all parts, which takes several minutes."""
     more = tracking("none") | tracking("all")
     scattered, carried = Calibration(), Calibration()
     more |= places(scattered) | carried_off(carried)
@@ -210,7 +210,7 @@ def measure() -> Result:
 
 
 def tracking(clutter: str) -> dict[str, float]:
-    """Twelve robots on the square, two laps; without and with clutter on the floor."""
+    """Track twelve robots on the square for two laps, with or without clutter on the floor."""
     name = "tracking" if clutter == "none" else "among clutter"
     runs = each(partial(track, clutter), SEEDS)
     more: dict[str, float] = {}
@@ -225,7 +225,7 @@ def tracking(clutter: str) -> dict[str, float]:
 
 
 def places(calibration: Calibration) -> dict[str, float]:
-    """Scattered on marked fields and on the plain square."""
+    """Start scattered on marked fields and on the plain square."""
     more: dict[str, float] = {}
     for of in (*MARKED, "square"):
         runs = each(find, [(of, seed) for seed in GLOBAL_SEEDS])
@@ -246,7 +246,7 @@ def places(calibration: Calibration) -> dict[str, float]:
 
 
 def carried_off(calibration: Calibration) -> dict[str, float]:
-    """Carried off on marked fields, unseen."""
+    """Carry robots off, unseen, on marked fields."""
     more: dict[str, float] = {}
     for of in MARKED:
         runs = each(find_again, [(of, seed) for seed in KIDNAP_SEEDS])
@@ -259,7 +259,7 @@ def carried_off(calibration: Calibration) -> dict[str, float]:
 
 
 def fared(name: str, found: list[Found], of: str) -> dict[str, float]:
-    """How many found themselves, and when."""
+    """Return how many found their place, and when."""
     return {
         f"{name}: right, of {of}": sum(one.right for one in found),
         f"{name}: median until right for good [s]": float(
@@ -269,17 +269,17 @@ def fared(name: str, found: list[Found], of: str) -> dict[str, float]:
 
 
 def oracle(name: str, runs: Runs) -> dict[str, float]:
-    """When the field decides."""
+    """Return when the field decides."""
     decided = float(np.median([seconds for seconds, _ in runs]))
     return {f"{name}, oracle: median until decided [s]": decided}
 
 
 def ours(name: str, runs: Runs, calibration: Calibration) -> dict[str, float]:
-    """What the default filter takes of a processor; what it claimed goes to the calibration."""
+    """Return the computing times of the default filter; add its claims to the calibration."""
     found = [run["hypotheses"] for _, run in runs]
     for one in found:
         calibration.add(one.shown)
-    # The first pictures of a process may have to load compiled code.
+    # At the first pictures a process may have to load compiled code.
     spent = [1e3 * shown.cpu for one in found for shown in one.shown[10:]]
     return {
         f"{name}: mean of a frame [ms]": float(np.mean(spent)),

@@ -1,10 +1,10 @@
-"""One update of the particle filter, beside nav2_amcl's own C++ core.
+"""Benchmark of one update of the particle filter, beside the C++ core of nav2_amcl.
 
-The same field, the same drive, the same 60 rays, as many particles in each, resampled with every
-scan; turn by turn, some updates each, the first of which does not count as caches are cold. An
-update is noise, motion, weighing, resampling, and the estimate: clusters with their means and
-covariances. Ours is timed as a program calls it, in Python; of nav2's it is the time of its core
-alone. All times are those of the one thread that works, so that other programs do not count.
+Both use the same field, drive, 60 rays and number of particles, and resample at every scan. They
+take turns of several updates. The first update of a turn does not count, as caches are cold. An
+update consists of noise, motion, weighing, resampling, and the estimate: clusters with their means
+and covariances. Ours is timed as a program calls it, in Python; for nav2 only its core is timed.
+All times are those of the one working thread, so that other programs do not count.
 """
 
 from __future__ import annotations
@@ -32,23 +32,23 @@ from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan
 
 TURNS = {500: 25, 5000: 10, 20_000: 4}
-"""How many turns each has, by number of particles."""
+"""Number of turns of each filter, by number of particles."""
 IN_TURN = 10
 """Updates in a turn."""
 MAIN = 20_000
-"""The number of particles whose times are the result; the others' are beside it."""
+"""Number of particles of the main result; the others are additional figures."""
 PEERS = {
     f"nav2_amcl {VERSION}, beam model (what the package's AMCL runs)": True,
     f"nav2_amcl {VERSION}, likelihood field (nav2's default)": False,
 }
 SD_XY, SD_THETA = 0.02, 0.05
-"""How well the start is told [m], [rad]."""
+"""Standard deviations of the start pose [m], [rad]."""
 PARAMETERS = LocalizationParameters()
 
 
 @dataclass(frozen=True)
 class Step:
-    """Odometry before and after, and the scan there."""
+    """Odometry before and after a step, and the scan after it."""
 
     before: Pose2
     after: Pose2
@@ -56,7 +56,7 @@ class Step:
 
 
 def measure() -> Result:
-    """Medians, and the memory that the filter takes."""
+    """Measure median times, and the memory of the filter."""
     field = load_field("stub", MAPS)
     times = {count: _compare(field, count) for count in TURNS}
     more = {}
@@ -74,7 +74,7 @@ def measure() -> Result:
 
 
 def _compare(field: Field, count: int) -> dict[str, float]:
-    """Median time [s] of an update, by who does it."""
+    """Return the median time [s] of an update, by program."""
     ours = ours_on(field, count)
     motion, sensor = PARAMETERS.motion, PARAMETERS.sensor
     peers = {
@@ -101,7 +101,7 @@ def _update_peer(peer: Nav2Amcl, step: Step) -> float:
 
 
 def ours_on(field: Field, count: int) -> ParticleFilter:
-    """Our filter with the defaults, but a fixed number of particles."""
+    """Return our filter with the defaults and a fixed number of particles."""
     sensor = PARAMETERS.sensor
     entries = EntryField.build(
         field, resolution=sensor.field_resolution, max_distance=sensor.laser_likelihood_max_dist
@@ -119,7 +119,7 @@ def ours_on(field: Field, count: int) -> ParticleFilter:
 
 
 def update(belief: ParticleFilter, step: Step) -> float:
-    """How long an update with its estimate takes [s]."""
+    """Update the filter and return the computing time, with the estimate [s]."""
     moved = step.before.inverse() @ step.after
     start = time.thread_time()
     belief.predict(moved)
@@ -131,7 +131,7 @@ def update(belief: ParticleFilter, step: Step) -> float:
 
 
 def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
-    """Along a circle at 15 scans/s; odometry is off by 1 % and 2 %, ranges by 0.3 mm."""
+    """Drive along a circle at 15 scans/s; odometry errs by 1 % and 2 %, ranges by 0.3 mm."""
     rng = np.random.default_rng(7)
     bearings = np.radians(np.linspace(-31, 31, rays))
     truth = odometry = Pose2()
@@ -146,7 +146,7 @@ def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
 
 
 def _memory() -> dict[str, float]:
-    """What the filter takes, from a process of its own: compiled code's arrays are not traced."""
+    """Measure the filter's memory in another process, as arrays of compiled code are not traced."""
     command = [sys.executable, "-m", "benchmarks.filter_memory"]
     found = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
     names = ("in arrays of its own", "most during an update (resident)", "table of the field")

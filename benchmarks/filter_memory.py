@@ -1,7 +1,7 @@
-"""How much memory the particle filter takes, in a process of its own (Linux).
+"""Measure the memory of the particle filter, in a process of its own (Linux).
 
-Prints three figures in MB: arrays that it keeps, the most that the process grew by while it was
-made and updated, and the field's tables, which the sensor model keeps whatever the filter.
+Prints three figures in MB: the arrays that the filter keeps, the peak growth of the process while
+the filter is made and updated, and the field's tables, which the sensor model keeps for any filter.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ MB = 1e6
 
 
 def _status(name: str) -> int:
-    """A line of this process's status [bytes]."""
+    """Return a value of this process's status [bytes]."""
     lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
     return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(name))
 
@@ -32,14 +32,14 @@ def _kept(belief: ParticleFilter) -> int:
 
 
 def main() -> None:
-    """Let a small filter compile and allocate first, then a large one grow."""
+    """Run a small filter first, to compile and allocate, then measure a large one."""
     field = load_field("stub", MAPS)
     steps = list(drive(field, 30))
     belief = ours_on(field, 50)
     for step in steps:
         update(belief, step)
     gc.collect()
-    # Gives back what was freed, which else would be used again unseen, and forgets the peak so far.
+    # Return freed memory to the system, as its reuse would not be measured, and reset the peak.
     ctypes.CDLL(None).malloc_trim(0)
     Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
     before = _status("VmRSS")

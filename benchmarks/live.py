@@ -1,4 +1,4 @@
-"""Real time with people watching: does the robot keep its pace with five viewers?"""
+"""Benchmark of the engine's step time in real time, with five viewers."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ SECONDS = 15.0
 
 
 def measure() -> Result:
-    """The 99th percentile of a step's time, simulation included, with and without viewers.
+    """Measure the 99th percentile of the step time, with simulation, with and without viewers.
 
-    A viewer takes everything that the page takes: telemetry, pictures and the 3D view's messages;
-    the first one drives the figure-eight. Viewers run on this machine too.
+    A viewer receives everything that the page receives: telemetry, pictures and the messages of the
+    3D view. The first viewer drives the figure-eight. Viewers run on this machine, too.
     """
     pace = RealTime()
     program = build_program(Config(robot="sim"), pace)
@@ -34,7 +34,7 @@ def measure() -> Result:
     thread = threading.Thread(target=server.run, args=([listening],), name="server")
     thread.start()
     try:
-        time.sleep(5.0)  # compiled code is loaded, the first clouds are large
+        time.sleep(5.0)  # wait: compiled code is loaded, and the first clouds are large
         pace.busy.clear()
         time.sleep(SECONDS)
         alone = _percentile_ms(pace, 99)
@@ -54,7 +54,7 @@ def _watch(address: str, pace: RealTime) -> dict[str, float]:
     command = [sys.executable, "-m", "benchmarks.viewers", address, str(VIEWERS), str(SECONDS)]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as viewers:
         assert viewers.stdout is not None
-        viewers.stdout.readline()  # all are connected
+        viewers.stdout.readline()  # wait until all are connected
         pace.busy.clear()
         counted: dict[str, float] = json.loads(viewers.stdout.readline())
     return counted

@@ -1,4 +1,4 @@
-"""How much faster than real time the whole program runs: physics, picture, scan and filter."""
+"""Benchmark of the whole program against real time: physics, picture, scan and filter."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RUNS = 3
 
 
 def measure() -> Result:
-    """640 x 480 px at 15 frames/s, 500 particles, without pacing."""
+    """Measure 640 x 480 px at 15 frames/s, 500 particles, without pacing."""
     particles = FilterParameters(min_particles=500, max_particles=500)
     config = Config(
         robot="sim",
@@ -31,7 +31,7 @@ def measure() -> Result:
     walls, cpus = [], []
     for seed in range(RUNS):
         program = build_program(replace(config, seed=seed))
-        _drive(program, 1.0)  # compiled code is loaded
+        _drive(program, 1.0)  # load compiled code
         wall, cpu = time.perf_counter(), time.process_time()
         _drive(program, SECONDS)
         walls.append(time.perf_counter() - wall)

@@ -1,4 +1,4 @@
-"""What motion and sensor models cost, and how exact each is on a clean and on a littered floor."""
+"""Benchmark of the motion and sensor models: time, and error on a clean and on a littered floor."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ SEEDS = range(12)
 
 BEARINGS = np.radians(np.linspace(-31, 31, 60))
 SIGHT = (0.1, 0.85)
-"""From where to where rays see [m]."""
+"""Begin and end of the rays' sight [m]."""
 RANGE_SD = 0.0003
 """[m]"""
 RATE = 15.0
-"""Scans a second."""
+"""Scans per second."""
 TRACK = 0.112
-"""Between the wheels [m]."""
+"""Distance between the wheels [m]."""
 
 
 def measure() -> Result:
-    """Rays by index and one by one, each model's time, and its error with and without litter."""
+    """Measure ray casting with and without index, and time and error of each model."""
     square, town = load_field("square", MAPS), load_field("town", MAPS)
     more: dict[str, float] = {}
     for of in (square, town):
@@ -60,7 +60,7 @@ def measure() -> Result:
 
 
 def _choices() -> dict[str, LocalizationParameters]:
-    """Each motion model with the usual sensor model, and each sensor model the other way round."""
+    """Return each motion model with the default sensor model, and the other way round."""
     default = LocalizationParameters()
     found = {
         f"motion {name}": replace(default, motion=MotionParameters(robot_model_type=name))
@@ -76,7 +76,7 @@ def _choices() -> dict[str, LocalizationParameters]:
 
 
 def _quickest(tries: Mapping[str, Callable[[], object]], rays: int) -> dict[str, float]:
-    """Nanoseconds a ray, least of five rounds that are taken in turns."""
+    """Return the nanoseconds per ray, the least of five rounds that are taken in turns."""
     best = dict.fromkeys(tries, math.inf)
     for turn in range(6):
         for name, call in tries.items():
@@ -115,7 +115,7 @@ def _weighing(of: Field) -> dict[str, float]:
 def track(
     of: Field, seed: int, parameters: LocalizationParameters, *, litter: bool = False
 ) -> float:
-    """Root mean square error [m] over a lap of the eight, from the start told exactly."""
+    """Return the root mean square error [m] over a lap of the figure-eight, from a known start."""
     rng = np.random.default_rng(seed)
     edges = index_edges(np.vstack([of.edges, _litter(rng)])) if litter else of.edge_index
     model = sensor_model(parameters.sensor, _entries(of, parameters.sensor), of.edges)
@@ -139,14 +139,14 @@ def track(
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """Where the robot is, and where odometry has it."""
+    """The true pose of the robot, and its pose by odometry."""
 
     truth: Pose2
     odometry: Pose2
 
 
 def drive(start: Pose2, rng: np.random.Generator) -> Sequence[Step]:
-    """A lap of the eight by a robot with wheels and track not quite as described."""
+    """Drive a lap of the figure-eight with wheels and track that differ from the description."""
     eight = FigureEight()
     left, right, track_error = rng.normal(0, [0.01, 0.01, 0.02])
     truth, odometry = start, Pose2()
@@ -162,7 +162,7 @@ def drive(start: Pose2, rng: np.random.Generator) -> Sequence[Step]:
 
 
 def _scan(edges: EdgeIndex, robot: Pose2, rng: np.random.Generator) -> Scan:
-    """What a scanner reports that takes each dark thing for tape."""
+    """Return the scan of a scanner that takes each dark object for tape."""
     near, far = SIGHT
     sight = np.tile([near, far], (len(BEARINGS), 1))
     starts = np.column_stack(
@@ -179,7 +179,7 @@ def _scan(edges: EdgeIndex, robot: Pose2, rng: np.random.Generator) -> Scan:
 
 
 def _litter(rng: np.random.Generator) -> Array:
-    """Edges (n, 4) of 25 dark discs, a cable, and shoes at the border of the field."""
+    """Return the edges (n, 4) of 25 dark discs, a cable, and shoes at the border of the field."""
     discs = [
         shapely.Point(*rng.uniform(-0.45, 0.45, 2)).buffer(rng.uniform(0.006, 0.04), 4)
         for _ in range(25)

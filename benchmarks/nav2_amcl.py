@@ -1,9 +1,9 @@
-"""nav2_amcl's C++ core as a peer: ``python -m benchmarks.nav2_amcl SDIST`` builds it.
+"""The C++ core of nav2_amcl as a peer: ``python -m benchmarks.nav2_amcl SDIST`` builds it.
 
 The sources are those of the package ``amcl`` from PyPI, which took them from nav2. They are built
 here with -O3 -march=native and called through five C functions of our own: the package's own class
-only offers the beam model, and nav2's default is the likelihood field. Its licence is the GPL: it
-is a tool for measuring alone, which the product neither imports nor ships.
+only offers the beam model, but nav2's default is the likelihood field. Its licence is the GPL: it
+is only used to measure, and the product neither imports nor ships it.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ from robot.localization.models.sensor_parameters import SensorParameters
 from robot.scan import Scan
 
 VERSION = "0.1.2"
-"""Of the package; its sources are nav2's of 2025."""
+"""Version of the package; its sources are those of nav2 in 2025."""
 LIBRARY = Path(sys.prefix) / "peers" / f"nav2_amcl-{VERSION}.so"
 FLAGS = ("-O3", "-march=native", "-DNDEBUG", "-DHAVE_DRAND48", "-fPIC", "-w")
-"""NDEBUG as in the package's own release build: its assertions fail with a narrow sigma_hit."""
+"""NDEBUG as in the package's release build: its assertions fail with a small sigma_hit."""
 C_SOURCES = (
     "map/map.c", "map/map_range.c", "pf/eig3.c", "pf/pf.c", "pf/pf_kdtree.c", "pf/pf_pdf.c",
     "pf/pf_vector.c",
@@ -43,7 +43,7 @@ CPP_SOURCES = (
 
 
 def build(sdist: Path, library: Path = LIBRARY) -> None:
-    """Compile the core in a source package into a library."""
+    """Compile the core of a source package to a library."""
     library.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         with tarfile.open(sdist) as archive:
@@ -64,7 +64,7 @@ def _run(*command: str) -> None:
 
 
 class Nav2Amcl:
-    """nav2's filter with a fixed number of particles, resampled with every scan."""
+    """nav2's filter with a fixed number of particles, resampled at every scan."""
 
     def __init__(
         self,
@@ -104,7 +104,7 @@ class Nav2Amcl:
         self._library.start(self._filter, _pointer(pose.to_array()), _pointer(deviations))
 
     def update(self, before: Pose2, after: Pose2, scan: Scan) -> float:
-        """Take a step by odometry and a scan; how long the core worked [s]."""
+        """Update with a step of odometry and a scan; return the core's computing time [s]."""
         delta = np.array([after.x - before.x, after.y - before.y, before.turn_to(after)])
         returned = np.where(scan.hit, scan.ranges, self._range_max)
         ranges = np.ascontiguousarray(np.column_stack([returned, scan.bearings]))
@@ -117,7 +117,7 @@ class Nav2Amcl:
 
     @property
     def mean(self) -> Pose2:
-        """Of all particles."""
+        """Mean pose of all particles."""
         mean = np.zeros(3)
         self._library.estimate(self._filter, _pointer(mean))
         return Pose2.from_array(mean)

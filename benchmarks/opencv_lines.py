@@ -1,9 +1,9 @@
-"""What people otherwise write with OpenCV to see tape: two pipelines on a bird's-eye view.
+"""Two common OpenCV pipelines to detect tape, on a bird's-eye view.
 
-Both warp the picture to a view from above by tables made once, find outlines in it, and end in
-ranges along the same rays as the line scanner's: the nearest crossing from light to dark that a
-ray can see and whose other side is a tape's width away. OpenCV does the pixels; what is left, a few
-dozen lines and polygons against the rays, is compiled.
+Both warp the picture to a view from above with precomputed tables, and find outlines in it. They
+return ranges along the same rays as the line scanner: the nearest crossing from light to dark that
+a ray can see, and whose other side is a tape's width away. OpenCV handles the pixels; the rest,
+a few dozen lines and polygons against the rays, is compiled.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from robot.geometry import Array, heading_vectors
 from robot.scanning.ray_table import RayTable
 
 TAPE = (0.050, 0.012)
-"""Width and tolerance [m], as the line scanner has them."""
+"""Width of tape and its tolerance [m], as in the line scanner."""
 
 
 class BirdsEye:
-    """The floor from above, a pixel each few millimetres; row 0 is at the right, column 0 near."""
+    """The floor from above, with a pixel every few millimetres; row 0 is right, column 0 near."""
 
     def __init__(self, view: FloorView, table: RayTable, cell: float) -> None:
         self.cell = cell
@@ -43,21 +43,21 @@ class BirdsEye:
         self._maps = cv2.convertMaps(pixels[..., 0], pixels[..., 1], cv2.CV_16SC2)
 
     def look(self, picture: NDArray[np.uint8], blur: int) -> NDArray[np.uint8]:
-        """The view from above (h, w), smoothed over a number of cells; 0 is not."""
+        """Return the view from above (h, w), smoothed over some cells; 0 means not smoothed."""
         above = cv2.remap(picture, *self._maps, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
         if blur:
             above = cv2.GaussianBlur(above, (blur, blur), 0)
         return np.asarray(above, dtype=np.uint8)
 
     def floor(self, pixels: Array) -> Array:
-        """Points (..., 2) [m] in the robot frame of pixels (..., 2)."""
+        """Return the points (..., 2) [m] of pixels (..., 2), in the robot frame."""
         points: Array = pixels * self.cell + self.corner
         return points
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What there is to tune; lengths in metres, so that they hold for each cell."""
+    """Settings of a pipeline; lengths are in metres, so that they hold for any cell size."""
 
     cell: float = 0.002
     blur: int = 0
@@ -67,29 +67,29 @@ S = TypeVar("S", bound=Settings)
 
 
 class Pipeline(ABC, Generic[S]):
-    """From a picture to ranges by edges seen from above."""
+    """A pipeline from a picture to ranges, by edges seen from above."""
 
     def __init__(self, view: FloorView, table: RayTable, settings: S) -> None:
         self.settings = settings
         self.birds_eye = BirdsEye(view, table, settings.cell)
 
     def scan(self, picture: NDArray[np.uint8]) -> Array:
-        """Ranges (k,) [m]; inf where there is none."""
+        """Return the ranges (k,) [m] in a picture; inf if there is none."""
         pixels = self.edges(self.birds_eye.look(picture, self.settings.blur))
         return self.ranges(self.birds_eye.floor(pixels.reshape(-1, 2, 2)).reshape(-1, 4))
 
     @abstractmethod
     def edges(self, above: NDArray[np.uint8]) -> Array:
-        """Edges (n, 4) [px] in a view from above (h, w), their dark side to the left."""
+        """Return edges (n, 4) [px] in a view from above (h, w), with the dark side to the left."""
 
     @abstractmethod
     def ranges(self, edges: Array) -> Array:
-        """Ranges (k,) [m] to edges (n, 4) [m]."""
+        """Return the ranges (k,) [m] to edges (n, 4) [m]."""
 
 
 @dataclass(frozen=True)
 class HoughSettings(Settings):
-    """Thresholds of Canny's, and steps, votes and lines of the Hough transform."""
+    """Thresholds of the Canny detector, and steps, votes and lines of the Hough transform."""
 
     low: float = 50
     high: float = 150
@@ -101,10 +101,10 @@ class HoughSettings(Settings):
 
 
 class HoughLines(Pipeline[HoughSettings]):
-    """Bird's-eye view, Canny's edges, and segments by the probabilistic Hough transform."""
+    """Bird's-eye view, Canny edges, and segments by the probabilistic Hough transform."""
 
     def edges(self, above: NDArray[np.uint8]) -> Array:
-        """Segments (n, 4) [px] of straight lines."""
+        """Return segments (n, 4) [px] of straight lines."""
         s = self.settings
         found = cv2.HoughLinesP(
             cv2.Canny(above, s.low, s.high),
@@ -120,28 +120,28 @@ class HoughLines(Pipeline[HoughSettings]):
         return _dark_to_the_left(above, segments, 2.5 + 0.004 / s.cell)
 
     def ranges(self, edges: Array) -> Array:
-        """To segments with another of the other kind behind them."""
+        """Return the ranges to light-to-dark segments with a dark-to-light one behind them."""
         view = self.birds_eye
         return _ranges_to_segments(edges, view.directions, view.limits, *TAPE)
 
 
 @dataclass(frozen=True)
 class ContourSettings(Settings):
-    """The threshold's block and offset, and which outlines count."""
+    """Block and offset of the threshold, and limits for outlines."""
 
     block: float = 0.2
     offset: float = 15
     simplify: float = 1.0
-    """Of a contour, points closer to its polygon than so many pixels are left out."""
+    """Points of a contour that are closer than this to its polygon are left out [px]."""
     smallest: float = 0.08
     """Shortest outline that counts [m]."""
 
 
 class Contours(Pipeline[ContourSettings]):
-    """Bird's-eye view, adaptive threshold, and the outlines of what is dark."""
+    """Bird's-eye view, adaptive threshold, and the outlines of dark areas."""
 
     def edges(self, above: NDArray[np.uint8]) -> Array:
-        """Sides (n, 4) [px] of the outlines."""
+        """Return the sides (n, 4) [px] of the outlines."""
         s = self.settings
         block = round(s.block / s.cell) // 2 * 2 + 1
         dark = cv2.adaptiveThreshold(
@@ -156,21 +156,21 @@ class Contours(Pipeline[ContourSettings]):
         return np.concatenate([np.empty((0, 4)), *rings])
 
     def ranges(self, edges: Array) -> Array:
-        """To outlines as wide as tape."""
+        """Return the ranges to outlines as wide as tape."""
         view = self.birds_eye
         # A contour runs through the outermost dark pixels: the edge is half a pixel outside.
         return _ranges_to_outlines(edges, view.directions, view.limits, *TAPE, view.cell / 2)
 
 
 def _ring(polygon: cv2.typing.MatLike) -> Array:
-    """Edges (n, 4) of a closed polygon of OpenCV's, turned so that its inside is to the left."""
+    """Return the edges (n, 4) of a closed OpenCV polygon, with its inside to the left."""
     points = polygon.reshape(-1, 2)[::-1].astype(np.float64)
     return np.concatenate([points, np.roll(points, -1, axis=0)], axis=1)
 
 
 @njit(cache=True, nogil=True)
 def _dark_to_the_left(above: NDArray[np.uint8], segments: NDArray[np.int32], aside: float) -> Array:
-    """Segments (n, 4), turned so that the darker side is to the left, by samples beside them."""
+    """Turn segments (n, 4) so that the darker side is to the left, by samples beside them."""
     height, width = above.shape
     turned = segments.astype(np.float64)
     for i in range(len(segments)):
@@ -191,9 +191,9 @@ def _dark_to_the_left(above: NDArray[np.uint8], segments: NDArray[np.int32], asi
 
 @njit(cache=True, nogil=True)
 def _crossing(edge: Array, dx: float, dy: float) -> tuple[float, float]:
-    """Distance [m] at which a ray from the origin meets an edge, and the sine between the two.
+    """Return the distance [m] at which a ray from the origin meets an edge, and the sine between.
 
-    The sine is positive for a ray that goes to the left side; the distance is inf for a miss.
+    The sine is positive if the ray goes to the left side; the distance is inf for a miss.
     """
     ex, ey = edge[2] - edge[0], edge[3] - edge[1]
     cross = ex * dy - ey * dx
@@ -210,7 +210,7 @@ def _crossing(edge: Array, dx: float, dy: float) -> tuple[float, float]:
 def _ranges_to_segments(
     segments: Array, directions: Array, limits: Array, width: float, tolerance: float
 ) -> Array:
-    """Nearest entry on each ray behind which a segment of the other kind lies a width away."""
+    """Return on each ray the nearest entry with a segment of the other kind a width behind it."""
     ranges = np.full(len(directions), np.inf)
     for ray in range(len(directions)):
         dx, dy = directions[ray]
@@ -235,7 +235,7 @@ def _ranges_to_outlines(
     tolerance: float,
     outside: float,
 ) -> Array:
-    """Nearest crossing into an outline on each ray whose next crossing is a width away.
+    """Return on each ray the nearest crossing into an outline with the next one a width away.
 
     Outlines have their inside to the left; the true edge lies a little outside of them [m].
     """

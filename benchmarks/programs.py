@@ -1,4 +1,4 @@
-"""``brickpose`` programs in processes of their own, and what a running one tells of its robot."""
+"""Run ``brickpose`` in processes of their own, and read the telemetry of a running server."""
 
 from __future__ import annotations
 
@@ -35,20 +35,20 @@ class Server:
 
     @property
     def url(self) -> str:
-        """Of its page."""
+        """Address of the server's page."""
         return f"http://{self.address}"
 
     def live(self) -> ClientConnection:
-        """A new connection to what it tells and takes; it answers pings however rarely read."""
+        """Open a connection for telemetry and commands; it answers pings even if rarely read."""
         live = f"ws://{self.address}/api/live"
         return connect(live, open_timeout=START_S, max_size=None, max_queue=None)
 
     def threads(self) -> int:
-        """How many it has."""
+        """Return the number of its threads."""
         return len(list(Path(f"/proc/{self.process.pid}/task").iterdir()))
 
     def thread_seconds(self, name: str) -> float:
-        """Processor time that the threads of that name in the system have used [s]."""
+        """Return the processor time of its threads with a system name [s]."""
         ticks = 0
         for thread in Path(f"/proc/{self.process.pid}/task").iterdir():
             if (thread / "comm").read_text().rstrip("\n") == name:
@@ -57,7 +57,7 @@ class Server:
         return ticks / os.sysconf("SC_CLK_TCK")
 
     def descriptors(self) -> int:
-        """How many it holds open."""
+        """Return the number of its open file descriptors."""
         return len(list(Path(f"/proc/{self.process.pid}/fd").iterdir()))
 
 
@@ -67,11 +67,12 @@ def started(
 ) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Start ``brickpose`` with these words, and end it as a service is ended.
 
-    Yields the process and what the group in ``says``, an expression, matches in what it says first.
+    ``says`` is a regular expression with a group. Yields the process, and what the group matches in
+    the first line of its output that matches.
 
     Raises:
-        RuntimeError: it ends without having said that.
-        subprocess.TimeoutExpired: it does not end; it is killed.
+        RuntimeError: the process ends before such a line.
+        subprocess.TimeoutExpired: the process does not end; it is killed.
     """
     process = subprocess.Popen(
         [sys.executable, "-m", "app", *words],
@@ -105,10 +106,10 @@ def _said(process: subprocess.Popen[str], says: str) -> str:
 
 
 def check_ended_well(process: subprocess.Popen[str]) -> None:
-    """Of a program that has ended.
+    """Check the exit code of a program that has ended.
 
     Raises:
-        RuntimeError: not with 0.
+        RuntimeError: the code is not 0.
     """
     if process.returncode != 0:
         raise RuntimeError(f"the program ended with {process.returncode}")
@@ -123,7 +124,7 @@ def server(*options: str, stderr: int | None = None) -> Iterator[Server]:
 
 
 def telemetry(socket: Connection) -> Telemetry:
-    """The newest message that tells of the robot; answers to commands are passed over."""
+    """Return the next telemetry message; answers to commands are skipped."""
     message: Telemetry = {"type": ""}
     while message["type"] != "telemetry":
         message = json.loads(socket.recv(timeout=ANSWER_S))
@@ -133,10 +134,10 @@ def telemetry(socket: Connection) -> Telemetry:
 def until(
     socket: Connection, condition: Callable[[Telemetry], object], seconds: float = 20.0
 ) -> Telemetry:
-    """Telemetry once a condition holds.
+    """Wait until a condition holds, and return the telemetry.
 
     Raises:
-        TimeoutError: it did not for so many seconds of the robot's clock.
+        TimeoutError: the condition did not hold for this time of the robot's clock [s].
     """
     now = first = telemetry(socket)
     while not condition(now):
@@ -153,5 +154,5 @@ def connected(now: Telemetry) -> bool:
 
 
 def estimated(now: Telemetry) -> bool:
-    """Whether the filter tells where the robot is."""
+    """Whether the filter has an estimate."""
     return now["estimate"] is not None

@@ -1,4 +1,4 @@
-"""How exact is the estimate, and how soon is it right again after a wrong pose was told?"""
+"""Benchmark of the tracking error, and of the recovery after a wrong pose."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ SEEDS = range(12)
 """Parameters were chosen on seeds from 100 on."""
 
 WRONG = Pose2(-0.1, -0.1, 0.3)
-"""How far the told pose is off, in the map's axes, as in the paper [m, m, rad]."""
+"""Error of the wrong pose, in the map's axes, as in the paper [m, m, rad]."""
 
 BEFORE = 0.1
-"""When the wrong pose is told, after the start [s]. A single wall is in sight then, which is hard:
-a second later a corner is, and the pose is right again after 0.1 s."""
+"""Time from the start to the wrong pose [s]. Then a single wall is in sight, which is hard: a
+second later a corner is in sight, and the pose would be right again after 0.1 s."""
 
 WATCHED = 9.0
 """Time on the figure-eight after the wrong pose [s]."""
@@ -35,15 +35,15 @@ class Recovery:
     """One robot's run."""
 
     seconds: float
-    """Until within 20 mm and 0.1 rad, held for a second; inf if never."""
+    """Time until the estimate is within 20 mm and 0.1 rad for a second [s]; inf if never."""
     error: float
     """Mean distance of the estimate from the truth, from a second after that on [m]."""
     odometry_error: float
-    """The same of dead reckoning alone [m]."""
+    """The same for dead reckoning alone [m]."""
 
 
 def recover(seed: int) -> Recovery:
-    """Tell a robot with the default imperfections a wrong pose while it drives."""
+    """Give a robot with the default imperfections a wrong pose while it drives."""
     program = build_program(Config(robot="sim", seed=seed))
     at = _drive(program, BEFORE)[-1]
     assert at.truth is not None
@@ -66,7 +66,7 @@ def recover(seed: int) -> Recovery:
 
 
 def measure() -> Result:
-    """Twelve robots on the square; unaligned errors, all imperfections on."""
+    """Measure twelve robots on the square: unaligned errors, with all imperfections."""
     found = [recover(seed) for seed in SEEDS]
     seconds = [one.seconds for one in found]
     return Result(
@@ -83,7 +83,7 @@ def measure() -> Result:
 
 
 def _seconds(shown: Sequence[Snapshot]) -> float:
-    """Time [s] after the first until the estimate is right; inf if it never is."""
+    """Return the time [s] from the first snapshot until the estimate is right; inf if never."""
     offsets = np.array(
         [s.truth.offset_to(s.pose) if s.pose and s.truth else np.full(3, np.inf) for s in shown]
     )

@@ -1,4 +1,4 @@
-"""One camera picture: our projection of the floor, and pybullet's own renderer."""
+"""Benchmark of one camera picture: our projection of the floor, and pybullet's own renderer."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RUNS = 40
 
 
 def measure() -> Result:
-    """640 x 480 px; ours with lens, anti-aliasing, motion blur, noise and vignetting."""
+    """Measure 640 x 480 px; ours has lens, anti-aliasing, motion blur, noise and vignetting."""
     spec = RobotSpec.load()
     rng = np.random.default_rng(0)
     camera = FloorCamera(spec.floor_view, load_field("square", MAPS).floor, CameraSettings(), rng)

@@ -1,4 +1,4 @@
-"""One measurement, and the form in which it is written."""
+"""The result of a benchmark, and its formats."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Result:
-    """What was measured here, beside what peers need for the same in the same run."""
+    """Our figure, and those of peers for the same work in the same run."""
 
     unit: str
     brickpose: float
@@ -17,7 +17,7 @@ class Result:
     """Other figures of the same run, with their unit in the name."""
 
     def to_json(self) -> dict[str, Any]:
-        """As ``brickpose bench --json`` writes it."""
+        """Return the result as ``brickpose bench --json`` writes it."""
         ratio = {name: value / self.brickpose for name, value in self.peer.items()}
         return {
             "unit": self.unit,
@@ -28,7 +28,7 @@ class Result:
         }
 
     def lines(self, name: str) -> list[str]:
-        """For people."""
+        """Return the result as lines of text."""
         found = [f"{name}: {self.brickpose:.3g} {self.unit}"]
         for peer, value in self.peer.items():
             found.append(f"  {peer}: {value:.3g} {self.unit} ({value / self.brickpose:.2g} x)")

@@ -1,4 +1,4 @@
-"""``brickpose bench``: the measurements by name."""
+"""``brickpose bench``: runs benchmarks by name."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
 }
 
 LONG = ("official_library", "ros2", "routes", "serial_line", "soak", "wean")
-"""Take minutes each, in processes of their own, so they run only when they are named."""
+"""Benchmarks that take minutes each, most in processes of their own; they run only if named."""
 
 
 def run(names: Sequence[str], file: Path | None) -> int:
-    """Measure, print, and write the figures to a file.
+    """Run benchmarks, print the figures and write them to a file.
 
     Raises:
         SettingError: a name is unknown.

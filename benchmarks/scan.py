@@ -1,10 +1,10 @@
-"""One picture to 91 ranges: ours, and two pipelines of OpenCV's, by time and by what they find.
+"""Benchmark of one picture to 91 ranges: ours and two OpenCV pipelines, by time and by accuracy.
 
 The peers were tuned on other pictures (40 of seed 100, nominal noise), each over 130 to 180
-settings: cells of 1.5 to 5 mm, smoothing, thresholds, block, simplification, Hough's steps, votes
-and shortest line. Of the settings with at most 5 % missed and 1 % false returns, two are shown of
-each: the quickest, and about the quickest whose ranges have a standard deviation below 1 mm. What
-is left to be done with lines and outlines is compiled for them too.
+settings: cells of 1.5 to 5 mm, smoothing, thresholds, block, simplification, steps of the Hough
+transform, votes and shortest line. Of the settings with at most 5 % missed and 1 % false returns,
+two are shown for each peer: the fastest, and about the fastest whose ranges have a standard
+deviation below 1 mm. The peers' work on lines and outlines after OpenCV is compiled, too.
 """
 
 from __future__ import annotations
@@ -34,31 +34,31 @@ from sim.floor_camera import CameraSettings, FloorCamera
 PICTURES = 150
 ROUNDS = 3
 NOISES = (3.0, 15.0)
-"""Standard deviation of the pictures' noise [grey levels]: nominal, and strong."""
+"""Standard deviations of the pictures' noise [grey levels]: nominal and strong."""
 
 FAR_OFF = 0.03
-"""A return that is farther from each entry edge on its ray is false [m]."""
+"""A return is false if it is farther than this from every entry edge on its ray [m]."""
 
 IN_VIEW = (0.01, 0.02)
-"""A tape is in full view if it begins and ends so far inside of what the ray sees [m]."""
+"""A tape is in full view if it begins and ends this far inside the ray's sight [m]."""
 
 Scan = Callable[[NDArray[np.uint8]], Array]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One picture and the truth about it."""
+    """One picture and its ground truth."""
 
     picture: NDArray[np.uint8]
     entries: Array
-    """(k, n) distance at which each ray enters each edge's tape [m]; inf if it does not."""
+    """(k, n) distance at which each ray enters the tape of each edge [m]; inf if it does not."""
     in_view: NDArray[np.bool_]
-    """(k,) whether the nearest tape can be seen from edge to edge."""
+    """(k,) whether the nearest tape is in view from edge to edge."""
 
 
 @dataclass(frozen=True)
 class Score:
-    """How a method did on all pictures of one noise."""
+    """Figures of a method on all pictures of one noise level."""
 
     milliseconds: float
     bias_mm: float
@@ -69,9 +69,9 @@ class Score:
 
 
 def measure() -> Result:
-    """640 x 480 px on the square, one thread, warm, methods in turn on each picture.
+    """Measure 640 x 480 px on the square, one thread, warm, methods in turn on each picture.
 
-    Times are the best of three for each picture, and the median of those over the pictures.
+    Times are the best of three for each picture, and then the median over the pictures.
     """
     threads = cv2.getNumThreads()
     cv2.setNumThreads(1)
@@ -111,7 +111,7 @@ def _methods(view: FloorView) -> dict[str, Scan]:
 
 
 def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, Score]:
-    """All methods on the same pictures of one noise [grey levels]; ours comes first."""
+    """Run all methods on the same pictures of one noise [grey levels]; ours comes first."""
     view = RobotSpec.load().floor_view
     methods = _methods(view)
     trials = _trials(view, load_field("square", MAPS), noise, pictures)
@@ -121,7 +121,7 @@ def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, Score]:
         scan(trials[0].picture)
     for number, (place, trial) in product(range(rounds), enumerate(trials)):
         for method, (name, scan) in enumerate(methods.items()):
-            # Just written, as a camera's is: else the first method alone waits for the memory.
+            # A fresh copy, as from a camera: else only the first method would wait for the memory.
             picture = trial.picture.copy()
             start = time.perf_counter()
             found = scan(picture)
@@ -154,7 +154,7 @@ def _trials(view: FloorView, field: Field, noise: float, pictures: int) -> list[
 
 
 def crossings(at: Array, directions: Array, edges: Array) -> Array:
-    """Distances (k, n) at which rays enter the left sides of edges (n, 4); inf if they do not."""
+    """Return the distances (k, n) at which rays enter the left sides of edges (n, 4); else inf."""
     start, along = edges[:, :2] - at, edges[:, 2:] - edges[:, :2]
     dx, dy = directions.T[:, :, None]
     sine = along[:, 0] * dy - along[:, 1] * dx

@@ -1,4 +1,4 @@
-"""From the command to the page, with everything compiled already."""
+"""Benchmark of the start, from the command to the page, with everything already compiled."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RUNS = 3
 
 
 def measure() -> Result:
-    """Seconds from ``brickpose run`` to the first page, and to a robot that answers."""
+    """Measure the time from ``brickpose run`` to the first page, and to a robot that answers."""
     pages, robots = zip(*(_start() for _ in range(RUNS)), strict=True)
     return Result(
         unit="s to the first page",
@@ -39,7 +39,7 @@ def _wait_for(address: str) -> None:
             with urllib.request.urlopen(address, timeout=120):
                 return
         except OSError:
-            # Not listening yet, or 503 before the first tick.
+            # The server does not listen yet, or answers 503 before the first tick.
             if time.perf_counter() > deadline:
                 raise
             time.sleep(0.02)

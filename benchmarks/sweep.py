@@ -1,4 +1,4 @@
-"""Does a sweep with two workers do twice as much as with one?"""
+"""Benchmark of a sweep with two workers against one."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WEIGHTS = (0.1, 0.2)
 
 
 def measure() -> Result:
-    """Points a minute, on a processor with two cores or more; workers have started before."""
+    """Measure points per minute, with two cores or more; workers are started before."""
     rates = {count: _rate(count) for count in (1, 2, 1, 2)}
     return Result(
         unit="points/min with two workers",
@@ -40,7 +40,7 @@ def _rate(count: int) -> float:
 
 
 def _do(crew: LocalWorkers, jobs: list[SweepJob]) -> int:
-    """Do jobs; returns how many points that were."""
+    """Do jobs and return the number of points."""
     done = 0
     for _, outcome in crew.each(follow_all, jobs):
         if isinstance(outcome, Exception):

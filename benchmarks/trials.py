@@ -1,4 +1,4 @@
-"""A filter tried on a recorded drive: what it said of each picture, and whether that was right."""
+"""Run a filter on a recorded drive: its hypotheses at each picture, and whether they are right."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
 
 LOADING = 150
-"""Ticks in which every part of a filter is used once."""
+"""Number of ticks that use every part of a filter at least once."""
 _LOADED: set[str] = set()
 _ENTRIES: dict[tuple[str, float, float], EntryField] = {}
-"""Tables of distances that were made already, by field, resolution and greatest distance."""
+"""Distance tables already built, by field, resolution and largest distance."""
 
 RIGHT_XY, RIGHT_THETA = 0.05, math.radians(10)
 """A hypothesis this close to the truth is right [m], [rad]."""
@@ -35,38 +35,38 @@ CERTAIN = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What was believed at one picture, and the truth at that moment."""
+    """The hypotheses at one picture, and the truth at that moment."""
 
     stamp: float
     truth: Pose2
     hypotheses: tuple[Hypothesis, ...]
-    """Heaviest first; none while nothing is known."""
+    """The heaviest first; empty while nothing is known."""
     cpu: float
-    """Time that the filter took [s]."""
+    """Computing time of the filter [s]."""
 
     @property
     def error(self) -> float:
-        """Distance of the heaviest from the truth [m]; inf without one."""
+        """Distance of the heaviest hypothesis from the truth [m]; inf without one."""
         return self.hypotheses[0].pose.distance_to(self.truth) if self.hypotheses else math.inf
 
     @property
     def turn_error(self) -> float:
-        """The same of the heading [rad]."""
+        """Heading error of the heaviest hypothesis [rad]; inf without one."""
         return abs(self.hypotheses[0].pose.turn_to(self.truth)) if self.hypotheses else math.inf
 
     @property
     def right(self) -> bool:
-        """Whether the heaviest is right."""
+        """Whether the heaviest hypothesis is right."""
         return bool(self.hypotheses) and is_right(self.hypotheses[0].pose, self.truth)
 
     @property
     def claim(self) -> float:
-        """Weight of the heaviest."""
+        """Weight of the heaviest hypothesis; 0 without one."""
         return self.hypotheses[0].weight if self.hypotheses else 0.0
 
 
 def is_right(pose: Pose2, truth: Pose2) -> bool:
-    """Whether a pose is about the truth."""
+    """Whether a pose is close to the truth."""
     return pose.distance_to(truth) < RIGHT_XY and abs(pose.turn_to(truth)) < RIGHT_THETA
 
 
@@ -82,11 +82,11 @@ def try_filter(
 
     Args:
         drive: what the robot saw.
-        parameters: which filter, and how it is set.
-        seed: of the filter's chance.
-        told: the pose at the start; None scatters over the field.
-        covariance: of the told pose; None is the one of the parameters.
-        setup: models that are not as the parameters have them.
+        parameters: which filter, and its settings.
+        seed: of the filter's random numbers.
+        told: the pose at the start; None scatters the filter over the field.
+        covariance: of the start pose; None means that of the parameters.
+        setup: models that replace those of the parameters.
     """
     setup = setup or setup_of(drive.field, parameters)
     load_compiled(setup, drive)
@@ -116,7 +116,7 @@ def try_filter(
 
 
 def load_compiled(setup: Setup, drive: Drive) -> None:
-    """Use what is compiled once in each process, so that reading it from disk is not measured."""
+    """Use compiled code once in each process, so that loading it from disk is not measured."""
     if setup.filter.filter in _LOADED:
         return
     _LOADED.add(setup.filter.filter)
@@ -129,13 +129,13 @@ def load_compiled(setup: Setup, drive: Drive) -> None:
 
 
 def carried(estimate: Estimate, odometry: Pose2, now: Pose2) -> tuple[Hypothesis, ...]:
-    """Hypotheses carried forward by odometry."""
+    """Return the hypotheses of an estimate, moved on by odometry."""
     step = odometry.inverse() @ now
     return tuple(Hypothesis(h.weight, h.pose @ step, h.covariance) for h in estimate.hypotheses)
 
 
 def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
-    """All that a filter is given."""
+    """Return everything that a filter needs; distance tables are kept."""
     sensor = parameters.sensor
     made = of.name, sensor.field_resolution, sensor.laser_likelihood_max_dist
     if made not in _ENTRIES:
@@ -147,7 +147,7 @@ def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
 
 
 def right_for_good(shown: list[Shown], since: float) -> float:
-    """Stamp from which on the heaviest hypothesis is right to the end; inf if it ends wrong."""
+    """Return the stamp [s] from which on the filter is right to the end; inf if it ends wrong."""
     stamp = math.inf
     for one in reversed(shown):
         if not one.right or one.stamp < since:
@@ -164,7 +164,7 @@ def wrong_first_claim(shown: list[Shown]) -> bool:
 
 @dataclass
 class Calibration:
-    """Claimed weights against how often they were right."""
+    """Weights of hypotheses against how often these are right."""
 
     claimed: list[float] = field(default_factory=list)
     right: list[bool] = field(default_factory=list)
@@ -173,14 +173,14 @@ class Calibration:
         return Calibration(self.claimed + other.claimed, self.right + other.right)
 
     def add(self, shown: list[Shown]) -> None:
-        """Count every hypothesis of every picture."""
+        """Add every hypothesis of every picture."""
         for one in shown:
             for hypothesis in one.hypotheses:
                 self.claimed.append(hypothesis.weight)
                 self.right.append(is_right(hypothesis.pose, one.truth))
 
     def table(self, borders: tuple[float, ...]) -> list[tuple[float, float, int]]:
-        """Mean claim, share found right, and number, between borders."""
+        """Return mean weight, share that is right, and number, between borders of weights."""
         claimed, right = np.array(self.claimed), np.array(self.right)
         rows = []
         for low, high in pairwise(borders):

@@ -1,4 +1,4 @@
-"""Viewers without a browser: ``python -m benchmarks.viewers HOST:PORT COUNT SECONDS``."""
+"""Run viewers without a browser: ``python -m benchmarks.viewers HOST:PORT COUNT SECONDS``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from websockets.typing import Subprotocol
 
 
 async def watch(address: str, count: int, seconds: float) -> dict[str, float]:
-    """Let viewers take all they can get; the slowest one's rates [1/s]."""
+    """Let viewers receive as much as they can; return the rates of the slowest one [1/s]."""
     sockets = [await _viewer(address) for _ in range(count)]
     sys.stdout.write("connected\n")
     sys.stdout.flush()

@@ -1,4 +1,4 @@
-"""What is each choice of the localization worth? Each is undone alone, on the same drives."""
+"""Benchmark of each design choice of the localization: each is undone alone, on the same drives."""
 
 from __future__ import annotations
 
@@ -27,53 +27,53 @@ from robot.scanning.line_scanner import LineScan, LineScanner
 SEEDS = range(6)
 GLOBAL_SEEDS = range(12)
 ONE_CLOUD = with_filter(filter="particles", refine=False)
-"""Where only tracking is measured, hypotheses elsewhere would be in the way, and the refinement
-would hide what the cloud does."""
+"""A plain particle filter to measure tracking: hypotheses elsewhere would disturb, and the
+refinement would hide the effect on the cloud."""
 
 Undo = Callable[[Setup], Setup]
 
 
 def as_it_is(setup: Setup) -> Setup:
-    """Undo nothing."""
+    """Return the setup unchanged."""
     return setup
 
 
 def no_direction(setup: Setup) -> Setup:
-    """An edge attracts ends of rays from any direction."""
+    """Let an edge attract the ends of rays from any direction."""
     nearest = np.abs(setup.entries.distances).min(axis=0)
     same = np.broadcast_to(nearest, setup.entries.distances.shape).copy()
     return with_entries(setup, replace(setup.entries, distances=same))
 
 
 def no_sign(setup: Setup) -> Setup:
-    """Distances without a sign near edges: there, cells are bent."""
+    """Remove the sign of distances, so that distances bend within the cells at edges."""
     return with_entries(setup, replace(setup.entries, distances=np.abs(setup.entries.distances)))
 
 
 def with_entries(setup: Setup, entries: EntryField) -> Setup:
-    """Another table of distances."""
+    """Return the setup with another table of distances."""
     sensor = sensor_model(setup.parameters.sensor, entries, setup.field.edges)
     return replace(setup, entries=entries, sensor=sensor)
 
 
 def no_negative_evidence(setup: Setup) -> Setup:
-    """What should be seen and is not does not count."""
+    """Ignore edges that should be seen and are not."""
     return replace(setup, evidence=replace(setup.evidence, missed=1.0))
 
 
 class Skewed(LineScanner):
-    """Leaves the rolling shutter's skew as it is."""
+    """A scanner that does not correct the rolling shutter's skew."""
 
     def __init__(self) -> None:
         super().__init__(RobotSpec.load().floor_view, Config().scanner)
 
     def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
-        """The ranges as of a robot that stood."""
+        """Scan a picture as if the robot stood still."""
         return super().scan(frame)
 
 
 def late(drive: Drive) -> Drive:
-    """Pictures that are taken for exposed when they arrive."""
+    """Return a drive whose scans are stamped at arrival instead of at exposure."""
     return Drive(drive.field, [_late(tick) for tick in drive.ticks])
 
 
@@ -86,13 +86,13 @@ def _late(tick: Tick) -> Tick:
 
 
 def sensor(**changes: float) -> LocalizationParameters:
-    """One cloud, with other parameters of the sensor."""
+    """Return the parameters of one cloud, with some changed parameters of the sensor."""
     return replace(ONE_CLOUD, sensor=replace(SensorParameters(), **changes))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Something that was done otherwise."""
+    """A design choice that is changed: parameters, setup or drive."""
 
     parameters: LocalizationParameters = ONE_CLOUD
     undo: Undo = as_it_is
@@ -117,7 +117,7 @@ CHOICES = {
 
 
 def track(seed: int) -> dict[str, float]:
-    """Errors [m] of one robot over two laps, with each choice; and with the readout's skew left."""
+    """Return errors [m] of one robot over two laps, with each choice and with uncorrected skew."""
     drive = record(Config(robot="sim", seed=seed), LAPS)
     skewed = record(Config(robot="sim", seed=seed), LAPS, scanner=Skewed())
     found = {name: error(choice, drive, seed) for name, choice in CHOICES.items()}
@@ -126,7 +126,7 @@ def track(seed: int) -> dict[str, float]:
 
 
 def error(choice: Choice, drive: Drive, seed: int) -> float:
-    """Root mean square of the position's error [m]."""
+    """Return the root mean square of the position error [m]."""
     seen = choice.drive(drive) if choice.drive else drive
     setup = choice.undo(setup_of(drive.field, choice.parameters))
     shown = try_filter(seen, choice.parameters, seed, drive.ticks[0].truth, TOLD, setup=setup)
@@ -134,7 +134,7 @@ def error(choice: Choice, drive: Drive, seed: int) -> float:
 
 
 def measure() -> Result:
-    """Tracking with each choice undone; global starts without negative evidence."""
+    """Measure tracking with each choice undone, and global starts without negative evidence."""
     runs = each(track, SEEDS)
     more = {}
     for name in runs[0]:

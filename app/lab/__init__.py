@@ -1,1 +1,1 @@
-"""Evaluation, fits, sweeps, trajectories, laser bags: the live program never imports it."""
+"""Evaluation, fits, sweeps, trajectories and laser bags; the live program never imports them."""

@@ -1,4 +1,4 @@
-"""The command line of ``brickpose evaluate``; what takes long to load is loaded when it is used."""
+"""The command line of ``brickpose evaluate``; slow imports are delayed until they are used."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from app.settings.conditions import condition_names
 from robot.settings import SettingError
 
 SIMULATED = ("map", "first_seed", "config", "workers", "cluster", "seeds", "world")
-"""Options that go with a simulation; there is more for the experiment and for the models."""
+"""Options valid with a simulation; the experiment and the models have more."""
 RECORDED = ("recording", "truth", "body", "clock_offset")
-"""Options that go with a recording."""
+"""Options valid with a recording."""
 VALID = {
     ("experiment", False): (*SIMULATED, "laps", "offset"),
     ("models", False): (*SIMULATED, "repeats"),
     ("experiment", True): RECORDED,
     ("models", True): (*RECORDED, "config"),
 }
-"""By what is evaluated and whether it is recorded; ``out`` goes with all."""
+"""Valid options by what is evaluated and whether it is recorded; ``out`` is always valid."""
 INTEGRITY = (
     "map", "condition", "start", "first_seed", "seeds", "laps", "config", "workers", "cluster",
 )  # fmt: skip
-"""Options of integrity; ``out`` goes with it, too."""
+"""Options valid with integrity; ``out`` is valid, too."""
 KINDS = {
     "experiment": "The paper's experiment: what is done if none of these is named.",
     "models": "Statistics of the models: of the motion and sensor models of one robot, or of "
@@ -32,11 +32,11 @@ KINDS = {
     "integrity": "Is it right when it says so: robots x fields x conditions x starts, what was "
     "claimed and what was true at each picture, Stanford diagrams and causes.",
 }
-"""What can be evaluated."""
+"""What can be evaluated, with its description."""
 
 
 def add_evaluate(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command ``evaluate``."""
     command = commands.add_parser(
         "evaluate",
         help="the paper's experiment, statistics of the models, or integrity",
@@ -78,7 +78,7 @@ def _add_out(command: argparse.ArgumentParser) -> None:
 
 
 def _add_integrity(command: argparse.ArgumentParser) -> None:
-    """Robots x fields x conditions x starts."""
+    """Add the options of integrity: robots x fields x conditions x starts."""
     several: dict[str, Any] = {"nargs": "+", "action": "extend"}
     command.add_argument(
         "--map",
@@ -113,7 +113,7 @@ def _add_integrity(command: argparse.ArgumentParser) -> None:
 
 
 def add_workers(command: argparse.ArgumentParser) -> None:
-    """Who does the work."""
+    """Add the options that say which processes do the work."""
     command.add_argument(
         "--workers",
         type=int,
@@ -130,10 +130,10 @@ def add_workers(command: argparse.ArgumentParser) -> None:
 
 
 def check_options(given: dict[str, Any]) -> None:
-    """Refuse options without effect.
+    """Refuse options that have no effect.
 
     Raises:
-        SettingError: names one, and what goes with what is evaluated.
+        SettingError: an option has no effect; names it and the valid ones.
     """
     if ("recording" in given) != ("truth" in given):
         raise SettingError("--recording and --truth are given together")
@@ -191,7 +191,7 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
 
 
 def _add_recording(command: argparse.ArgumentParser) -> None:
-    """A recording instead of a simulation."""
+    """Add the options of a recording, which replaces the simulation."""
     recording = command.add_argument_group("a recording instead of a simulation")
     recording.add_argument(
         "--recording",
@@ -229,10 +229,10 @@ def _evaluate(parsed: argparse.Namespace) -> int:
 
 
 def _own_options(given: dict[str, Any]) -> dict[str, Any]:
-    """Options of integrity; refuse what stands before it and belongs to the experiment.
+    """Return the options of integrity; refuse options of the experiment given before its name.
 
     Raises:
-        SettingError: names one, and what goes with integrity.
+        SettingError: an option does not go with integrity; names it and the valid ones.
     """
     for name in given:
         if name not in (*INTEGRITY, "out", "what", "command"):

@@ -1,4 +1,4 @@
-"""A recording through the filter as fast as it goes, without anybody watching."""
+"""Replay a recording through the filter as fast as possible, without a viewer."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from robot.geometry import Array, Pose2
 
 @dataclass(frozen=True)
 class Replayed:
-    """Where the robot was, by the clock of the recording [s]."""
+    """Poses of the robot at the ticks of a recording, on the recording's clock."""
 
     stamps: Array
-    """(n,) of all ticks."""
+    """(n,) of all ticks [s]."""
     estimated: Array
-    """(n, 3) by the filter of now [m, m, rad]; nan before the first estimate."""
+    """(n, 3) by the filter that runs now [m, m, rad]; nan before the first estimate."""
     then: Array
-    """(n, 3) by the filter of then; nan where it is not told."""
+    """(n, 3) by the filter that ran during the recording; nan where the recording has none."""
     truth: Array
     """(n, 3) nan where it is not known."""
     odometry: Array
-    """(n, 3) by the wheels alone, from where they began."""
+    """(n, 3) by the wheels alone, in the map, from where the robot began."""
 
     def trajectories(self) -> dict[str, Trajectory]:
-        """Those that have two poses and more, by name."""
+        """Return the trajectories with at least two poses, by name."""
         result = {}
         for name in ("estimated", "then", "truth", "odometry"):
             poses = getattr(self, name)
@@ -50,8 +50,8 @@ def replay(
 
     Args:
         path: of the recording.
-        options: what shall be otherwise than then.
-        given: called now and then with the share that is done.
+        options: what differs from the recorded run.
+        given: called every 500 ticks with the share that is done.
 
     Raises:
         RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
@@ -75,7 +75,7 @@ def replay(
 
 
 def write(replayed: Replayed, folder: Path, note: str) -> list[Path]:
-    """Write ``estimated.tum``, ``then.tum``, ``truth.tum`` and ``odometry.tum``, as far as known.
+    """Write ``estimated.tum``, ``then.tum``, ``truth.tum`` and ``odometry.tum``, if known.
 
     Raises:
         SettingError, OSError: the folder cannot be written to.

@@ -1,7 +1,7 @@
-"""Who does the work: processes of this machine, or of a cluster.
+"""Workers that do jobs: processes of this machine, or of a cluster.
 
-Jobs are independent and bring their own seeds, so who does which in what order changes nothing. A
-job whose worker was killed is done again by another, and only that one.
+Jobs are independent and bring their own seeds, so neither the worker nor the order changes a
+result. If a worker is killed, another worker repeats its job, and only that job.
 """
 
 from __future__ import annotations
@@ -28,47 +28,47 @@ S = TypeVar("S")
 T = TypeVar("T")
 
 PATIENCE = 10
-"""So long a cluster may take to answer [s]."""
+"""Time that a cluster has to answer [s]."""
 ATTEMPTS = 3
-"""A job that ends its worker so often is given up: it is the job that does it."""
+"""A job that ends its worker this many times is given up: the job itself is the cause."""
 
 
 class WorkerError(RuntimeError):
-    """Work cannot be done where it was asked to be done, or a job ended its worker."""
+    """The requested workers cannot do the work, or a job ended its worker."""
 
 
 class Workers(Protocol):
-    """Some processes that do jobs."""
+    """Processes that do jobs."""
 
     @property
     def count(self) -> int:
-        """How many jobs are done at a time."""
+        """Number of jobs done at a time."""
         ...
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
     ) -> Iterator[tuple[int, T | Exception]]:
-        """Do all jobs; each one's place and result, or error, as soon as it is done.
+        """Do all jobs; yield the index and the result or error of each as soon as it is done.
 
         Args:
-            work: a function of a module, as it is looked up by name in another process.
-            jobs: what to call it with.
+            work: a module-level function, as another process looks it up by name.
+            jobs: the arguments of its calls.
         """
         ...
 
     def close(self) -> None:
-        """End what was started for it; may be called twice."""
+        """End what was started for the work; may be called twice."""
         ...
 
 
 class LocalWorkers:
-    """Processes of this machine, one job each at a time."""
+    """Processes of this machine, each with one job at a time."""
 
     def __init__(self, count: int | None = None) -> None:
-        """So many, or one for each core that this program may use.
+        """Use ``count`` processes, or one for each core that this program may use.
 
         Raises:
-            SettingError: fewer than one was asked for.
+            SettingError: the count is less than one.
         """
         self._count = count if count is not None else _cores()
         if self.count < 1:
@@ -77,13 +77,13 @@ class LocalWorkers:
 
     @property
     def count(self) -> int:
-        """How many jobs are done at a time."""
+        """Number of jobs done at a time."""
         return self._count
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
     ) -> Iterator[tuple[int, T | Exception]]:
-        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        """Do all jobs; yield the index and the result or error of each as soon as it is done."""
         left = deque((place, 1) for place in range(len(jobs)))
         while len(self._crews) < min(self.count, len(jobs)):
             self._crews.append(_Crew())
@@ -108,7 +108,7 @@ class LocalWorkers:
                 idle.append(crew)
 
     def close(self) -> None:
-        """End the processes, whatever they do; may be called twice."""
+        """End the processes at once, even while they work; may be called twice."""
         crews, self._crews = self._crews, []
         for crew in crews:
             crew.end()
@@ -123,12 +123,12 @@ class ClusterWorkers:
     """Workers of a Dask cluster, on any machines that have this program."""
 
     def __init__(self, address: str) -> None:
-        """Connect to a scheduler, as ``tcp://host:8786``.
+        """Connect to a scheduler, such as ``tcp://host:8786``.
 
         Raises:
-            SettingError: the address is none.
-            WorkerError: dask.distributed is not installed, nobody answers there, no worker is
-                there, or one has another version of this program.
+            SettingError: the address is invalid.
+            WorkerError: dask.distributed is not installed, no scheduler answers, it has no worker,
+                or a worker has another version of this program.
         """
         try:
             from distributed import Client  # noqa: PLC0415 - an extra
@@ -146,13 +146,13 @@ class ClusterWorkers:
 
     @property
     def count(self) -> int:
-        """How many jobs are done at a time, now."""
+        """Number of jobs done at a time, at present."""
         return max(int(sum(self._client.ncores().values())), 1)
 
     def each(
         self, work: Callable[[S], T], jobs: Sequence[S]
     ) -> Iterator[tuple[int, T | Exception]]:
-        """Do all jobs; each one's place and result, or error, as soon as it is done."""
+        """Do all jobs; yield the index and the result or error of each as soon as it is done."""
         from distributed import as_completed  # noqa: PLC0415
 
         left = deque(enumerate(jobs))
@@ -165,8 +165,8 @@ class ClusterWorkers:
             places[future] = place
             done_ones.add(future)
 
-        # No more at a time than are worked on, and a result is fetched before the next job is
-        # handed out: so a worker that is killed has no results of others in its memory.
+        # Submit no more jobs than can run at a time, and fetch each result before submitting the
+        # next job: then a worker that is killed holds no results of other jobs in its memory.
         while left and len(places) < self.count:
             submit_next()
         while places:
@@ -184,7 +184,7 @@ class ClusterWorkers:
         self._client.close()
 
     def _check_versions(self) -> None:
-        """Results of another program than ours would pass for ours."""
+        """Refuse workers with another program: their results would be taken for ours."""
         ours = versions()
         try:
             result = self._client.run(versions)
@@ -202,28 +202,28 @@ class ClusterWorkers:
 
 
 def workers(count: int | None, cluster: str | None) -> Workers:
-    """Those of a cluster, or so many of this machine.
+    """Return the workers of a cluster, or ``count`` workers of this machine.
 
     Raises:
-        SettingError: they cannot be meant.
-        WorkerError: they cannot be had.
+        SettingError: the count or the address is invalid.
+        WorkerError: the cluster cannot be used.
     """
     return LocalWorkers(count) if cluster is None else ClusterWorkers(cluster)
 
 
 def _cores() -> int:
-    """That this program may use."""
+    """Return the number of cores that this program may use."""
     if hasattr(os, "sched_getaffinity"):  # not on every system
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def _knock(address: str) -> None:
-    """Find out whether anybody listens, which a client would try for long.
+    """Check that a scheduler listens; a client would keep trying for a long time.
 
     Raises:
-        SettingError: the address is none.
-        WorkerError: nobody listens.
+        SettingError: the address is invalid.
+        WorkerError: nobody listens there.
     """
     parts = re.fullmatch(r"(?:(?:tcp|tls)://)?(\[[^]]+\]|[^:/\s]+):(\d{1,5})", address)
     if parts is None or not 0 < int(parts[2]) < 65536:
@@ -235,7 +235,7 @@ def _knock(address: str) -> None:
 
 
 class _Crew:
-    """A pool of one process: when it is killed, no other's job is lost."""
+    """A pool of one process, so that killing it loses no other process's job."""
 
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
@@ -246,7 +246,7 @@ class _Crew:
         return self._pool.submit(work, job)
 
     def end(self) -> None:
-        """At once, whatever it does."""
+        """End the process at once, even while it works."""
         if self._pid.done() and self._pid.exception() is None:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(self._pid.result(), signal.SIGTERM)
@@ -254,7 +254,7 @@ class _Crew:
 
 
 def _begin() -> None:
-    """In a new process: it ends when the one that started it does, and uses one core."""
+    """Set up a new process: it uses one core and ends when its parent process ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     cv2.setNumThreads(1)

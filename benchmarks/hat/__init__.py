@@ -1,1 +1,1 @@
-"""Measurements of the robot in bricks, on the emulated Build HAT."""
+"""Benchmarks of the LEGO robot, on the emulated Build HAT."""

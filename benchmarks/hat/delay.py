@@ -1,7 +1,7 @@
-"""How old is a wheel's position when the filter gets it, and how well is that age known?
+"""Benchmark of the age of a wheel's position when the filter gets it, and of the stamp's error.
 
-On the emulated board's clock, with the motors' own sampling, the board's reports and the wire at
-115200 baud in between; the program reads fifty times a second.
+It uses the emulated board's clock. In between are the motors' own sampling, the board's reports and
+the wire at 115200 baud. The program reads fifty times per second.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from sim.hat.bricks import Bricks
 READ_MS = 20
 SECONDS = 4.0
 SPEED = 500.0
-"""[degree/s]: a degree, which is what the motors count in, is 2 ms."""
+"""[degree/s]: one degree, the step of the motors' encoders, takes 2 ms."""
 
 
 def measure() -> Result:
-    """Ages at the moment of reading, over phases of motors and program."""
+    """Measure ages at the moment of reading, over phases of the motors and the program."""
     found = [ages(motor, program) for motor in range(0, 10, 3) for program in range(1, 20, 4)]
     true, error = (np.concatenate([one[:, column] for one in found]) for column in (0, 1))
     return Result(
@@ -36,7 +36,7 @@ def measure() -> Result:
 
 
 def ages(motor_ms: int, program_ms: int) -> Array:
-    """(n, 2): true age [s] of the positions that were read, and how far the told stamp is off.
+    """Return (n, 2): the true age of the positions that were read, and the stamp's error [s].
 
     The clocks of the motors drift, so within a few seconds all phases occur.
     """
@@ -54,7 +54,7 @@ def ages(motor_ms: int, program_ms: int) -> Array:
         rows = np.concatenate(history[-10:])
         for place, direction in enumerate((-1, 1)):
             angle = direction * math.degrees(state.positions[place] - zero[place]) + turned[place]
-            # The shaft turns one way, so each angle has its moment.
+            # The shaft turns in one direction, so each angle belongs to one moment.
             path = direction * rows[:, 3 + place]
             moment = float(np.interp(direction * angle, path, rows[:, 0]))
             found.append((bricks.now - moment, state.stamp - moment))

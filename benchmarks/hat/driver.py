@@ -1,7 +1,7 @@
-"""What the driver costs: processor and serial line, with two motors, on an emulated board.
+"""Benchmark of the driver's processor time and serial traffic, with two motors, on the emulator.
 
-The processor's share is that of the driver's thread in the whole program, which drives the
-figure-eight; alone in a process, with the processor asleep in between, the same work takes more.
+The share of the processor is that of the driver's thread in the whole program, which drives the
+figure-eight. Alone in a process, where the processor sleeps in between, the same work takes longer.
 """
 
 from __future__ import annotations
@@ -27,33 +27,33 @@ from robot.hat.start.bring_up import BringUp
 SECONDS = 20.0
 PERIOD = 0.02
 BAUD_BYTES = 11520
-"""Bytes a second at 115200 baud."""
+"""Bytes per second at 115200 baud."""
 
 START_S = 30.0
 WARM_S = 5.0
 
 
 class Counted(Board):
-    """A board that counts what goes over the wire."""
+    """A board that counts the bytes on the serial line."""
 
     sent = received = 0
 
     def receive(self, data: bytes, now: float) -> bytes:
-        """Bytes came."""
+        """Count received bytes, and those of the answer."""
         self.received += len(data)
         answer = super().receive(data, now)
         self.sent += len(answer)
         return answer
 
     def tick(self, now: float) -> bytes:
-        """A hundredth of a second passed."""
+        """Count the bytes sent in one tick."""
         found = super().tick(now)
         self.sent += len(found)
         return found
 
 
 def measure() -> Result:
-    """Share of one core that the driver's thread takes, and what goes over the wire."""
+    """Measure the share of a core of the driver's thread, and the traffic on the serial line."""
     share = _in_the_program()
     board = Counted(RobotSpec.load().joints, BuildHatSettings(), BringUp())
     with (
@@ -90,7 +90,7 @@ def measure() -> Result:
 
 
 def _in_the_program() -> float:
-    """Share of a core [%] of the thread while the robot drives the figure-eight."""
+    """Return the thread's share of a core [%] while the robot drives the figure-eight."""
     with (
         tempfile.TemporaryDirectory() as folder,
         robot_in_bricks(Path(folder), 0) as (_, program),
@@ -124,7 +124,7 @@ def _wait(board: Board) -> None:
 
 
 def _drive(board: Board, seconds: float) -> None:
-    """Speeds that change all the time, as on a figure-eight, with the calls of the program."""
+    """Command speeds that always change, as on a figure-eight, with the calls of the program."""
     begin = now = time.monotonic()
     while now < begin + seconds:
         board.command(_speeds(now - begin), now)

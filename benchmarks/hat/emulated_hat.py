@@ -1,4 +1,4 @@
-"""``brickpose emulate-hat`` in a process of its own, for programs that open its serial port."""
+"""Run ``brickpose emulate-hat`` in its own process, for programs that open its serial port."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ class EmulatedHat:
     process: subprocess.Popen[str]
 
     def ask(self, line: str) -> str:
-        """The answer to a command.
+        """Send a command and return the answer.
 
         Raises:
-            ValueError: it answers with an error.
+            ValueError: the answer is an error.
         """
         (answer,) = self._answers(line)
         return answer
 
     def pose(self) -> tuple[float, list[float]]:
-        """Where the robot is: x, y [m], theta, and when that was [s].
+        """Return the stamp [s] and the robot's pose: x, y [m], theta.
 
-        The time goes as the clock on the wall does, from a zero of the board's; both are of one
-        turn of the emulator, however late it takes it.
+        The stamp runs like wall-clock time, from the board's own zero. Stamp and pose belong to the
+        same cycle of the emulator, even if it runs late.
         """
         state, truth = self._answers("state", "truth")
         now, *_, lost = state.split("; ")
@@ -44,7 +44,7 @@ class EmulatedHat:
         return stamp, [float(word) for word in truth.split()]
 
     def _answers(self, *lines: str) -> list[str]:
-        """To commands that are sent together."""
+        """Send commands together and return the answers."""
         with socket.socket(socket.AF_UNIX) as connection:
             connection.settimeout(ANSWER_S)
             connection.connect(str(self.control))
@@ -57,23 +57,23 @@ class EmulatedHat:
         return answers
 
     def motors(self) -> tuple[float, list[float]]:
-        """The board's time [s], and how fast the motors at its ports turn [degree/s]."""
+        """Return the board's time [s], and the speeds of the motors at its ports [degree/s]."""
         now, _, _, *ports, _ = self.ask("state").split("; ")
         plugged = [words for words in map(str.split, ports) if words[1] != "-"]
         return float(now.removeprefix("now ")), [abs(float(words[3])) for words in plugged]
 
     def cpu_seconds(self) -> float:
-        """Processor time that it has used [s], as Linux counts it."""
+        """Return the processor time that it has used [s], as Linux counts it."""
         fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextmanager
 def emulated_hat(folder: Path, *options: str) -> Iterator[EmulatedHat]:
-    """Start one with its names in a folder, and end it as a service is ended.
+    """Start an emulator with its device and socket in a folder; end it as a service is ended.
 
     Raises:
-        RuntimeError: it does not start, or does not end with 0.
+        RuntimeError: the emulator does not start, or does not end with 0.
     """
     device, control = folder / "hat", folder / "hands"
     names = ("--link", str(device), "--control", str(control))

@@ -1,4 +1,4 @@
-"""Raspberry Pi's own library, unmodified, on the emulated Build HAT: does all of it work?"""
+"""Check that Raspberry Pi's own library, unmodified, works on the emulated Build HAT."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from benchmarks.result import Result
 
 STARTS = 50
 OTHER_FIRMWARE = 1670596313
-"""A version of 2022."""
+"""A firmware version of 2022."""
 SESSION_TIMEOUT = 90.0
-"""[s]; the library waits 11 s after an upload of 5 s, and for ever when something is lost."""
+"""[s]; the library waits 11 s after an upload of 5 s, and forever if something is lost."""
 
 VALID: dict[str, tuple[float, float]] = {
     "hat.vin": (7.9, 8.1),
@@ -58,19 +58,20 @@ VALID: dict[str, tuple[float, float]] = {
     "pair.off.0": (-15, 15),
     "pair.off.1": (-15, 15),
 }
-"""What a session must find. Where a move ends is wide, for the library stops controlling 0.2 s
-after the set-point has arrived, and its default speed control takes a second to get under way."""
+"""Valid findings of a session. The limits for the end of a move are wide: the library stops
+controlling 0.2 s after the set-point has arrived, and its default speed control takes a second to
+start."""
 
 
 class SessionError(RuntimeError):
-    """The library did not do what it should."""
+    """The library did not work as it should."""
 
 
 def session(hat: EmulatedHat, *parts: str) -> dict[str, Any]:
-    """What a program with the library found, which opened the emulator's port and ended.
+    """Run a program with the library on the emulator's port, and return its findings.
 
     Raises:
-        SessionError: it hung or failed.
+        SessionError: the program hung or failed.
     """
     command = [sys.executable, "-m", "benchmarks.hat.official_session"]
     command += [str(hat.device), str(hat.control), *parts]
@@ -93,7 +94,7 @@ def session(hat: EmulatedHat, *parts: str) -> dict[str, Any]:
 
 
 def wrong(found: dict[str, Any]) -> list[str]:
-    """The findings of a session that are not as they should be."""
+    """Return a message for each invalid finding of a session."""
     return [
         f"{name} is {value:g}; valid is {VALID[name][0]:g} to {VALID[name][1]:g}"
         for name, value in _flat(found)
@@ -102,15 +103,15 @@ def wrong(found: dict[str, Any]) -> list[str]:
 
 
 def checked(found: dict[str, Any]) -> int:
-    """How many findings of a session are looked at."""
+    """Return how many findings of a session are checked."""
     return sum(name in VALID for name, _ in _flat(found))
 
 
 def measure() -> Result:
-    """Starts of 50 that work; every call; uploads; another firmware.
+    """Check every call, uploads and another firmware, and count how many of 50 starts work.
 
     Raises:
-        SessionError: a call did not do what it should.
+        SessionError: a call did not work as it should.
     """
     with tempfile.TemporaryDirectory() as folder:
         more = _calls(Path(folder)) | _uploads(Path(folder))
@@ -129,7 +130,7 @@ def _calls(folder: Path) -> dict[str, float]:
 
 
 def _uploads(folder: Path) -> dict[str, float]:
-    """From the bootloader, and from another firmware through the reset pin; then warm again."""
+    """Start from the bootloader, and from another firmware by the reset pin; then start again."""
     more = {}
     beginnings = {
         "bootloader": ("--bootloader",),
@@ -143,7 +144,7 @@ def _uploads(folder: Path) -> dict[str, float]:
 
 
 def _starts(folder: Path) -> tuple[int, float, float]:
-    """How many starts worked; the longest one's time [s]; the emulator's share of a core."""
+    """Return how many starts worked, the longest time [s], and the emulator's share of a core."""
     times = []
     with emulated_hat(folder, "--world", "free") as hat:
         begin, used = time.monotonic(), hat.cpu_seconds()
@@ -164,7 +165,7 @@ def _try_start(hat: EmulatedHat) -> Iterator[float]:
 
 
 def _flat(found: Any, path: str = "") -> Iterator[tuple[str, float]]:
-    """Numbers by their path."""
+    """Yield the numbers with their paths."""
     if isinstance(found, dict | list):
         pairs = found.items() if isinstance(found, dict) else enumerate(found)
         for name, value in pairs:

@@ -1,8 +1,8 @@
-"""A program that uses LEGO motors through Raspberry Pi's own library, as its users write them.
+"""A typical user program that uses LEGO motors through Raspberry Pi's own library.
 
-``python -m benchmarks.hat.official_session DEVICE CONTROL PART...`` prints one line of JSON: what
-each part found. The library is used as it is; only where it would reset the board by a pin of the
-Pi, that edge is seen on a mock of the pin and passed on to the emulator.
+``python -m benchmarks.hat.official_session DEVICE CONTROL PART...`` prints one line of JSON with
+the findings of each part. The library is not modified. It resets the board by a pin of the Pi; here
+this pin is a mock, and its edge is passed on to the emulator.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from buildhat import Hat, Motor, MotorPair  # type: ignore[import-untyped]
 
 RESET_PIN = 4
 SETTLE = 0.3
-"""Time in which a motor reaches a speed or stands [s]."""
+"""Time in which a motor reaches a speed or stops [s]."""
 
 Found = dict[str, Any]
 
@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def pass_on_reset(control: str) -> None:
-    """Wait for a low and a high level on the reset pin, and reset the emulator."""
+    """Wait for a low and then a high level on the reset pin, and reset the emulator."""
     factory = gpiozero.Device.pin_factory
     while factory is None:
         time.sleep(0.002)
@@ -53,14 +53,14 @@ def pass_on_reset(control: str) -> None:
 
 
 def hat_part(hat: Any) -> Found:
-    """What the board says of itself."""
+    """Read the devices and the supply voltage of the board."""
     hat.set_leds("green")
     hat.set_leds("voltage")
     return {"devices": hat.get(), "vin": hat.get_vin()}
 
 
 def position(motor: Any, do: Callable[[], None]) -> Found:
-    """How far [degree] and how long [s] a motor turns by what is done."""
+    """Return how far [degree] and how long [s] a motor turns during a call."""
     before, start = motor.get_position(), time.monotonic()
     do()
     seconds = time.monotonic() - start
@@ -69,7 +69,7 @@ def position(motor: Any, do: Callable[[], None]) -> Found:
 
 
 def get_part(hat: Any) -> Found:
-    """A motor's three numbers."""
+    """Read a motor's position, absolute position and speed."""
     motor = Motor("A")
     return {
         "position": motor.get_position(),
@@ -79,7 +79,7 @@ def get_part(hat: Any) -> Found:
 
 
 def seconds_part(hat: Any) -> Found:
-    """run_for_seconds, forth and back, and without waiting."""
+    """Test run_for_seconds: forth, back, and without waiting."""
     motor = Motor("A")
     found = {
         "forth": position(motor, lambda: motor.run_for_seconds(1, 50)),
@@ -88,13 +88,13 @@ def seconds_part(hat: Any) -> Found:
     start = time.monotonic()
     motor.run_for_seconds(0.5, 30, blocking=False)
     found["queued"] = {"seconds": time.monotonic() - start}
-    motor.stop()  # waits for what is queued
+    motor.stop()  # waits for queued calls
     found["done"] = {"seconds": time.monotonic() - start}
     return found
 
 
 def degrees_part(hat: Any) -> Found:
-    """run_for_degrees and run_for_rotations."""
+    """Test run_for_degrees and run_for_rotations."""
     motor = Motor("A")
     return {
         "forth": position(motor, lambda: motor.run_for_degrees(360, 20)),
@@ -104,7 +104,7 @@ def degrees_part(hat: Any) -> Found:
 
 
 def position_part(hat: Any) -> Found:
-    """run_to_position by each of the ways."""
+    """Test run_to_position in each direction."""
     motor = Motor("A")
     found = {}
     for degrees, direction in ((0, "shortest"), (120, "clockwise"), (-60, "anticlockwise")):
@@ -115,7 +115,7 @@ def position_part(hat: Any) -> Found:
 
 
 def callback_part(hat: Any) -> Found:
-    """when_rotated while a motor turns."""
+    """Test when_rotated while a motor turns."""
     motor, told = Motor("A"), []
 
     def rotated(speed: int, place: int, absolute: int) -> None:
@@ -135,7 +135,7 @@ def callback_part(hat: Any) -> Found:
 
 
 def free_speed(motor: Any) -> float:
-    """Degrees a second, over a part of a second."""
+    """Measure a motor's speed [degree/s] over half a second."""
     time.sleep(SETTLE)
     before, start = motor.get_position(), time.monotonic()
     time.sleep(0.5)
@@ -143,7 +143,7 @@ def free_speed(motor: Any) -> float:
 
 
 def pwm_part(hat: Any) -> Found:
-    """Pwm, with the limits of power, and both ways to stop."""
+    """Test pwm with power limits, and both ways to stop."""
     motor, found = Motor("A"), {}
     for limit in (0.3, 1.0):
         motor.plimit(limit)
@@ -160,7 +160,7 @@ def pwm_part(hat: Any) -> Found:
 
 
 def rpm_part(hat: Any) -> Found:
-    """Speeds in rotations a minute."""
+    """Test speeds in rotations per minute."""
     motor = Motor("A")
     motor.set_speed_unit_rpm(True)
     found = {"seconds": position(motor, lambda: motor.run_for_seconds(2, 60))}
@@ -173,7 +173,7 @@ def rpm_part(hat: Any) -> Found:
 
 
 def pair_part(hat: Any) -> Found:
-    """Both motors at once."""
+    """Test both motors at once."""
     pair = MotorPair("A", "B")
     motors = (pair._leftmotor, pair._rightmotor)
     before = [motor.get_position() for motor in motors]

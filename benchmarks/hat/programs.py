@@ -1,4 +1,4 @@
-"""``brickpose run --robot buildhat`` as a program, on an emulated board with a robot around it."""
+"""Run ``brickpose run --robot buildhat`` on an emulated board with a simulated robot."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from benchmarks.programs import Server, check_ended_well, server
 
 @contextmanager
 def robot_in_bricks(folder: Path, seed: int, *options: str) -> Iterator[tuple[EmulatedHat, Server]]:
-    """An emulated board with pybullet's wheels and a rendered camera, and the program on it.
+    """Start an emulated board with pybullet's wheels and a rendered camera, and the program.
 
     Raises:
-        RuntimeError: one of them does not start, or does not end with 0.
+        RuntimeError: one of the two does not start, or does not end with 0.
     """
     eyes = folder / "eyes.sock"
     world = ("--world", "sim", "--pictures", str(eyes), "--seed", str(seed))

@@ -1,7 +1,8 @@
-"""The paper's recovery through the serial line: emulated board, pseudo-terminal, program, browser.
+"""Benchmark of the paper's recovery over the serial line: emulator, pseudo-terminal and program.
 
-Two processes as on two computers: `brickpose emulate-hat` turns pybullet's wheels and shows the
-floor, `brickpose run --robot buildhat` drives it, and is told by a third where it is: wrongly.
+Two processes run as on two computers: `brickpose emulate-hat` turns pybullet's wheels and shows the
+floor, and `brickpose run --robot buildhat` drives it. This process, a third one, gives the program
+a wrong pose.
 """
 
 from __future__ import annotations
@@ -29,16 +30,16 @@ from robot.geometry import Array, Pose2, wrap_angle
 
 SEEDS = range(12)
 WRONG = Pose2(-0.1, -0.1, 0.3)
-"""How far the told pose is off, in the map's axes, as in the paper [m, m, rad]."""
+"""Error of the given pose, in the map's axes, as in the paper [m, m, rad]."""
 
 WATCHED_S = 12.0
 SETTLED_S = 2.0
-"""From so long after the wrong pose on the error counts [s]."""
+"""Time after the wrong pose before errors count [s]."""
 
 RENEW_S = 0.2
 
 POSES = ((1, 2, 3), (4, 5, 6))
-"""Columns of the estimate and of the odometry in what the program told."""
+"""Columns of the estimate and of the odometry in the recorded telemetry."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,15 @@ class Drive:
     """One robot's run."""
 
     seconds: float
-    """Until within 20 mm and 0.1 rad, held for a second; inf if never."""
+    """Time until the estimate is within 20 mm and 0.1 rad for a second [s]; inf if never."""
     error: float
     """Root mean square distance from the truth afterwards [m]."""
     odometry_error: float
-    """The same of dead reckoning alone, from where it was [m]."""
+    """The same for dead reckoning alone [m]."""
 
 
 def measure() -> Result:
-    """Twelve robots, one after the other."""
+    """Measure twelve robots, one after the other."""
     drives = [drive(seed) for seed in SEEDS]
     seconds = [one.seconds for one in drives]
     return Result(
@@ -72,7 +73,7 @@ def measure() -> Result:
 
 
 def drive(seed: int, watched: float = WATCHED_S) -> Drive:
-    """One robot on the square, told a wrong pose at the start of the figure-eight."""
+    """Drive one robot on the square; it gets a wrong pose at the start of the figure-eight."""
     with (
         tempfile.TemporaryDirectory() as folder,
         robot_in_bricks(Path(folder), seed) as (hat, server),
@@ -82,7 +83,10 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
 
 
 def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
-    """True poses (n, 4) by the emulator's clock; (m, 7) estimates and odometry by the robot's."""
+    """Return true poses (n, 4) by the emulator's clock, and estimates and odometry by the robot's.
+
+    The latter are (m, 7).
+    """
     truth: list[list[float]] = []
     told: list[list[float]] = []
     with server.live() as socket:
@@ -115,7 +119,7 @@ def _pose(told: dict[str, float]) -> list[float]:
 
 
 def _judged(truth: Array, told: Array) -> Drive:
-    """Compare by what both clocks show of the motion: the two programs have no clock in common."""
+    """Compare with the clock offset from both motions, as the programs have no common clock."""
     late = told[told[:, 0] > told[0, 0] + SETTLED_S]
     true = _planar(truth)
     offset = estimate_clock_offset(true, _planar(late)).seconds

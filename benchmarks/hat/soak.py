@@ -1,7 +1,7 @@
-"""Ten minutes of random trouble: does the robot stop each time, and come back by itself?
+"""Soak test: ten minutes of random faults; the robot must stop, and then recover by itself.
 
-The program drives on the emulated board while plugs are pulled, wheels blocked, supplies sag, the
-wire garbles, and the board falls silent or restarts.
+The program drives on the emulated board while motors are unplugged, wheels are blocked, the supply
+sags, bytes are garbled, and the board falls silent or restarts.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ DRIVE = {"type": "drive", "v": 0.1, "omega": 0.9}
 
 STOP_S = 0.5
 BACK_S = 45.0
-"""A restart with upload and motors that take their time is the longest way back [s]."""
+"""Longest time to recover [s]: a restart with an upload and slow motors takes longest."""
 
 TURNING = 100.0
-"""Both wheels are faster when it drives [degree/s]."""
+"""Both wheels are faster than this when the robot drives [degree/s]."""
 
 
 @dataclass(frozen=True)
 class Trouble:
-    """What can be done to a board, and undone."""
+    """A fault of a board, with the commands that begin and end it."""
 
     name: str
     begin: str
@@ -64,12 +64,12 @@ TROUBLES = (
 
 
 def measure() -> Result:
-    """Troubles survived, of those that came in ten minutes."""
+    """Count the faults that the program survives in ten minutes."""
     return soak(60 * MINUTES)
 
 
 def soak(seconds: float) -> Result:
-    """Random trouble for so long [s]."""
+    """Cause random faults for some time [s]."""
     with (
         tempfile.TemporaryDirectory() as folder,
         robot_in_bricks(Path(folder), SEED) as (hat, program),
@@ -121,7 +121,7 @@ def _trouble_it(
 
 
 def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Trouble) -> float:
-    """Until both wheels stand, while the program is asked to drive all the time [s]."""
+    """Return the time until both wheels stand, while the program is commanded to drive [s]."""
     while True:
         _drive(live)
         now, speeds = hat.motors()

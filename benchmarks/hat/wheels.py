@@ -1,7 +1,7 @@
-"""How soon does a wheel have the speed that was asked for: our loop beside the firmware's own two.
+"""Benchmark of a wheel's speed step: our control loop, and the two loops of the firmware.
 
-A step from 0 to 500 degrees/s of two free medium motors that are up to 10 % faster or slower than
-the driver expects, on the emulated board's clock; then a blocked wheel that is let go.
+The step is from 0 to 500 degrees/s, with two free medium motors that are up to 10 % faster or
+slower than the driver expects, on the emulated board's clock. Then a blocked wheel is released.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ FIRMWARE = {
     "firmware, speed mode": ("pid {0} 0 0 s1 1 0 0.003 0.01 0 100 0.01", 0.1),
     "firmware, angle gained": ("pid_diff {0} 0 5 s2 0.0027777778 1 0 2.5 0 .4 0.01", 1 / 360),
 }
-"""The two closed loops as the official library sets them up: command, and set-point by degree/s."""
+"""The firmware's two closed loops, as the official library sets them up: the command, and the
+set-point per degree/s."""
 
 
 @dataclass(frozen=True)
@@ -39,15 +40,15 @@ class Step:
     """One step of speed."""
 
     settled: float
-    """After this the speed stays within 5 % [s]; the time watched if it never does."""
+    """Time after which the speed stays within 5 % [s]; the whole time if it never does."""
     overshoot: float
-    """Share of the speed asked for."""
+    """As a share of the commanded speed."""
     apart: float
-    """Between the starts of left and right [s]."""
+    """Time between the starts of the left and the right wheel [s]."""
 
 
 def measure() -> Result:
-    """Time until the speed is right, of all three."""
+    """Measure the time until the speed is right, for all three loops."""
     ours = [our_step(gain, phase) for gain in GAINS for phase in PHASES_MS]
     theirs = {name: [firmware_step(name, gain) for gain in GAINS] for name in FIRMWARE}
     return Result(
@@ -73,7 +74,7 @@ def measure() -> Result:
 
 
 def our_step(gain: float, phase_ms: int) -> Step:
-    """The driver's loop, called at a phase of the board's ticks."""
+    """Do a step with the driver's loop, called at a phase of the board's ticks."""
     bricks = bricks_with(gain, phase_ms)
     bricks.until(bricks.ready)
     bricks.wanted = np.zeros(2)
@@ -83,16 +84,16 @@ def our_step(gain: float, phase_ms: int) -> Step:
 
 
 def firmware_step(name: str, gain: float) -> Step:
-    """One of the firmware's loops, set up as the official library does."""
+    """Do a step with one of the firmware's loops, set up as the official library does."""
     bricks = bricks_with(gain, 3)
     firmware_drives(bricks, name, SPEED)
     return judged(bricks.run(WATCHED_S))
 
 
 def firmware_drives(bricks: Bricks, name: str, speed: float) -> None:
-    """Leave the wheels to one of the firmware's loops, at a speed [degree/s]."""
+    """Give the wheels to one of the firmware's loops, at a speed [degree/s]."""
     bricks.until(bricks.ready)
-    bricks.alive = False  # the driver keeps out of it
+    bricks.alive = False  # the driver does nothing
     bricks.run(0.5)
     pid, unit = FIRMWARE[name]
     lines = [f"port {port};select 0;selrate 10;{pid.format(port)}" for port in (0, 1)]
@@ -102,7 +103,7 @@ def firmware_drives(bricks: Bricks, name: str, speed: float) -> None:
 
 
 def drift(phase_ms: int) -> float:
-    """How far a shaft still turns after it stood, in 2 s [degree]."""
+    """Return how far a shaft still turns within 2 s after it stopped [degree]."""
     bricks = bricks_with(1.0, phase_ms)
     bricks.until(bricks.ready)
     bricks.wanted = np.radians([SPEED, SPEED])
@@ -113,7 +114,7 @@ def drift(phase_ms: int) -> float:
 
 
 def freed(name: str | None = None) -> float:
-    """The highest speed of a wheel that is let go, with 100 degrees/s asked for [degree/s]."""
+    """Return the highest speed of a released wheel with 100 degrees/s commanded [degree/s]."""
     bricks = bricks_with(1.0, 3)
     if name is None:
         bricks.until(bricks.ready)
@@ -127,7 +128,7 @@ def freed(name: str | None = None) -> float:
 
 
 def bricks_with(gain: float, phase_ms: int) -> Bricks:
-    """Two motors that are faster than usual by a factor, with the same acceleration."""
+    """Return two motors whose speed and acceleration differ from the usual ones by a factor."""
     figures = MOTOR_FIGURES[MEDIUM]
     fast = replace(
         figures,
@@ -138,7 +139,7 @@ def bricks_with(gain: float, phase_ms: int) -> Bricks:
 
 
 def judged(rows: Array) -> Step:
-    """A step's figures from time and both speeds, a row a millisecond."""
+    """Return a step's figures from time and both speeds, with one row per millisecond."""
     speeds = np.abs(rows[:, 1:3])
     since = rows[:, 0] - rows[0, 0]
     window = np.ones(SMOOTH_MS) / SMOOTH_MS

@@ -1,1 +1,1 @@
-"""Robots with lasers."""
+"""Benchmarks with laser robots."""

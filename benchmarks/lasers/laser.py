@@ -1,9 +1,9 @@
-"""One update with a laser on a large map: 10,000 particles, 360 or 1080 beams, 4 million cells.
+"""Benchmark of a laser update on a large map: 10,000 particles, 360 or 1080 beams, 4 M cells.
 
-A robot is simulated in a building of 100 m x 100 m in cells of 5 cm. Ours is the filter of
-``brickpose localize`` with its own defaults but a fixed number of particles; beside it nav2_amcl's
-C++ core with nav2's own defaults, on the same scans, turn by turn. All times are those of the one
-thread that works.
+A robot is simulated in a building of 100 m x 100 m with cells of 5 cm. Ours is the filter of
+``brickpose localize`` with its defaults and a fixed number of particles. The peer is the C++ core
+of nav2_amcl with nav2's defaults. Both take turns on the same scans. All times are those of the one
+working thread.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from robot.localization.models.sensor_parameters import SensorParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 
 SIDE, CELL = 2048, 0.05
-"""Cells a side, and their side [m]."""
+"""Cells on each side of the map, and the side of a cell [m]."""
 PARTICLES = 10_000
 BEAMS = (360, 1080)
 SCANS, WARM = 60, 5
@@ -41,7 +41,7 @@ NAV2_SENSOR = SensorParameters(
 
 
 def building() -> OccupancyGrid:
-    """Rooms of 5 m with doors, and things in them, on 2048 x 2048 cells."""
+    """Return a map of 5 m rooms with doors and objects, on 2048 x 2048 cells."""
     rng = np.random.default_rng(0)
     cells = np.zeros((SIDE, SIDE), dtype=np.int8)
     room = 100
@@ -62,7 +62,7 @@ def building() -> OccupancyGrid:
 
 
 def measure() -> Result:
-    """Medians, and the time that the map takes."""
+    """Measure median times, and the time to prepare the map."""
     begun = time.thread_time()
     on = LaserMap.of(building(), "building")
     read = time.thread_time()
@@ -89,7 +89,7 @@ def measure() -> Result:
 
 
 def _times(on: LaserMap, sensor: SensorModel, laser: Laser) -> dict[str, float]:
-    """Median times [ms] of an update, by who does it."""
+    """Return the median times [ms] of an update by program, and their errors at the end [m]."""
     p = LASER.filter
     fixed = replace(p, min_particles=PARTICLES, max_particles=PARTICLES)
     ours = ParticleFilter(

@@ -1,4 +1,4 @@
-"""Writes bags of robots with a laser, of any kind that there is: for tests and benchmarks."""
+"""Write bags of laser robots, of any kind, for tests and benchmarks."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ SCAN, ODOMETRY, TRANSFORMS = (
 
 
 class LaserBag:
-    """A bag that is being written; a context manager."""
+    """A bag to write; a context manager."""
 
     def __init__(self, path: Path, kind: str) -> None:
-        """Begin a bag of a kind: a file for ros1, a folder else."""
+        """Begin a bag of a kind: a file for ros1, else a folder."""
         self.path = path
         self._ros1 = kind == "ros1"
         self.store = message_types(ros1=self._ros1)
@@ -46,11 +46,11 @@ class LaserBag:
         self._writer.close()
 
     def type(self, name: str) -> Any:
-        """A message type."""
+        """Return a message type by name."""
         return self.store.types[name]
 
     def header(self, stamp: float, frame: str) -> Any:
-        """With a stamp [s]."""
+        """Make a header with a stamp [s] and a frame."""
         seconds = math.floor(stamp)
         time = self.type("builtin_interfaces/msg/Time")(seconds, round((stamp - seconds) * 1e9))
         header = self.type("std_msgs/msg/Header")
@@ -76,7 +76,7 @@ class LaserBag:
         topic: str = "/scan",
         logged: float | None = None,
     ) -> None:
-        """A scan whose rays begin at an angle [rad] and go on by a step [rad]."""
+        """Write a scan; its rays begin at an angle [rad] and advance by a step [rad]."""
         values = np.asarray(ranges, dtype=np.float32)
         low, high = reach
         last = first + step * (len(values) - 1)
@@ -95,7 +95,7 @@ class LaserBag:
         topic: str = "/odom",
         logged: float | None = None,
     ) -> None:
-        """Where the robot is in the odom frame."""
+        """Write the robot's pose in the odom frame."""
         place = self.type("geometry_msgs/msg/Pose")(self._point(pose.x, pose.y), self._turn(pose))
         zero = self.type("geometry_msgs/msg/Vector3")(0.0, 0.0, 0.0)
         message = self.type(ODOMETRY)(
@@ -118,7 +118,7 @@ class LaserBag:
         rolled: bool = False,
         topic: str = "/tf",
     ) -> None:
-        """How two frames lie to each other; rolled is turned by half a turn about x besides."""
+        """Write the transform between two frames; ``rolled`` adds half a turn about x."""
         vector = self.type("geometry_msgs/msg/Vector3")(float(pose.x), float(pose.y), 0.2)
         turn = self._turn(pose)
         if rolled:  # (0, 0, s, c) times the half turn (1, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""A simulated robot with a laser that wanders through a ROS map: for tests and benchmarks."""
+"""A simulated laser robot that wanders through a ROS map, for tests and benchmarks."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ HZ = 10.0
 FASTEST, TURNING = 0.6, 1.2
 """[m/s], [rad/s]"""
 ROOM = 0.35
-"""The robot keeps so far from walls, if it can [m]."""
+"""Distance that the robot keeps from walls, if it can [m]."""
 
 
 @dataclass(frozen=True)
 class Laser:
-    """A laser and what is wrong with it, and with the wheels."""
+    """A laser, its errors, and the errors of the wheels."""
 
     beams: int = 360
     view: float = 2 * math.pi
@@ -32,21 +32,21 @@ class Laser:
     reach: float = 30.0
     """[m]"""
     sd: float = 0.02
-    """Of a range [m]."""
+    """Standard deviation of a range [m]."""
     missing: float = 0.02
     """Share of rays that return nothing."""
     short: float = 0.05
-    """Share of rays that end at something which is not on the map."""
+    """Share of rays that end at an object that is not on the map."""
     wheels: float = 0.1
-    """Odometry errs by this share of each step, and turns by it: a standard deviation."""
+    """Standard deviation of odometry's errors, as a share of each step's distance and turn."""
     drift: float = 0.02
-    """Besides, it always turns by so much too far for each metre [rad/m]."""
+    """Additional systematic turn of odometry per metre [rad/m]."""
     place: Pose2 = field(default=Pose2(0.1, 0.0, 0.0))
-    """On the robot."""
+    """Pose of the laser on the robot."""
 
     @property
     def step(self) -> float:
-        """From one ray to the next [rad]; round a whole turn the last is not the first again."""
+        """Angle between rays [rad]; on a full turn the last ray does not repeat the first."""
         whole = self.view > 2 * math.pi - 1e-6
         return self.view / (self.beams if whole else self.beams - 1)
 
@@ -57,18 +57,18 @@ class Laser:
 
 
 class Seen(NamedTuple):
-    """One moment."""
+    """Truth, odometry and ranges at one moment."""
 
     stamp: float
     truth: Pose2
-    """In the map's cells' frame."""
+    """The true pose in the frame of the map's cells."""
     odometry: Pose2
     ranges: Array
     """(beams,) [m]; +inf where nothing returned."""
 
 
 def wander(on: LaserMap, laser: Laser, seconds: float, seed: int, start: Pose2) -> Iterator[Seen]:
-    """Drive to where there is room, for a time [s], from a start in the cells' frame."""
+    """Drive where there is room, for a time [s], from a start in the frame of the cells."""
     rng = np.random.default_rng(seed)
     truth, odometry = start, Pose2()
     bearings, exact = laser.bearings, np.empty((1, laser.beams))
@@ -82,14 +82,14 @@ def wander(on: LaserMap, laser: Laser, seconds: float, seed: int, start: Pose2) 
 
 
 def measurements(seen: Iterator[Seen], laser: Laser) -> Iterator[Measurement]:
-    """What a filter is given of it."""
+    """Yield the measurements for a filter: odometry and scan."""
     for one in seen:
         yield Measurement(one.odometry, Scan(one.stamp, laser.bearings, one.ranges, laser.place))
 
 
 def _measured(exact: Array, laser: Laser, rng: np.random.Generator) -> Array:
     ranges = exact + rng.normal(0, laser.sd, len(exact))
-    # People and bags: neighbouring rays end at the same thing.
+    # People and bags: neighbouring rays end at the same object.
     hidden = np.repeat(rng.random(len(exact) // 10 + 1) < laser.short, 10)[: len(exact)]
     near = np.repeat(rng.random(len(exact) // 10 + 1), 10)[: len(exact)]
     ranges = np.where(hidden & np.isfinite(exact), ranges * near, ranges)
@@ -98,7 +98,7 @@ def _measured(exact: Array, laser: Laser, rng: np.random.Generator) -> Array:
 
 
 def _steered(ranges: Array, bearings: Array) -> Twist2:
-    """Toward the widest gap ahead; slower where there is little room."""
+    """Steer toward the widest gap ahead; drive slower if there is little room."""
     ahead = np.abs(bearings) < math.radians(100)
     seen, toward = np.minimum(ranges[ahead], 6.0), bearings[ahead]
     width = max(1, round(math.radians(30) / abs(bearings[1] - bearings[0])))
@@ -111,7 +111,7 @@ def _steered(ranges: Array, bearings: Array) -> Twist2:
 
 
 def _counted(twist: Twist2, laser: Laser, rng: np.random.Generator) -> Pose2:
-    """The step as the wheels tell it."""
+    """Return the step by odometry, with its errors."""
     wrong_v, wrong_omega = 1 + rng.normal(0, laser.wheels, 2)
     drift = laser.drift * abs(twist.v)
     return Twist2(twist.v * wrong_v, twist.omega * wrong_omega + drift).integrate(1 / HZ)

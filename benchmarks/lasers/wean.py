@@ -1,7 +1,7 @@
-"""The Wean Hall log: from anywhere on the free floor to where the robot really is, seed by seed.
+"""Benchmark of global localization on the Wean Hall log, with several seeds.
 
-The recording (CMU, 16-831) is not part of this repository. It is turned into a map of map_server
-and a bag, and ``brickpose localize`` is run on them as anybody would.
+The recording (CMU, 16-831) is not part of this repository. It is converted to a map of map_server
+and a bag, and ``brickpose localize`` runs on them as a user would run it.
 """
 
 from __future__ import annotations
@@ -28,25 +28,26 @@ from robot.settings import SettingError
 
 DATA = ROOT.parent / "shared" / "data" / "amcl_wean"
 REFERENCE_STAMP, REFERENCE = 131.882, Pose2(39.84, 41.07, 1.39)
-"""Measured by another's filter; the robot drives on for 0.36 m and then stands."""
+"""Measured by another program's filter; after it the robot drives on for 0.36 m and stops."""
 NEAR_M, NEAR_RAD = 0.2, 0.1
 TRACK = DATA / "reference_run1.csv"
-"""The whole way by the same other filter: seconds and centimetres."""
+"""The whole path by the same other filter: seconds and centimetres."""
 SETTLED, WRONG_M = 23.0, 1.5
-"""From then on that knows where it is [s]; a pose so far from it is wrong."""
+"""The reference knows its place from this stamp on [s]; a pose farther than this from it is wrong
+[m]."""
 BREAK = 1.0
-"""Wrong poses farther apart are not of one stretch [s]."""
+"""Wrong poses farther apart than this are not in one stretch [s]."""
 SEEDS = range(10)
 BEGAN = 1_000_000_000.0
-"""The log counts from 0, which in ROS means that there is no stamp [s]."""
+"""Added to the log's stamps [s]: they begin at 0, which in ROS means that there is no stamp."""
 FREE, OCCUPIED = 0.8, 0.35
-"""A cell of the file is free from the one probability on, and occupied up to the other."""
+"""A cell of the file is free from the first probability on, and occupied up to the second."""
 FARTHEST = 81.8
-"""Where nothing returns the log has 8183 cm."""
+"""Longest range [m]: a ray without a return has 8183 cm in the log."""
 
 
 def write_map(path: Path, data: Path = DATA) -> None:
-    """The map of the log: in the file 1 is free, -1 unknown, and rows go along x."""
+    """Write the map of the log: in its file 1 is free, -1 unknown, and rows go along x."""
     with gzip.open(data / "wean.dat.gz", "rt") as file:
         lines = iter(file)
         while not next(lines).startswith("global_map"):
@@ -59,7 +60,7 @@ def write_map(path: Path, data: Path = DATA) -> None:
 
 
 def write_bag(path: Path, kind: str = "mcap", data: Path = DATA, begin: float = 0.0) -> None:
-    """The log from a time on [s] as a bag: 180 beams from the right, the laser 0.25 m ahead."""
+    """Write the log from a time on [s] as a bag: 180 beams from the right, laser 0.25 m ahead."""
     with gzip.open(data / "robotdata1.log.gz", "rt") as file, LaserBag(path, kind) as bag:
         place = Pose2(0.25, 0.0, 0.0)
         bag.transform(BEGAN, "base_link", "laser", place, topic="/tf_static")
@@ -77,7 +78,7 @@ def write_bag(path: Path, kind: str = "mcap", data: Path = DATA, begin: float = 
 
 
 def localized(folder: Path, seed: int) -> tuple[dict[str, object], Array, Array]:
-    """What the command leaves of the map and bag in a folder: results, stamps and poses."""
+    """Run the command on the map and bag in a folder; return results, stamps and poses."""
     out = folder / f"seed_{seed}"
     arguments = ["localize", str(folder / "bag"), "--map", str(folder / "wean.yaml")]
     with redirect_stdout(io.StringIO()):
@@ -92,7 +93,7 @@ def localized(folder: Path, seed: int) -> tuple[dict[str, object], Array, Array]
 
 
 def wrong_poses(stamps: Array, poses: Array) -> tuple[int, int, float]:
-    """How many poses can be judged, how many of them are wrong, and the longest such time [s]."""
+    """Return how many poses can be judged, how many are wrong, and the longest wrong time [s]."""
     track = np.genfromtxt(TRACK, delimiter=",", comments="#")
     judged = stamps >= SETTLED
     stamps, poses = stamps[judged], poses[judged]
@@ -104,20 +105,20 @@ def wrong_poses(stamps: Array, poses: Array) -> tuple[int, int, float]:
 
 
 def error_at_reference(stamps: Array, poses: Array) -> tuple[float, float]:
-    """Distance [m] and angle [rad] from the reference, at its stamp."""
+    """Return distance [m] and angle [rad] from the reference, at its stamp."""
     there = poses[int(np.argmin(np.abs(stamps - REFERENCE_STAMP)))]
     turn = abs(wrap_angle(float(there[2]) - REFERENCE.theta))
     return math.hypot(there[0] - REFERENCE.x, there[1] - REFERENCE.y), turn
 
 
 def require_data() -> None:
-    """Refuse to go on without the recording."""
+    """Refuse to run without the recording."""
     if not DATA.is_dir():
         raise SettingError(f"the Wean Hall log is not there: {DATA}")
 
 
 def measure(seeds: range = SEEDS) -> Result:
-    """Of ten seeds, how many end where the reference has the robot."""
+    """Measure how many of ten seeds are near the reference at its stamp."""
     require_data()
     near, far, turns, known, rates = 0, [], [], [], []
     judged, wrong, longest, withdrawn = 0, 0, 0.0, 0

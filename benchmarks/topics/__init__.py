@@ -1,1 +1,1 @@
-"""Recordings and ROS 2."""
+"""Benchmarks of recordings and ROS 2."""

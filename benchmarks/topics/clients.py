@@ -16,7 +16,7 @@ FOXGLOVE = Subprotocol("foxglove.sdk.v1")
 
 
 async def read_all(rosbridge: str, foxglove: str) -> None:
-    """Take what comes until this process is ended."""
+    """Receive messages until this process is ended."""
     async with (
         connect(f"ws://{rosbridge}/rosbridge", max_size=None, compression=None) as bridge,
         connect(f"ws://{foxglove}", max_size=None, subprotocols=[FOXGLOVE]) as fox,

@@ -1,4 +1,4 @@
-"""A peer by another vendor's DDS, eProsima's Fast DDS: reads and writes the bytes of any topic.
+"""A peer on another vendor's DDS, eProsima's Fast DDS; it reads and writes the bytes of any topic.
 
 Its source is tests/fastdds_peer; the library is Debian's package libfastrtps-dev.
 """
@@ -27,11 +27,11 @@ ANSWER_S = 20.0
 END_S = 5.0
 
 Event = list[str]
-"""The words of one line; peer.cpp says which there are."""
+"""The words of one line of output; peer.cpp lists the possible lines."""
 
 
 def missing() -> str | None:
-    """Why there can be no peer here; None if there can."""
+    """Return what is missing for a peer; None if nothing is."""
     if shutil.which("g++") is None:
         return "no C++ compiler (g++)"
     if not HEADER.exists():
@@ -40,16 +40,16 @@ def missing() -> str | None:
 
 
 def built() -> Path:
-    """The program, compiled when it is not there yet.
+    """Return the peer's program; compile it if it does not exist yet.
 
     Raises:
-        subprocess.CalledProcessError: it cannot be compiled.
+        subprocess.CalledProcessError: the program cannot be compiled.
     """
     text = b"".join(path.read_bytes() for path in sorted(SOURCES.iterdir()))
     made = Path(sys.prefix) / "peers" / f"fastdds_{hashlib.sha256(text).hexdigest()[:12]}"
     if not made.exists():
         made.parent.mkdir(exist_ok=True)
-        part = made.with_suffix(f".{os.getpid()}")  # others may be at it too
+        part = made.with_suffix(f".{os.getpid()}")  # other processes may compile it, too
         source = str(SOURCES / "peer.cpp")
         libraries = ("-lfastrtps", "-lfastcdr")
         subprocess.run(
@@ -60,7 +60,7 @@ def built() -> Path:
 
 
 class Peer:
-    """One participant, in a process of its own; what it tells is kept, and can be waited for."""
+    """One participant, in a process of its own; its events are kept and can be waited for."""
 
     def __init__(self, domain: int) -> None:
         self.events: list[Event] = []
@@ -68,7 +68,7 @@ class Peer:
         self._process = subprocess.Popen(
             [str(built()), str(domain)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
-        # Read at all times: a full pipe would stop it.
+        # Always read its output: a full pipe would stop it.
         self._listening = threading.Thread(target=self._listen, name="peer")
         self._listening.start()
 
@@ -85,7 +85,7 @@ class Peer:
 
     @property
     def pid(self) -> int:
-        """Of its process."""
+        """The id of its process."""
         return self._process.pid
 
     def read(
@@ -97,14 +97,14 @@ class Peer:
         latched: bool = False,
         lengths: bool = False,
     ) -> None:
-        """Subscribe, to a name of DDS and a type of ROS 2; tells bytes, or only how many."""
+        """Subscribe to a DDS name with a ROS 2 type; events hold the bytes or only their number."""
         told = "lengths" if lengths else "bytes"
         self._say("read", topic, dds_type(type_name), *_quality(reliable, latched), told)
 
     def write(
         self, topic: str, type_name: str, *, reliable: bool = True, latched: bool = False
     ) -> None:
-        """Be ready to publish."""
+        """Create a writer for a topic."""
         self._say("write", topic, dds_type(type_name), *_quality(reliable, latched))
 
     def send(self, topic: str, data: bytes) -> None:
@@ -119,10 +119,10 @@ class Peer:
         after: int = 0,
         seconds: float = ANSWER_S,
     ) -> Event:
-        """The first event of a kind, about a topic or GUID, of which a condition holds.
+        """Wait for the first event of a kind, for a topic or GUID, that fulfils a condition.
 
         Raises:
-            TimeoutError: there is none in time; says what there was.
+            TimeoutError: there is no such event in time; lists the last events.
         """
         end = time.monotonic() + seconds
         seen = after
@@ -137,18 +137,18 @@ class Peer:
         raise TimeoutError(f"no {kind} {name} in {seconds:g} s; it told {last}")
 
     def data(self, topic: str, after: int = 0, seconds: float = ANSWER_S) -> bytes:
-        """The first message of a topic."""
+        """Wait for the first message of a topic and return its bytes."""
         return bytes.fromhex(self.wait("data", topic, after=after, seconds=seconds)[3])
 
     def read_live_topics(self) -> None:
-        """Subscribe to all that a robot tells; only how many bytes come is told."""
+        """Subscribe to all topics of a live robot; events have only the number of bytes."""
         for topic in TOPICS:
             if topic.live:
                 latched = topic.quality.latched
                 self.read(dds_topic(f"/{topic.name}"), topic.type, latched=latched, lengths=True)
 
     def close(self) -> None:
-        """End it."""
+        """End the process."""
         assert self._process.stdin is not None
         self._process.stdin.close()
         try:

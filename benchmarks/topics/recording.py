@@ -1,4 +1,4 @@
-"""What a recording costs: processor time, and room on the disk."""
+"""Benchmark of a recording: processor time and disk space."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ from sim.real_time import RealTime
 SECONDS = 6.0
 ROUNDS = 5
 WARM_UP_S = 8.0
-"""Compiled code is loaded, and the first large clouds are gone."""
+"""Time to load compiled code and to get past the first large clouds."""
 
 THREADS = ("topics", "recording")
 
 
 @dataclass(frozen=True, slots=True)
 class _Use:
-    """Of some seconds."""
+    """Processor time over some seconds."""
 
     process: float
-    """Processor time of the whole program [% of a core]."""
+    """Of the whole program [% of a core]."""
     threads: float
     """Of the threads that record [% of a core]."""
 
 
 def measure() -> Result:
-    """Pictures at 15 Hz, everything else as it comes, on the figure-eight in real time.
+    """Measure pictures at 15 Hz and all other topics, on the figure-eight in real time.
 
-    Seconds with and without a recording take turns, so that both meet the same machine. Of the
-    rounds the least counts: other work on the machine makes everything dearer, never cheaper.
+    Rounds with and without a recording alternate, so that both see the same machine load. The
+    smallest round counts: other work on the machine can only add time.
     """
     config = Config(robot="sim")
     with tempfile.TemporaryDirectory() as folder:
@@ -61,7 +61,7 @@ def measure() -> Result:
             for _ in range(ROUNDS):
                 without.append(_used(program))
                 recorder.start()
-                _drive(program, 1.0)  # what is written once is written
+                _drive(program, 1.0)  # the data that is written only once is now written
                 recording.append(_used(program))
                 recorder.close()
             publisher.close()
@@ -106,13 +106,16 @@ def _used(program: Program) -> _Use:
 
 
 def _threads_time() -> float:
-    """Processor time of the threads that record [s]."""
+    """Return the processor time of the threads that record [s]."""
     found = [one.ident for one in threading.enumerate() if one.name in THREADS]
     clocks = [time.pthread_getcpuclockid(ident) for ident in found if ident is not None]
     return sum(time.clock_gettime(clock) for clock in clocks)
 
 
 def _megabytes_a_minute(folder: Path) -> float:
-    """With what is in each recording once; a longer one has less of that."""
+    """Return the size per minute, including what each recording holds once.
+
+    A longer recording has a smaller share of that.
+    """
     sizes = [path.stat().st_size for path in folder.rglob("*.mcap")]
     return statistics.median(sizes) / 1e6 / (SECONDS + 1.0) * 60

@@ -1,4 +1,4 @@
-"""ROS 2 over DDS: what it costs, and how soon a foreign command is at the wheels.
+"""Benchmark of ROS 2 over DDS: its cost, and the delay from a foreign command to the wheels.
 
 The readers are participants of another vendor's DDS (benchmarks/topics/fastdds.py) on this machine.
 """
@@ -38,12 +38,12 @@ from sim.settings import SimSettings
 
 READERS = 3
 SECONDS = 10.0
-"""Of one measurement; steps are measured so long with and so long without, in turns."""
+"""Duration of one measurement; steps are measured with and without topics in turns."""
 
 TURNS = 3
 COMMANDS = 150
 SETTLE_S = 2.0
-"""After a start: types are read, discovery is over."""
+"""Time after a start: types are read, and discovery is over."""
 
 START_S = 30.0
 THREADS = ("topics", "dds")
@@ -52,10 +52,10 @@ CMD_VEL = dds_topic("/cmd_vel")
 
 
 def measure() -> Result:
-    """CPU of the DDS part, command to wheel, and the engine's steps with and without.
+    """Measure the CPU time of DDS, the delay from command to wheel, and steps with and without.
 
     Raises:
-        RuntimeError: there is no Fast DDS here.
+        RuntimeError: Fast DDS is not installed.
     """
     reason = missing()
     if reason is not None:
@@ -88,7 +88,7 @@ def measure() -> Result:
 
 
 class Running:
-    """A simulated robot at its own pace; topics go out while a route is open."""
+    """A simulated robot in real time; topics are published while a route is open."""
 
     def __init__(self) -> None:
         self.domain = 1 + os.getpid() % 200
@@ -105,7 +105,7 @@ class Running:
 
     @contextmanager
     def route(self) -> Iterator[DdsRoute]:
-        """The topics on DDS, once all is settled."""
+        """Publish the topics on DDS, and give the route once everything has settled."""
         source = TopicSource.of(self.program)
         publisher = TopicPublisher(source, self.program.engine.every)
         inbox = Inbox(self.program, source)
@@ -119,7 +119,7 @@ class Running:
                 yield route
 
     def steps_in_turns(self) -> tuple[list[float], list[float]]:
-        """Times of steps, simulation included, with and without the topics [s]."""
+        """Return the times of steps, with simulation, with and without the topics [s]."""
         with_route: list[float] = []
         without: list[float] = []
         for _ in range(TURNS):
@@ -135,7 +135,7 @@ class Running:
         return list(self._pace.busy)
 
     def cpu(self, route: DdsRoute) -> dict[str, float]:
-        """Processor time by part, as a share of one core."""
+        """Return the processor time by part, as a share of one core."""
         assert route.child is not None
         parts = {"DDS process": Path(f"/proc/{route.child.process.pid}")}
         for thread in threading.enumerate():
@@ -147,7 +147,7 @@ class Running:
         return {name: (_seconds(path) - before[name]) / lasted for name, path in parts.items()}
 
     def delays(self, peer: Peer) -> list[float]:
-        """From a foreign write to the end of the tick that has the wheels turn so [s]."""
+        """Return times from a foreign write to the end of the tick that commands the wheels [s]."""
         peer.write(CMD_VEL, TWIST_STAMPED)
         peer.wait("matched", CMD_VEL)
         rng = random.Random(0)
@@ -155,7 +155,7 @@ class Running:
         sent: dict[float, float] = {}
         with self.program.engine.every.subscribe(most=5000) as feed:
             for number in range(COMMANDS):
-                speed = 0.05 + number * 1e-4  # tells them apart
+                speed = 0.05 + number * 1e-4  # a different speed identifies each command
                 begun = len(peer.events)
                 peer.send(CMD_VEL, _twist(speed))
                 sent[speed] = int(peer.wait("sent", CMD_VEL, after=begun)[2]) / 1e9
@@ -164,7 +164,7 @@ class Running:
                 for command in snapshot.commands:
                     if isinstance(command, DriveCommand):
                         taken.setdefault(command.v, snapshot.published)
-        # A command may be overtaken by the next one, which then counts for both.
+        # A newer command may replace one before it is taken; then the newer one counts for both.
         return [
             min(at for speed, at in taken.items() if speed >= wanted) - then
             for wanted, then in sent.items()
@@ -183,13 +183,13 @@ def _running() -> Iterator[Running]:
 
 
 def _seconds(process: Path) -> float:
-    """Processor time of a process or thread so far [s]."""
+    """Return the processor time of a process or thread so far [s]."""
     fields = (process / "stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _twist(speed: float) -> bytes:
-    """A TwistStamped without a stamp, which is one of now."""
+    """Return a TwistStamped with stamp zero, which means now."""
     time_0 = new("builtin_interfaces/msg/Time", sec=0, nanosec=0)
     header = new("std_msgs/msg/Header", stamp=time_0, frame_id="")
     twist = new("geometry_msgs/msg/Twist", linear=vector(speed), angular=vector(0.0))

@@ -1,4 +1,4 @@
-"""The engine's steps with every route on and with none: DDS, rosbridge, Foxglove, a recording."""
+"""Benchmark of the engine's steps with all routes or none: DDS, rosbridge, Foxglove, recording."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ from sim.real_time import RealTime
 TURNS = 3
 SECONDS = 10.0
 SETTLE_S = 5.0
-"""After a start: compiled code is loaded, the first clouds are large, readers find each other."""
+"""Time after a start: compiled code is loaded, first clouds are large, readers find each other."""
 
 READERS = 3
 RENEW_S = 0.2
 
 
 def measure() -> Result:
-    """The 99th percentile of a step's time, simulation included, in turns.
+    """Measure the 99th percentile of step times, with all routes and with none in turns.
 
     Raises:
-        RuntimeError: there is no Fast DDS here.
+        RuntimeError: Fast DDS is not installed.
     """
     reason = missing()
     if reason is not None:
@@ -70,21 +70,21 @@ def measure() -> Result:
 
 @dataclass
 class Times:
-    """Of the ticks of one program [s]."""
+    """Times of ticks [s]."""
 
     steps: list[float] = field(default_factory=list)
-    """From the robot's answer until it is asked again: the engine's own work."""
+    """From the robot's reading until the next request: the engine's own work."""
     ticks: list[float] = field(default_factory=list)
     """With the simulation, which is the robot here."""
 
     def add(self, more: Times) -> None:
-        """Those of another turn."""
+        """Add the times of another turn."""
         self.steps += more.steps
         self.ticks += more.ticks
 
 
 class TimedRobot:
-    """A robot that notes how long it is not asked."""
+    """A robot that records the times between a reading and the next request."""
 
     def __init__(self, robot: Robot) -> None:
         self.name, self.spec = robot.name, robot.spec
@@ -93,18 +93,18 @@ class TimedRobot:
         self._answered = time.monotonic()
 
     def read(self) -> Reading:
-        """As the robot."""
+        """Return the robot's reading, and record the time since the last one."""
         self.between.append(time.monotonic() - self._answered)
         reading = self._robot.read()
         self._answered = time.monotonic()
         return reading
 
     def write(self, velocities: Array) -> Array:
-        """As the robot."""
+        """Pass the velocities on to the robot."""
         return self._robot.write(velocities)
 
     def close(self) -> None:
-        """As the robot."""
+        """Close the robot."""
         self._robot.close()
 
 
@@ -124,7 +124,7 @@ def _all_on(folder: Path) -> Config:
 
 
 def _times(config: Config, watched: bool) -> Times:
-    """Of a program on the figure-eight."""
+    """Measure the times of a program on the figure-eight."""
     pace = RealTime()
     rng = np.random.default_rng(0)
     spec, on = RobotSpec.load(), load_field(config.map, MAPS)

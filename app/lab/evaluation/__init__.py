@@ -1,1 +1,1 @@
-"""The paper's experiment: simulated or recorded drives, and how far each method is off."""
+"""The paper's experiment: the errors of each method on simulated or recorded drives."""

@@ -1,4 +1,4 @@
-"""What ``brickpose evaluate`` does with its arguments."""
+"""Carries out ``brickpose evaluate`` with its arguments."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from robot.settings import SettingError
 from sim.bullet import BulletMissingError, load_pybullet
 
 Given = dict[str, Any]
-"""The options that the command line names."""
+"""The options that the user gave on the command line."""
 
 OUT = Path("evaluation")
 
 
 def evaluate_command(given: Given) -> int:
-    """Make the experiment, or compare a recording."""
+    """Run the experiment, or compare a recording with the truth."""
     folder = given.get("out", OUT)
     if "recording" in given:
         files = given["recording"], given["truth"]
@@ -45,7 +45,7 @@ ATE = {"ate_rmse_m": "unaligned", "ate_aligned_rmse_m": "aligned"}
 
 
 def worlds_of(given: Given) -> tuple[str, ...]:
-    """Those of the command line, or what can be had here."""
+    """Return the worlds of the command line, or the default ones that this machine can simulate."""
     named = tuple(dict.fromkeys(given.get("world", ())))
     if named:
         return named
@@ -58,10 +58,10 @@ def worlds_of(given: Given) -> tuple[str, ...]:
 
 
 def crew_of(given: Given) -> Workers:
-    """Who does the work.
+    """Return the workers that the options ask for.
 
     Raises:
-        SettingError: both kinds were named.
+        SettingError: the options name both local workers and a cluster.
     """
     if "workers" in given and "cluster" in given:
         raise SettingError("--workers is for this machine; a cluster has as many as it has")
@@ -96,7 +96,7 @@ def _line(condition: dict[str, Any]) -> str:
 
 
 def _scale_line(similarity: dict[str, Any] | None, rigid: float) -> str | None:
-    """A hint where the estimate has a scale of its own, as one of a single camera has."""
+    """Return a hint if the scale of the estimate is free, as that of a single camera is."""
     if similarity is None or not similarity["is_free"]:
         return None
     return (

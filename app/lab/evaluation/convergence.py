@@ -1,4 +1,4 @@
-"""When does an estimate that began wrong become right, and does it stay so?"""
+"""Find when a wrong estimate becomes right, and whether it stays right."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from app.lab.trajectories.metrics import rms
 from robot.geometry import Array, wrap_angle
 
 RIGHT_XY, RIGHT_THETA = 0.02, 0.1
-"""An estimate so close to the truth is right [m], [rad]."""
+"""An estimate closer than this to the truth is right [m], [rad]."""
 PLACE_XY, PLACE_THETA = 0.05, math.radians(10)
-"""Farther than this from the truth it is another place [m], [rad]."""
+"""An estimate farther than this from the truth is at another place [m], [rad]."""
 HELD = 1.0
-"""For so long, to count [s]."""
+"""A condition counts only if it holds for this long [s]."""
 
 Mask = NDArray[np.bool_]
 
 
 def errors(run: Run, poses: Array) -> tuple[Array, Array]:
-    """Distances (n,) [m] and turns (n,) [rad] from the truth to poses (n, 3) of a run."""
+    """Return distances (n,) [m] and turns (n,) [rad] from the truth to poses (n, 3) of a run."""
     offset = poses - run.truth
     return np.linalg.norm(offset[:, :2], axis=1), wrap_angle(offset[:, 2])
 
 
 def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
-    """Time [s] after the first of stamps (n,) from which on the estimate is right for a second.
+    """Return the time [s] from the first stamp until the estimate becomes right for a second.
 
     Args:
         stamps: (n,) [s].
@@ -36,7 +36,7 @@ def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
         turns: from the truth (n,) [rad].
 
     Returns:
-        inf if it never is.
+        When that second begins; inf if the estimate is never right for a second.
     """
     right = (distances < RIGHT_XY) & (np.abs(turns) < RIGHT_THETA)
     first = first_held(stamps, right)
@@ -44,11 +44,14 @@ def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
 
 
 def first_held(stamps: Array, some: Mask) -> int | None:
-    """The first of n pictures from which on something holds for a second; None if it never does.
+    """Return the index of the first picture from which a condition holds for a second.
 
     Args:
         stamps: (n,) [s].
-        some: (n,) whether it holds.
+        some: (n,) whether the condition holds.
+
+    Returns:
+        None if the condition never holds for a second.
     """
     for first in np.flatnonzero(some & ~np.concatenate([[False], some[:-1]])):
         until = int(np.searchsorted(stamps, stamps[first] + HELD - 1e-9))
@@ -58,31 +61,34 @@ def first_held(stamps: Array, some: Mask) -> int | None:
 
 
 def in_place(distances: Array, turns: Array) -> Mask:
-    """Whether estimates (n,) are about the truth, by distance [m] and turn [rad]."""
+    """Whether estimates (n,) are at the true place, by distance [m] and turn [rad]."""
     near: Mask = (distances < PLACE_XY) & (np.abs(turns) < PLACE_THETA)
     return near
 
 
 def right_to_the_end(stamps: Array, right: Mask) -> bool:
-    """Whether it was once right for a second, and at each picture (n,) from then on."""
+    """Whether the estimate became right for a second and was right at all later pictures (n,)."""
     first = first_held(stamps, right)
     return first is not None and bool(right[first:].all())
 
 
 def lost_again(stamps: Array, right: Mask, certain: Mask) -> bool:
-    """Whether it was right and certain for a second, and wrong at a picture (n,) after that."""
+    """Whether it was right and certain for a second, and wrong at a later picture (n,)."""
     first = first_held(stamps, right & certain)
     return first is not None and not right[first:].all()
 
 
 def steady_error(run: Run) -> float:
-    """Root mean square of the distances [m] once it is settled; nan if it never is."""
+    """Return the root mean square distance [m] after settling; nan if it never settles."""
     late = settled(run)
     return rms(errors(run, run.estimate)[0][late]) if late.any() else math.nan
 
 
 def settled(run: Run) -> Array:
-    """Which pictures (n,) come a second or more after the estimate became right; none if never."""
+    """Return which pictures (n,) come a second or more after the estimate became right.
+
+    No picture does if the estimate never becomes right.
+    """
     seconds = time_to_converge(run.stamps, *errors(run, run.estimate))
     late: Array = run.stamps >= run.stamps[0] + seconds + HELD
     return late

@@ -1,4 +1,4 @@
-"""Drives of the simulated robot, recorded, so that many filters can be tried on the same ones."""
+"""Record drives of the simulated robot, so that many filters can follow the same drive."""
 
 from __future__ import annotations
 
@@ -29,51 +29,51 @@ from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
 
 NO_PICTURE = np.zeros((1, 1), np.uint8)
-"""In place of a picture that was searched already."""
+"""Replaces a picture that was already searched for tape."""
 
 
 class EvaluationError(ValueError):
-    """What was asked for cannot be evaluated; the message says why and what can."""
+    """The requested evaluation is impossible; the message says why and what is possible."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One reading of the robot, and what was seen in its picture; the picture is not kept."""
+    """One reading of the robot, and what was seen in its picture, but not the picture itself."""
 
     reading: Reading
     odometry: Pose2
     """In the odom frame."""
     line_scan: LineScan | None = None
-    """Of the picture that came with the reading."""
+    """The line scan of the reading's picture."""
     odometry_at_scan: Pose2 | None = None
     """In the odom frame, at the scan's stamp."""
 
     @property
     def stamp(self) -> float:
-        """Of the reading [s]."""
+        """The stamp of the reading [s]."""
         return self.reading.stamp
 
     @property
     def truth(self) -> Pose2:
-        """Where the robot was."""
+        """The true pose in the map."""
         assert self.reading.truth is not None  # a simulator knows it
         return self.reading.truth
 
     @property
     def scan(self) -> Scan | None:
-        """Of the picture that came with the reading."""
+        """The scan of the reading's picture; None without a picture."""
         return None if self.line_scan is None else self.line_scan.scan
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What a robot saw and where it was."""
+    """A recorded drive: what the robot saw and where it was."""
 
     field: Field
     ticks: list[Tick]
 
     def truth_at(self, stamp: float) -> Pose2:
-        """The true pose at a moment, between two readings."""
+        """Return the true pose at a stamp [s], interpolated between two readings."""
         after = min(bisect_right(self.ticks, stamp, key=lambda t: t.stamp), len(self.ticks) - 1)
         low, high = self.ticks[max(after - 1, 0)], self.ticks[after]
         part = (stamp - low.stamp) / max(high.stamp - low.stamp, 1e-9)
@@ -81,9 +81,9 @@ class Drive:
 
 
 def on_eight(rng: np.random.Generator, elapsed: float, eight: FigureEight | None = None) -> Pose2:
-    """Where a robot may be a time [s] after the start of a figure-eight.
+    """Draw a pose at which a robot may be some time [s] after the start of a figure-eight.
 
-    The path is turned at random about the field's centre, and the robot a little off it.
+    The path is turned at random about the origin, and the robot is a little off the path.
     """
     eight = eight or FigureEight()
     left = min(elapsed % eight.lap, eight.lap / 2)
@@ -102,21 +102,22 @@ def record(
     kidnap: tuple[float, Pose2] | None = None,
     scanner: LineScanner | None = None,
 ) -> Drive:
-    """Drive the figure-eight and keep readings and scans; the filter is paused meanwhile.
+    """Drive the figure-eight and keep readings and scans, with the filter paused.
 
     Args:
         config: robot, map, seed and figure-eight.
-        seconds: how long.
-        start: pose in the map; by default the field's.
+        seconds: how long to drive [s].
+        start: start pose in the map; by default that of the field.
         elapsed: time on the figure-eight at the start [s].
-        kidnap: when [s] and where to the robot is put, unseen by itself.
-        scanner: another than the program's.
+        kidnap: the stamp [s] at which the robot is carried off, and the pose where it is put; the
+            robot does not notice.
+        scanner: replaces the program's scanner.
     """
     field = load_field(config.map, MAPS)
     if start is not None:
         field = replace(field, start=start)
     config = replace(config, figure_eight=replace(config.figure_eight, phase=elapsed))
-    # Models are asked when the drive is followed; one that is broken would stop the robot.
+    # Models are used only when the drive is followed; here a broken one would stop the robot.
     config = replace(config, sensor_model="", motion_model="", models="")
     program = build_program(_for_lab(simulated(config)), field=field, scanner=scanner)
     engine, robot = _silent(program.engine), program.robot
@@ -136,17 +137,20 @@ def record(
 
 
 def simulated(config: Config) -> Config:
-    """The same with a simulated robot, where a real one is named."""
+    """Return the configuration with a simulated robot in place of a real one."""
     return replace(config, robot="auto") if config.robot == "buildhat" else config
 
 
 def _for_lab(config: Config) -> Config:
-    """Without a pose that was saved or set for another run."""
+    """Return the configuration without a start pose that was saved or set for another run."""
     return replace(config, start_pose=StartPoseSettings())
 
 
 def _silent(engine: Engine) -> Engine:
-    """An engine that keeps its problems to itself: a condition may be that pictures are missing."""
+    """Make an engine log its problems at debug level only.
+
+    In some conditions pictures are missing on purpose.
+    """
     engine.controls.problems = Problems(logging.DEBUG)
     return engine
 
@@ -160,7 +164,7 @@ def _tick(snapshot: Snapshot) -> Tick:
 
 
 class DrivenAgain:
-    """A robot whose readings are those of a drive; it obeys nobody."""
+    """A robot that replays the readings of a drive and ignores wheel commands."""
 
     def __init__(self, drive: Drive) -> None:
         self.name = "Recorded drive"
@@ -168,7 +172,7 @@ class DrivenAgain:
         self._readings = iter([tick.reading for tick in drive.ticks])
 
     def read(self) -> Reading:
-        """The next one.
+        """Return the next reading.
 
         Raises:
             RobotError: the drive is over.
@@ -179,15 +183,15 @@ class DrivenAgain:
             raise RobotError("the drive is over") from None
 
     def write(self, velocities: Array) -> Array:
-        """Nothing is done with them."""
+        """Return the velocities; they have no effect."""
         return velocities
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: the robot holds no resources."""
 
 
 class KnownScans(LineScanner):
-    """Has searched all pictures of a drive already."""
+    """A scanner that looks up the recorded line scans of a drive."""
 
     def __init__(self, drive: Drive, settings: LineScannerSettings) -> None:
         super().__init__(RobotSpec.load().floor_view, settings)
@@ -198,7 +202,7 @@ class KnownScans(LineScanner):
         }
 
     def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
-        """What was seen in a picture, by its stamp."""
+        """Return the recorded line scan with the picture's stamp."""
         return self._scans[frame.stamp]
 
 
@@ -210,19 +214,19 @@ def followed(
     believed: Field | None = None,
     entries: EntryField | None = None,
 ) -> Iterator[tuple[Tick, Pose2, Localization]]:
-    """Let the program follow a recorded drive: the same engine as serves.
+    """Let the program follow a recorded drive, with the engine that also runs live.
 
-    Yields each tick with a picture, the odometry at that picture, and scanner and filter after it.
+    Yields each tick with a picture, the odometry at that picture, and the localization after it.
 
     Args:
         drive: what the robot saw and where it was.
-        config: seed and localization, and models of the user's own.
-        begin: told once, before the first tick: where the filter starts.
-        believed: the field that the robot takes it for, if it is not the true one.
-        entries: that field's table of distances, if it is there already.
+        config: seed, localization and the user's own models.
+        begin: called once before the first tick; says where the filter starts.
+        believed: the field that the filter assumes; by default the true one.
+        entries: the distance table of that field, if it is already built.
 
     Raises:
-        EvaluationError: a model of the user's own is broken.
+        EvaluationError: one of the user's own models is broken.
     """
     program = build_program(
         _for_lab(config),

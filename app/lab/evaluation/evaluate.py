@@ -1,4 +1,4 @@
-"""``brickpose evaluate``: from the experiment to its folder of results."""
+"""``brickpose evaluate``: runs the experiment and writes its folder of results."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ WITHOUT, WITH = "known", "offset"
 
 
 def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str, Any]:
-    """Make the experiment and write ``results.json``, ``report.html``, ``figure3.svg``, ``runs/``.
+    """Run the experiment and write ``results.json``, ``report.html``, ``figure3.svg``, ``runs/``.
 
     Args:
         experiment: which robots drive, where and for how long.
-        workers: who does it.
-        folder: where the results go; made if it is not there.
+        workers: the processes that do the work.
+        folder: where the results go; created if it does not exist.
 
     Returns:
-        What is in ``results.json``; the same for the same seeds, whoever does the work.
+        The content of ``results.json``; the same for the same seeds, with any workers.
 
     Raises:
         EvaluationError: a drive cannot be made or followed.
@@ -58,7 +58,7 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
 def results_of(
     experiment: Experiment, conditions: dict[tuple[str, str], list[Run]]
 ) -> dict[str, Any]:
-    """What is in ``results.json``."""
+    """Return the content of ``results.json``."""
     tables = {key: condition_table(runs) for key, runs in conditions.items()}
     first = experiment.worlds[0]
     return {
@@ -90,7 +90,7 @@ def results_of(
 
 
 def _place(experiment: Experiment, world: str, given: str) -> str:
-    """Where under ``runs/`` a condition's robots are: those of the first one by seed alone."""
+    """Return a condition's folder under ``runs/``: for the first condition ``runs/`` itself."""
     if (world, given) == (experiment.worlds[0], WITHOUT):
         return "."
     return world if given == WITHOUT else f"{world}-offset"

@@ -1,7 +1,7 @@
-"""The paper's experiment: the open-loop figure-eight, with the pose known and with it told wrong.
+"""The paper's experiment: the open-loop figure-eight, with a known and with a wrong start pose.
 
-Each robot drives once in each world: what it is told of its pose does not change how it drives, so
-one recorded drive is followed twice.
+Each robot drives once in each world. The start pose that the filter is given does not change how
+the robot drives, so the filter follows one recorded drive twice.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from robot.geometry import Pose2
 from robot.settings import SettingError
 
 KNOWN = np.diag(np.square([0.01, 0.01, 0.03]))
-"""Covariance of the pose at the start where it is known [m², m², rad²]; told wrong, it comes with
-the configuration's ``initial_sd_xy`` and ``initial_sd_theta``, as from the dashboard."""
+"""Covariance of a known start pose [m², m², rad²]. A wrong start pose has the configuration's
+``initial_sd_xy`` and ``initial_sd_theta``, like a pose from the dashboard."""
 OFFSET = (-0.1, -0.1, 0.3)
-"""How far the told pose is off in the paper, in the map's axes [m, m, rad]."""
+"""Error of the wrong start pose in the paper, in the map's axes [m, m, rad]."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Experiment:
 
     @property
     def duration(self) -> float:
-        """Of a drive [s]."""
+        """Duration of a drive [s]."""
         return self.laps * self.config.figure_eight.lap
 
     @property
@@ -60,7 +60,7 @@ class Experiment:
         return range(self.first_seed, self.first_seed + self.seeds)
 
     def jobs(self) -> list[Job]:
-        """All drives, each robot's in one world after the other."""
+        """Return all drives: for each robot, one drive in each world."""
         return [
             Job(replace(in_world(self.config, world), seed=seed), world, self.duration, self.offset)
             for seed in self.all_seeds
@@ -70,7 +70,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Job:
-    """One drive, to be followed with the pose known and with it told wrong."""
+    """One drive, to be followed with a known and with a wrong start pose."""
 
     config: Config
     world: str
@@ -80,16 +80,16 @@ class Job:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one drive."""
+    """The two runs of one drive."""
 
     known: Run = field(repr=False)
-    """The pose was known at the start."""
+    """The run with a known start pose."""
     offset: Run = field(repr=False)
-    """It was told wrong."""
+    """The run with a wrong start pose."""
 
 
 def drive_and_follow(job: Job) -> Outcome:
-    """Do one job; the same job has the same outcome to the last digit."""
+    """Do one job; equal jobs have exactly equal outcomes."""
     drive = record(job.config, job.duration)
     return Outcome(
         follow(drive, job.config, drive.ticks[0].truth, KNOWN),
@@ -98,13 +98,16 @@ def drive_and_follow(job: Job) -> Outcome:
 
 
 def follow_from_offset(drive: Drive, config: Config, offset: Sequence[float]) -> Run:
-    """Follow a drive from a pose told wrong by an offset [m, m, rad] in the map's axes."""
+    """Follow a drive from a pose that is wrong by an offset [m, m, rad] in the map's axes."""
     start, (dx, dy, turn) = drive.ticks[0].truth, offset
     return follow(drive, config, Pose2(start.x + dx, start.y + dy, start.theta + turn))
 
 
 def run(experiment: Experiment, workers: Workers) -> dict[str, list[Outcome]]:
-    """Do all of it, and show how far it is; by world, in the order of the seeds.
+    """Do all drives and show the progress.
+
+    Returns:
+        Outcomes by world, in the order of the seeds.
 
     Raises:
         EvaluationError: a drive cannot be made or followed; names seed and world.

@@ -1,4 +1,4 @@
-"""A recorded trajectory against the true one, as from a motion capture system."""
+"""Compare a recorded trajectory with the true one, such as from a motion capture system."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ from app.settings.provenance import versions
 from robot.settings import SettingError
 
 TOLERANCE = 0.01
-"""Stamps of a pair differ by no more [s]."""
+"""Largest difference of the two stamps of a pair [s]."""
 SHOWS = 0.1
-"""A clock that is off by less than that is left as it is, unless to set it right makes the aligned
-error less by such a part."""
+"""A clock offset within TOLERANCE is corrected only if that reduces the aligned error by more than
+this part."""
 TEMPLATE = "recorded.html.jinja"
 STANDING, OTHER_UNITS = 1e-3, 20.0
-"""What spreads by less does not move [m]; what is so many times as large is in other units."""
+"""A trajectory that spreads by less than the first does not move [m]; one that is more than the
+second times as large as the other has other units."""
 RUN = "run:"
-"""How a comment of a trajectory's file begins that says of which run it is."""
+"""Start of the comment in a trajectory file that names its run."""
 
 
 @dataclass(frozen=True)
@@ -41,13 +42,13 @@ class Recording:
     """Two trajectories of one run."""
 
     truth: Trajectory
-    """Pairs with those of the estimate."""
+    """Its poses are paired with those of the estimate."""
     estimate: Trajectory
     """On the truth's clock."""
     clock: ClockOffset | None
-    """What was found of the clocks; None if it was not asked for."""
+    """The estimated clock offset; None if the offset was given."""
     added: float
-    """To the stamps of the estimate [s]."""
+    """Time added to the stamps of the estimate [s]."""
 
 
 def read_recording(
@@ -56,13 +57,13 @@ def read_recording(
     """Read and associate two trajectories.
 
     Args:
-        recording: what was estimated.
-        truth: what was true.
+        recording: file of the estimated trajectory.
+        truth: file of the true trajectory.
         body: which rigid body of a Motive file.
         clock_offset: what to add to the recording's stamps [s], or "auto".
 
     Raises:
-        TrajectoryError: a file cannot be read, or they are not of one run; names file and line.
+        TrajectoryError: a file cannot be read (names file and line), or the two are not of one run.
         SettingError: the clock offset is neither a number nor "auto".
     """
     if body is not None and not (_is_csv(truth) or _is_csv(recording)):
@@ -71,7 +72,7 @@ def read_recording(
     _check_notes(true, estimate)
     _check_sizes(true, estimate)
     if true.planar or estimate.planar:
-        # A marker's height and tilt are no errors of a robot that knows of none.
+        # A planar trajectory has no height and no tilt, so they do not count as errors.
         true, estimate = true.from_above(), estimate.from_above()
     asked, clock = clock_of(clock_offset), None
     if asked is None:
@@ -120,7 +121,7 @@ def evaluate_recording(
 
 
 def _read(path: Path, body: str | None) -> Trajectory:
-    """A body is named for a file of Motive; the other file may be of another kind."""
+    """Read a trajectory; only a CSV file has a body, and the other file may be of another kind."""
     return read_trajectory(path, body if _is_csv(path) else None)
 
 
@@ -129,10 +130,10 @@ def _is_csv(path: Path) -> bool:
 
 
 def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
-    """Refuse what does not move, and what must be in other units than metres.
+    """Refuse a trajectory that does not move, or that cannot be in metres.
 
     Raises:
-        TrajectoryError: names which.
+        TrajectoryError: names the trajectory.
     """
     sizes = []
     for item in (true, estimate):
@@ -149,10 +150,12 @@ def _check_sizes(true: Trajectory, estimate: Trajectory) -> None:
 
 
 def _check_notes(true: Trajectory, estimate: Trajectory) -> None:
-    """Two runs of the same drive move alike; where the files say of which run they are, it counts.
+    """Refuse files whose notes name different runs.
+
+    Two runs of the same drive move alike, so the motion alone cannot tell them apart.
 
     Raises:
-        TrajectoryError: they say that they are of different runs.
+        TrajectoryError: the notes name different runs.
     """
     run_of = [{n for n in item.notes if n.startswith(RUN)} for item in (true, estimate)]
     if all(run_of) and run_of[0].isdisjoint(run_of[1]):
@@ -185,7 +188,7 @@ def _results(pairs: Recording, recording: Path, truth: Path) -> dict[str, Any]:
 
 
 def _similarity(pairs: Recording) -> dict[str, Any] | None:
-    """How the estimate fits with a scale of its own; None if no rotation aligns it."""
+    """Return how the estimate fits with a free scale; None if it cannot be aligned."""
     try:
         fit = fit_scale(pairs.truth, pairs.estimate)
     except TrajectoryError:
@@ -194,7 +197,7 @@ def _similarity(pairs: Recording) -> dict[str, Any] | None:
 
 
 def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
-    """Whether a clock is to be set right: it is off by more than stamps may be, or it shows."""
+    """Whether to correct a clock: it exceeds the tolerance, or the correction reduces the error."""
     if abs(offset) > TOLERANCE:
         return True
     as_it_is, set_right = (
@@ -205,10 +208,10 @@ def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
 
 
 def clock_of(text: str) -> float | None:
-    """A number of seconds, or None for "auto".
+    """Parse a clock offset [s]; None for "auto".
 
     Raises:
-        SettingError: it is neither.
+        SettingError: the text is neither a number nor "auto".
     """
     if text == "auto":
         return None

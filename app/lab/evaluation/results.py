@@ -1,4 +1,4 @@
-"""What all runs say together, in the form of ``results.json``: metres, radians, seconds."""
+"""The results of all runs, in the form of ``results.json``: metres, radians, seconds."""
 
 from __future__ import annotations
 
@@ -25,25 +25,28 @@ from app.lab.trajectories.trajectory import Trajectory
 from robot.geometry import Array, wrap_angle
 
 METHODS = ("odometry", "amcl")
-"""Dead reckoning alone, and the localization as it is configured."""
+"""Dead reckoning alone, and the configured localization."""
 SETTLE = 1.0
-"""From so long after the start on, covariances are compared with errors [s]."""
+"""Covariances are compared with errors from this time after the start on [s]."""
 
 Table = dict[str, Any]
 
 
 def poses_of(run: Run, method: str) -> Array:
-    """Poses (n, 3) of a method or of the truth."""
+    """Return the poses (n, 3) of a method or of the truth."""
     return {"truth": run.truth, "odometry": run.odometry, "amcl": run.estimate}[method]
 
 
 def trajectory(run: Run, method: str) -> Trajectory:
-    """The same as a trajectory."""
+    """Return the poses of a method or of the truth as a trajectory."""
     return Trajectory.of_poses(run.stamps, poses_of(run, method), method)
 
 
 def spread(values: Sequence[float]) -> Table:
-    """Mean, median, largest, bootstrap interval of the mean, and each robot's; None of no value."""
+    """Return mean, median, maximum, bootstrap interval of the mean, and each robot's value.
+
+    A value that is not finite is None; so are the statistics if there is no finite value.
+    """
     each = [float(value) if math.isfinite(value) else None for value in values]
     result = [value for value in each if value is not None]
     if not result:
@@ -52,7 +55,7 @@ def spread(values: Sequence[float]) -> Table:
 
 
 def method_table(scores: Sequence[Score]) -> Table:
-    """One method in one condition."""
+    """Return the errors of one method in one condition."""
 
     def over(pick: Callable[[Score], float]) -> Table:
         return spread([pick(one) for one in scores])
@@ -75,7 +78,7 @@ def method_table(scores: Sequence[Score]) -> Table:
 
 
 def condition_table(runs: Sequence[Run]) -> Table:
-    """All robots in one world, with the pose told in one way."""
+    """Return the results of all robots in one world with one start."""
     truths = [trajectory(run, "truth") for run in runs]
     return {
         "methods": {
@@ -93,8 +96,10 @@ def condition_table(runs: Sequence[Run]) -> Table:
 
 
 def convergence_table(runs: Sequence[Run]) -> Table:
-    """When estimates became right (20 mm and 0.1 rad for a second), how good they then are, and
-    whether they stayed at that place (50 mm and 10 degrees).
+    """Return when estimates became right, their error after that, and whether they stayed right.
+
+    They become right within 20 mm and 0.1 rad of the truth for a second, and stay right within
+    50 mm and 10 degrees.
     """
     stayed, left = [], []
     for run in runs:
@@ -115,10 +120,13 @@ def convergence_table(runs: Sequence[Run]) -> Table:
 
 
 def nees_table(runs: Sequence[Run]) -> Table | None:
-    """Is the filter's covariance honest? Mean over the robots of e' P^-1 e, picture by picture.
+    """Compare the filter's covariance with its errors by the mean NEES, e' P^-1 e, of the robots.
 
-    Of an honest filter 95 % of these means lie within the bounds. None if a covariance is singular
-    or runs have other pictures than each other.
+    There is one mean for each picture. If the filter is consistent, 95 % of these means lie within
+    the bounds.
+
+    Returns:
+        None if a covariance is singular, or if the runs differ in their number of pictures.
     """
     try:
         each = [_nees(run) for run in runs]

@@ -1,4 +1,4 @@
-"""A drive as each method saw it: truth, odometry and estimate at every picture."""
+"""The poses of one drive at every picture: truth, odometry and estimate."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ class Run:
     """Dead reckoning from the true start."""
     estimate: Array
     covariance: Array
-    """Of the estimate (n, 3, 3) [m, m, rad], as the filter says."""
+    """The filter's covariance of the estimate (n, 3, 3) [m, m, rad]."""
     cpu: Array
-    """Time of a processor that the filter took (n,) [s]."""
+    """Processor time of the filter (n,) [s]."""
     certain: NDArray[np.bool_]
-    """Whether it claimed to be certain (n,)."""
+    """Whether the filter claimed to be certain (n,)."""
 
 
 def follow(drive: Drive, config: Config, pose2: Pose2, covariance: Array | None = None) -> Run:
@@ -37,12 +37,13 @@ def follow(drive: Drive, config: Config, pose2: Pose2, covariance: Array | None 
 
     Args:
         drive: what the robot saw and where it was.
-        config: seed and localization, and models of the user's own.
-        pose2: the pose at the start.
-        covariance: of the told pose (3, 3) [m, m, rad]; None is as a pose told without one.
+        config: seed, localization and the user's own models.
+        pose2: the pose that the filter is given at the start.
+        covariance: of that pose (3, 3) [m, m, rad]; None gives the pose without a covariance.
 
     Raises:
-        EvaluationError: a model of the user's own is broken, or nothing was ever estimated.
+        EvaluationError: one of the user's own models is broken, or there are fewer than three
+            estimates.
     """
 
     def begin(localization: Localization) -> None:

@@ -1,4 +1,4 @@
-"""How far a method was off in one run (Sturm et al. 2012)."""
+"""The errors of a method in one run (Sturm et al. 2012)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 DELTAS: tuple[tuple[float, Unit], ...] = (
     (0.1, "s"), (0.5, "s"), (1.0, "s"), (0.1, "m"), (0.5, "m"), (1.0, "m"),
 )  # fmt: skip
-"""Times and ways over which the motion is compared."""
+"""Times and path lengths over which motions are compared."""
 SHOWN = "1 s"
-"""Of these the one by which methods are compared in a table."""
+"""The one of these that tables use to compare methods."""
 
 
 @dataclass(frozen=True)
@@ -28,21 +28,21 @@ class Score:
     """Root mean squares over one run."""
 
     ate: float
-    """Position, as it is [m]."""
+    """Of the position, without alignment [m]."""
     ate_aligned: float
-    """After a rigid motion that makes it least [m]; nan if the robot never moved."""
+    """Of the position, after the best rigid alignment [m]; nan if the robot never moved."""
     heading: float
     """[rad]"""
     relative: dict[str, tuple[float, float]]
-    """Motion over a time or a way, by its name: translation [m] and rotation [rad]; nan if the run
-    is too short."""
+    """Of the motion over each time or path length, by its name: translation [m] and rotation [rad];
+    nan if the run is too short."""
 
 
 def score(truth: Trajectory, estimate: Trajectory) -> Score:
-    """Of pairs of poses.
+    """Return the errors of paired poses.
 
     Raises:
-        TrajectoryError: they are not pairs.
+        TrajectoryError: the poses are not paired.
     """
     return Score(
         ate_rmse(truth, estimate),

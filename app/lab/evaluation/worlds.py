@@ -1,4 +1,4 @@
-"""The worlds in which the experiment is made: a kind of robot, and a condition."""
+"""The worlds of the experiment: each is a kind of robot in a condition."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ WORLDS = {
     "hand-built": ("sim", "hand-built"),
     "kinematic": ("kinematic", "default"),
 }
-"""By name: which robot (``kinematic`` has perfect wheels), in which condition."""
+"""Robot and condition by the world's name; the robot ``kinematic`` has perfect wheels."""
 
 
 def require_world(name: str) -> None:
-    """Refuse a name that is none.
+    """Refuse a name that is not a world.
 
     Raises:
-        SettingError: lists those that are valid.
+        SettingError: there is no such world; lists the valid names.
     """
     if name not in WORLDS:
         raise SettingError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
 
 
 def in_world(config: Config, name: str) -> Config:
-    """What a configuration becomes in a world.
+    """Return the configuration with the robot and the condition of a world.
 
     Raises:
-        SettingError: there is no such world; lists those that are valid.
+        SettingError: there is no such world; lists the valid names.
     """
     require_world(name)
     robot, condition = WORLDS[name]

@@ -1,1 +1,1 @@
-"""``brickpose localize``: any laser robot's bag through the filter."""
+"""``brickpose localize``: localizes any laser robot from its bag."""

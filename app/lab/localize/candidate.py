@@ -1,4 +1,4 @@
-"""One belief about where a laser robot is, and how well it explains what the laser sees."""
+"""One belief about a laser robot's place, and how well it explains the scans."""
 
 from __future__ import annotations
 
@@ -17,21 +17,22 @@ from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan
 
 REMEMBERED = 15
-"""Updates that the running average of the fit goes back."""
+"""Number of updates in the running average of the fit."""
 SEARCHING = 0.5
-"""Scans count so much less in a search, whose cloud must not settle on one of several places."""
+"""Factor on the weight of scans in a search, whose cloud must not settle on one of several
+places."""
 FEW = 0.2
 """Share of the particles that a place of a search begins with."""
 CELL_M, CELL_RAD = 1.0, 0.5
-"""The places of a search are looked for in cells of so much,"""
+"""Size of the cells in which the places of a search are looked for."""
 APART_M, APART_RAD = 2.0, 0.8
-"""and are so far from each other."""
+"""Smallest distance between the places of a search."""
 SAME_M, SAME_RAD = 1.0, 0.3
-"""Places nearer than this are one."""
+"""Places nearer than this are the same."""
 
 
 class Candidate:
-    """A particle filter that follows the robot; in the frame of the map's cells."""
+    """A particle filter that follows the robot, in the frame of the map's cells."""
 
     def __init__(
         self,
@@ -50,18 +51,18 @@ class Candidate:
         self._localizer = Localizer(self._belief, p.filter, reach=reach)
         self._reach = reach
         self.estimate: Estimate | None = None
-        """After the last update."""
+        """The estimate after the last update."""
         self.map_from_odom = Pose2()
         self.known = False
-        """Whether it is sure of a place."""
+        """Whether the belief is sure of one place."""
         self.fit = -math.inf
-        """Log-likelihood a ray at its place, on average over the last updates that it was sure."""
+        """Running average of the log-likelihood per ray at its place, over the last updates."""
         self.latest = -math.inf
-        """Of the last update alone; -inf while it is not sure."""
+        """Log-likelihood per ray of the last update alone; -inf before the first."""
         self.sure = 0
-        """How many updates there were at which it was sure, one after the other."""
+        """Number of successive updates at which it was sure."""
         self.confirmed = False
-        """Whether its place was told, or found again by another from all over the floor."""
+        """Whether its place was given, or survived a search over the whole floor."""
         self.behind = 0.0
         """By how much another place explains the scans better, summed over updates."""
         self._judged = 0
@@ -70,33 +71,36 @@ class Candidate:
 
     @property
     def updates(self) -> int:
-        """Scans that were taken."""
+        """Number of scans that were used."""
         return self._localizer.updates
 
     @property
     def stands(self) -> bool:
-        """Whether its place has explained the scans of some updates, and of some way."""
+        """Whether it was sure for enough updates, moved far enough, and explains the scans."""
         laser = self._laser
         lasted = self.sure >= laser.known_updates and self._way >= laser.known_way
         return lasted and self.fit >= laser.doubt_below
 
     def explains(self, least: float) -> bool:
-        """Whether its place explains scans so well, or too few are taken to say."""
+        """Whether its place explains the scans at least this well, or too few were judged yet."""
         return self._judged < self._laser.known_updates or self.fit >= least
 
     @property
     def particles(self) -> int:
-        """How many it has."""
+        """Number of particles."""
         return len(self._belief.cloud.weights)
 
     def start_at(self, pose: Pose2, covariance: Array, odometry: Pose2 | None = None) -> None:
-        """Start around a pose, with covariance (3, 3) [m, m, rad]: of the next scan, or of then."""
+        """Start around a pose with covariance (3, 3) [m, m, rad].
+
+        It is the pose at the given odometry, or at the next scan if there is none.
+        """
         if odometry is not None:
             self._localizer.now, self._belief.share = odometry, FEW
         self._localizer.set_pose(pose, covariance)
 
     def start_anywhere(self) -> None:
-        """Start all over the free floor, with so many particles that one is near any place."""
+        """Start all over the free floor, with particles enough for its area."""
         most = self._belief.parameters.most_particles
         wanted = round(self._laser.global_density * self._map.free_area)
         count = max(min(wanted, self._laser.global_most), most)
@@ -105,7 +109,7 @@ class Candidate:
         self._localizer.set_cloud(Cloud.even(self._map.field.free_poses(self._rng, count)))
 
     def take(self, odometry: Pose2, scan: Scan) -> bool:
-        """Follow the robot to a scan; whether that was used."""
+        """Follow the robot to a scan; return whether the scan was used."""
         estimate = self._localizer.update(odometry, scan)
         if estimate is None:
             return False
@@ -123,7 +127,7 @@ class Candidate:
         return True
 
     def take_too(self, odometry: Pose2, scan: Scan) -> None:
-        """Follow the robot to a scan that another took: it counts, however near the last one is."""
+        """Follow the robot to a scan that another candidate used; it counts after any motion."""
         self._localizer.force_update()
         self.take(odometry, scan)
 
@@ -138,7 +142,7 @@ class Candidate:
         self.fit = self.latest if share == 1 else self.fit + share * (self.latest - self.fit)
 
     def places(self, most: int) -> list[Pose2]:
-        """The heaviest places of the whole cloud, apart from each other."""
+        """Return the heaviest places of the whole cloud, apart from each other."""
         poses, weights = self._belief.cloud.poses, self._belief.cloud.weights
         cells = np.floor(poses / [CELL_M, CELL_M, CELL_RAD]).astype(np.int64)
         _, first, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
@@ -156,7 +160,7 @@ class Candidate:
         return pose2s
 
     def is_where(self, other: Candidate) -> bool:
-        """Whether another is sure of the same place."""
+        """Whether another candidate is at the same place."""
         if self.estimate is None or other.estimate is None:
             return False
         return _near(self.estimate.pose, other.estimate.pose, SAME_M, SAME_RAD)

@@ -1,4 +1,4 @@
-"""What ``brickpose localize`` does with its arguments."""
+"""Carries out ``brickpose localize`` with its arguments."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from robot.settings import SettingError
 
 
 def localize_command(parsed: argparse.Namespace) -> int:
-    """Follow the robot, and write what was found."""
+    """Follow the robot and write the results."""
     _check(parsed)
     settings = load_settings(parsed.filter_config)
     enabled = LaserMap.load(parsed.map)
@@ -94,7 +94,7 @@ def _pose(values: list[float] | None) -> Pose2 | None:
 
 
 def _shown(bag: Bag, pairing: Pairing) -> Iterator[Measurement]:
-    """The measurements, with progress on a terminal."""
+    """Yield the measurements and show the progress on a terminal."""
     total = bag.count(pairing.names)
     with tqdm(total=total, unit="message", disable=None) as progress:
         for measurement in pairing.measurements():
@@ -103,7 +103,7 @@ def _shown(bag: Bag, pairing: Pairing) -> Iterator[Measurement]:
 
 
 def _nothing(pairing: Pairing, parsed: argparse.Namespace) -> str:
-    """Why no scan could be used."""
+    """Return a message that says why no scan could be used."""
     given = f"no scan of {parsed.bag} could be used"
     spans = [f"{who} from {a:.3f} to {b:.3f} s" for who, (a, b) in pairing.clocks.items()]
     given = "; ".join([given, *pairing.left_out.lines(), *spans])

@@ -1,4 +1,4 @@
-"""Several places where the robot may be, each followed until scans decide between them."""
+"""Follow several places where the robot may be, until scans decide between them."""
 
 from __future__ import annotations
 
@@ -14,30 +14,31 @@ from robot.geometry import Array, Pose2
 from robot.scan import Scan
 
 FIRST_DOUBT, LAST_DOUBT = 10, 500
-"""Updates before a search may begin: at first, and at most after others that found nothing."""
+"""Updates before a search may begin: the first wait, and the longest. The wait doubles with each
+search, until another place takes the lead."""
 LASTS = 10
-"""Updates of a search; then each place that it has left is followed alone."""
+"""Updates of a search; then each of its remaining places is followed alone."""
 MOST = 40
-"""So many places of a search are followed."""
+"""Largest number of places of a search that are followed."""
 SPREAD = np.diag(np.square([0.4, 0.4, 0.15]))
-"""Covariance that they start with [m, m, rad]."""
+"""Covariance that these places start with [m, m, rad]."""
 REMEMBERED_UPDATES = 2000
-"""So many scans are remembered."""
+"""Number of updates that are remembered."""
 BACK = 60
-"""Places that were found are followed back through so many of them."""
+"""New places are followed back through this many updates."""
 MOST_AT_ONCE = 1.0
-"""So much an update may put one place behind another, in log-likelihood a ray."""
+"""Most that one update may put one place behind another, in log-likelihood per ray."""
 
 
 class Contest:
     """A leader, and other places that explain the scans about as well.
 
     One cloud of particles that starts all over a floor does not keep two corridors that look alike:
-    it drops one of them by chance, within a few metres. So after a few updates each of its places
-    gets a filter of its own, which no other one starves. A place is out when another one explains
-    the scans better by enough, summed over all updates that both have seen; one that is found later
-    is followed back to what was seen before. A leader is confirmed when it is alone after a search
-    that was made for its sake.
+    it drops one of them by chance, within a few metres. So after a few updates each place gets a
+    filter of its own, from which no other place can take particles. A place is dropped when another
+    one explains the scans better by enough, summed over all updates that both have seen. A place
+    that is found later is followed back through earlier scans. A leader is confirmed when it is
+    alone after a search that was made to test it.
     """
 
     def __init__(self, make: Callable[[], Candidate], laser: LaserSettings) -> None:
@@ -46,31 +47,31 @@ class Contest:
         self.others: list[Candidate] = []
         self.moments: deque[Moment] = deque(maxlen=REMEMBERED_UPDATES)
         self.places_left = 0
-        """How often another place took the lead of one that had been confirmed."""
+        """How often another place took the lead from a confirmed one."""
         self._search: Candidate | None = None
         self._search_twice = False
         self._searched_beside: Candidate | None = None
-        """Who led when the last search began."""
+        """The leader when the last search began."""
         self._patience = self._wait = FIRST_DOUBT
 
     @property
     def alone(self) -> bool:
-        """Whether no other place is followed or searched for."""
+        """Whether only the leader is followed and no search is running."""
         return not self.others and self._search is None
 
     def begin_anywhere(self) -> None:
-        """Start all over the free floor."""
+        """Start with particles all over the free floor."""
         self.leader.start_anywhere()
         self._search = self.leader
         self._search_twice = True
 
     def begin_at(self, pose: Pose2, covariance: Array) -> None:
-        """Start where the robot is told to be, with covariance (3, 3) [m, m, rad]."""
+        """Start at a given pose, with covariance (3, 3) [m, m, rad]."""
         self.leader.start_at(pose, covariance)
         self.leader.confirmed = True
 
     def take(self, odometry: Pose2, scan: Scan) -> bool:
-        """Follow the robot to a scan; whether that was used."""
+        """Follow the robot to a scan; return whether the scan was used."""
         leader, search = self.leader, self._search
         if not leader.take(odometry, scan):
             return False
@@ -89,11 +90,11 @@ class Contest:
         return True
 
     def copy_of_leader(self) -> Candidate:
-        """Another at the same place, to follow the robot back."""
+        """Return a new candidate at the leader's place, to follow the robot back."""
         return self._copy(self.leader)
 
     def _weigh(self) -> None:
-        """Places that explain the scans worse fall behind, and drop out."""
+        """Update how far each place is behind, and drop the places that are too far behind."""
         leader = self.leader
         for one in self.others:
             one.behind += _worse(one, leader)
@@ -116,7 +117,7 @@ class Contest:
         self.leader, *self.others = kept
 
     def _divide(self, search: Candidate) -> None:
-        """Each place of a search is followed alone."""
+        """End a search: from now on, follow each of its places alone."""
         self._search = None
         result = [self._follow(place) for place in search.places(MOST)]
         if search is self.leader:
@@ -127,7 +128,7 @@ class Contest:
             self._begin_search()
 
     def _relive(self, candidates: list[Candidate]) -> list[Candidate]:
-        """Those of some places that explain what was seen before about as the leader's does."""
+        """Return the candidates that explain earlier scans about as well as the leader does."""
         leader = self._copy(self.leader)
         back = [(candidate, self._copy(candidate)) for candidate in candidates]
         for moment in list(self.moments)[-2 : -BACK - 1 : -1]:
@@ -145,7 +146,7 @@ class Contest:
         return self._follow(candidate.estimate.pose)
 
     def _follow(self, place: Pose2) -> Candidate:
-        """A new one at a place of now."""
+        """Return a new candidate at a place of the latest moment."""
         current, item = self.moments[-1], self._make()
         item.start_at(place, SPREAD, current.odometry)
         item.take(current.odometry, current.scan)
@@ -157,7 +158,7 @@ class Contest:
         self._search.start_anywhere()
 
     def _confirm_or_doubt(self) -> None:
-        """Confirm a leader that is alone, or let a search begin."""
+        """Confirm a leader that is alone, or begin a search."""
         leader = self.leader
         if leader.stands and not leader.confirmed:
             if self._searched_beside is leader:
@@ -173,5 +174,5 @@ class Contest:
 
 
 def _worse(candidate: Candidate, other: Candidate) -> float:
-    """By how much one explains the last scan worse than another."""
+    """Return by how much one candidate explains its last scan worse than another, limited."""
     return min(max(other.latest - candidate.latest, -MOST_AT_ONCE), MOST_AT_ONCE)

@@ -1,4 +1,4 @@
-"""What a place that was found later says of what was told before."""
+"""Judge earlier reports after a better place was found."""
 
 from __future__ import annotations
 
@@ -13,36 +13,36 @@ from robot.geometry import Pose2
 from robot.scan import Scan
 
 NEAR_M = 1.5
-"""What was told stands if the robot, followed back, comes so near."""
+"""A reported pose stands if the robot, followed back, comes nearer than this."""
 
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """An update, and what the belief that led then made of it."""
+    """An update, and the leader's result at that time."""
 
     odometry: Pose2
     scan: Scan
     place: Pose2
-    """In the frame of the map's cells."""
+    """The leader's pose, in the frame of the map's cells."""
     latest: float
-    """Log-likelihood a ray there."""
+    """The leader's log-likelihood per ray."""
 
 
 def withdraw(
     tolds: Iterable[ReportedPose], moments: Sequence[Moment], back: Candidate, margin: float
 ) -> None:
-    """Mark what cannot be defended any more.
+    """Mark the reported poses that hindsight does not support.
 
-    The robot is followed back from the place that it has now, through the scans that are
-    remembered. A pose stands if that comes to the same place, or explains the scans around it worse
-    than the pose did: so was a robot right that was carried off later. What is older than what is
-    remembered goes as the oldest of it does.
+    The robot is followed back from its current place, through the remembered scans. A pose stands
+    if the way back comes to the same place. It also stands if the way back explains the scans
+    around it worse than the pose did: then the report was right, and the robot was carried off
+    later. Poses older than the memory are judged like the oldest remembered one.
 
     Args:
-        tolds: what was told; poses are marked.
-        moments: what is remembered, in order of time.
-        back: at the place of now.
-        margin: by which a pose has to explain scans better, in log-likelihood a ray.
+        tolds: the reported poses, which are marked.
+        moments: the remembered updates, in order of time.
+        back: a candidate at the current place.
+        margin: by how much a pose has to explain the scans better, in log-likelihood per ray.
     """
     near, better = [], []
     for moment in reversed(moments):

@@ -1,4 +1,4 @@
-"""A ROS map made ready for a laser's filter."""
+"""Prepare a ROS map for a laser robot's filter."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from robot.localization.models.wall_field import free_field, wall_field
 
 @dataclass(frozen=True)
 class LaserMap:
-    """The filter works in the frame of the map's cells; people see the map's own."""
+    """A map for the filter, which works in the frame of the cells; results are in the map frame."""
 
     field: Field
-    """With rows along x and the first cell's corner at the origin."""
+    """The map in the frame of the cells: rows along x, the first cell's corner at the origin."""
     map_from_cells: Pose2
 
     @classmethod
     def of(cls, grid: OccupancyGrid, name: str) -> LaserMap:
-        """Of a map, which may be turned against its frame.
+        """Prepare a map; its cells may be turned against its frame.
 
         Raises:
-            FieldError: it has no occupied cell, or no free one.
+            FieldError: the map has no occupied cell or no free one.
         """
         return cls(field_from_grid(replace(grid, origin=Pose2()), name), grid.origin)
 
     @classmethod
     def load(cls, path: Path) -> LaserMap:
-        """From map_server's YAML.
+        """Load the YAML of a map_server map.
 
         Raises:
-            FieldError: a file is absent, broken or absurd, or the map is of no use.
+            FieldError: a file is missing or broken, has absurd values, or the map is unusable.
         """
         try:
             return cls.of(load_map_yaml(path), path.stem)
@@ -51,28 +51,28 @@ class LaserMap:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """Its cells."""
+        """The cells of the map."""
         assert self.field.grid is not None
         return self.field.grid
 
     @property
     def free_area(self) -> float:
-        """Of free floor [m²]."""
+        """Area of the free floor [m²]."""
         return float(np.count_nonzero(self.grid.free)) * self.grid.resolution**2
 
     def pose_in_map(self, pose: Pose2) -> Pose2:
-        """A pose of the filter in the map's frame."""
+        """Return a pose of the filter in the map's frame."""
         return self.map_from_cells @ pose
 
     def covariance_in_map(self, covariance: Array) -> Array:
-        """A covariance (3, 3) of the filter in the map's frame."""
+        """Return a covariance (3, 3) of the filter in the map's frame."""
         c, s = np.cos(self.map_from_cells.theta), np.sin(self.map_from_cells.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         turned: Array = turn @ covariance @ turn.T
         return turned
 
     def sensor(self, parameters: SensorParameters, laser: LaserSettings) -> SensorModel:
-        """The sensor model that the parameters ask for."""
+        """Return the sensor model that the parameters name."""
         reach = parameters.laser_likelihood_max_dist
         model = sensor_model(parameters, wall_field(self.grid, reach), self.field.edges)
         if laser.free_way_weight == 0 or not isinstance(

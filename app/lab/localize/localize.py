@@ -1,4 +1,4 @@
-"""A laser robot's measurements through the filter."""
+"""Run the filter on a laser robot's measurements."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robot.localization.integrity import State
 
 
 class Start(NamedTuple):
-    """Where the robot is told to be at first, in the map."""
+    """The given start pose of the robot, in the map."""
 
     pose: Pose2
     sd_xy: float
@@ -31,18 +31,18 @@ class Start(NamedTuple):
 
 
 class LaserFollower:
-    """The filter of one laser robot on one map, which doubts itself.
+    """The filter of one laser robot on one map, which checks its own reports.
 
-    It tells where the robot is while one place is left, which stood the test, and explains the
-    scans. Where it does not explain them well, others are searched for. If one is better, what was
-    told of the old one is withdrawn, as far as hindsight cannot defend it. So neither a start that
-    went wrong nor a robot that was carried stays unnoticed.
+    It reports a pose while its best place is confirmed and explains the scans. If the place does
+    not explain them well, the filter searches for other places. If one is better, the poses
+    reported at the old place are withdrawn, except those that hindsight supports. So neither a
+    wrong start nor a robot that was carried off stays unnoticed.
     """
 
     def __init__(
         self, laser_map: LaserMap, settings: LocalizeSettings, start: Start | None, seed: int
     ) -> None:
-        """Start as told, or, without, all over the free floor."""
+        """Begin at the given start, or all over the free floor if there is none."""
         begun = time.perf_counter()
         self._map, self._settings = laser_map, settings
         self._sensor = laser_map.sensor(settings.localization.sensor, settings.laser)
@@ -77,14 +77,14 @@ class LaserFollower:
         return Candidate(self._map, self._sensor, self._settings, self._rng)
 
     def _decide(self) -> None:
-        """Whether the leader's place is told until the next update."""
+        """Decide whether the leader's pose is reported until the next update."""
         leader, laser = self._leader, self._settings.laser
         floor = laser.tell_above if self._telling else laser.doubt_below
         given = leader.confirmed and leader.known and leader.behind <= laser.doubt_behind / 4
         self._telling = given and leader.explains(floor)
 
     def _withdraw(self) -> None:
-        """Another place is better: mark what was told of the old one."""
+        """Withdraw reported poses of the old place, after another place turned out to be better."""
         contest = self._contest
         self.found.places_left = contest.places_left
         margin = self._settings.laser.doubt_behind / REMEMBERED
@@ -114,7 +114,7 @@ class LaserFollower:
         result.note(given, self._state, stamp)
 
     def _in_map(self, estimate: Estimate, pose2: Pose2, stamp: float) -> Estimate:
-        """An estimate in the map's frame, whose places have moved on by odometry."""
+        """Return an estimate in the map's frame, moved on by odometry."""
         since = estimate.pose.inverse() @ pose2
         moved = tuple(
             Hypothesis(
@@ -134,7 +134,7 @@ def localize(
     start: Start | None,
     seed: int,
 ) -> Localized:
-    """Follow a robot through its measurements; the same seed, the same result."""
+    """Follow a robot through its measurements; the same seed gives the same result."""
     follower = LaserFollower(laser_map, settings, start, seed)
     for measurement in measurements:
         follower.take(measurement)

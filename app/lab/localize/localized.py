@@ -1,4 +1,4 @@
-"""What became of a bag: the poses that were told, and what hindsight says of them."""
+"""The result of localizing a bag: the reported poses, and which were withdrawn later."""
 
 from __future__ import annotations
 
@@ -11,49 +11,49 @@ from robot.localization.estimate import Estimate
 from robot.localization.integrity import State
 
 LONGEST_GAP = 1.0
-"""Poses farther apart than this were not told one after the other [s]."""
+"""Poses farther apart than this were not reported in one stretch [s]."""
 
 
 @dataclass
 class ReportedPose:
-    """A pose that was told as certain."""
+    """A pose that was reported as certain."""
 
     stamp: float
-    """Of its scan [s]."""
+    """Stamp of its scan [s]."""
     pose: Array
     """(3,) in the map [m, m, rad]."""
     odometry: Array
     """(3,) in the odom frame, of the same scan."""
     leader: int
-    """Number of the belief that told it, from 0."""
+    """Number of the belief that reported it, from 0."""
     withdrawn: bool = False
-    """Whether its place turned out wrong."""
+    """Whether its place turned out to be wrong."""
 
 
 @dataclass
 class Localized:
-    """What became of a bag."""
+    """The result of localizing a bag."""
 
     told: list[ReportedPose] = field(default_factory=list)
-    """All poses that were told, also those withdrawn later."""
+    """All reported poses, also those withdrawn later."""
     states: Counter[State] = field(default_factory=Counter)
-    """Scans, by what was claimed at each."""
+    """Number of scans by the state that was claimed."""
     state: State = State.SEARCHING
-    """What is claimed at the end."""
+    """The state that is claimed at the end."""
     final: Estimate | None = None
-    """The last one, in the map, carried to the last scan by odometry; None if nothing came."""
+    """The last estimate, in the map, moved to the last scan by odometry; None if there is none."""
     first_stamp: float = math.nan
     last_stamp: float = math.nan
     scans: int = 0
     updates: int = 0
     places_left: int = 0
-    """How often another belief had the better place."""
+    """How often another belief took the lead from a confirmed one."""
     particles: int = 0
-    """At the end."""
+    """Number of particles at the end."""
     filter_s: float = 0.0
-    """Time that the updates took."""
+    """Computing time of the updates."""
     tables_s: float = 0.0
-    """Time that the map's tables took."""
+    """Computing time of the map's tables."""
 
     @property
     def known(self) -> bool:
@@ -62,31 +62,31 @@ class Localized:
 
     @property
     def standing(self) -> list[ReportedPose]:
-        """What was told and still stands."""
+        """The reported poses that still stand."""
         return [item for item in self.told if not item.withdrawn]
 
     @property
     def withdrawn(self) -> list[ReportedPose]:
-        """What was told of places that turned out wrong."""
+        """The reported poses whose places turned out to be wrong."""
         return [item for item in self.told if item.withdrawn]
 
     @property
     def stamps(self) -> list[float]:
-        """Of scans at which the robot's place was known, and still stands."""
+        """Stamps of the reported poses that still stand."""
         return [item.stamp for item in self.standing]
 
     @property
     def poses(self) -> list[Array]:
-        """(3,) in the map, of the same."""
+        """The reported poses (3,) that still stand, in the map."""
         return [item.pose for item in self.standing]
 
     @property
     def odometry(self) -> list[Array]:
-        """(3,) in the odom frame, of the same."""
+        """Odometry (3,) of the reported poses that still stand, in the odom frame."""
         return [item.odometry for item in self.standing]
 
     def spans(self) -> list[tuple[float, float, int]]:
-        """First and last stamp of what was withdrawn without a break, and who told it [s]."""
+        """Return first stamp, last stamp [s] and belief of each stretch of withdrawn poses."""
         result: list[tuple[float, float, int]] = []
         before: ReportedPose | None = None
         for item in self.told:
@@ -101,11 +101,11 @@ class Localized:
 
     @property
     def withdrawn_s(self) -> float:
-        """How long places were told that were withdrawn [s]."""
+        """Total duration of the withdrawn stretches [s]."""
         return sum(last - first for first, last, _ in self.spans())
 
     def note(self, given: ReportedPose | None, state: State, stamp: float) -> None:
-        """A scan, what was claimed at it, and the pose that was told, if any was."""
+        """Record a scan, the state claimed at it, and the reported pose, if there is one."""
         if not self.scans:
             self.first_stamp = stamp
         self.scans += 1

@@ -1,4 +1,4 @@
-"""The command line of ``brickpose localize``; what takes long to load is loaded when it is used."""
+"""The command line of ``brickpose localize``; slow imports are delayed until they are used."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Without --initial-pose the robot may be anywhere on the map's free floor.
 
 
 def add_localize(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command ``localize``."""
     command = commands.add_parser(
         "localize",
         help="any laser robot's bag (ROS 1, ROS 2, MCAP) on a ROS map",
@@ -84,7 +84,7 @@ def _add_start(command: argparse.ArgumentParser) -> None:
 
 
 class _WithSettings(argparse.RawDescriptionHelpFormatter):
-    """Shows the settings, looked up only when help is asked for: not behind a mistake's usage."""
+    """Shows the settings in the help, but not in the usage that follows an error."""
 
     _whole = False
 

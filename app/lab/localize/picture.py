@@ -1,4 +1,4 @@
-"""The map with the ways that the filter and the odometry have the robot go."""
+"""Draw the map with the robot's paths by the filter and by odometry."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from robot.geometry import Array, Pose2, compose
 
 INCHES, DPI = 9.0, 150
 MARGIN = 3.0
-"""Of the map shown around the ways [m]."""
+"""Margin of map that is shown around the paths [m]."""
 WITHDRAWN = "#cc79a7"
-"""Of the way that was told and turned out wrong."""
+"""Colour of the path that was reported and withdrawn."""
 WIDER = 0.6
-"""A picture is no narrower than this share of its longer side."""
+"""Smallest ratio of the picture's shorter side to its longer side."""
 
 
 def draw(path: Path, localized: Localized, laser_map: LaserMap) -> None:
@@ -30,11 +30,11 @@ def draw(path: Path, localized: Localized, laser_map: LaserMap) -> None:
 
     Args:
         path: of the file.
-        localized: what the filter says; if it never was sure, its places at the end are shown.
+        localized: the filter's result; if it never was certain, its places at the end are shown.
         laser_map: the map.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(INCHES, INCHES), layout="constrained")
@@ -62,7 +62,7 @@ def _floor(axes: Axes, laser_map: LaserMap) -> None:
 
 
 def _ways(axes: Axes, localized: Localized) -> Array:
-    """Estimate and odometry, which begin together; where they go (n, 2)."""
+    """Draw estimate and odometry, which begin together; return the points to show (n, 2)."""
     standing, shown = localized.standing, []
     if standing:
         poses = np.array([one.pose for one in standing])
@@ -83,7 +83,7 @@ def _ways(axes: Axes, localized: Localized) -> Array:
 
 
 def _broken(tolds: Sequence[ReportedPose]) -> Array:
-    """Poses (n, 3), with nan wherever some time was not told."""
+    """Return the poses (n, 3), with nan where no pose was reported for some time."""
     rows = []
     for before, item in zip([tolds[0], *tolds], tolds, strict=False):
         if item.stamp - before.stamp > LONGEST_GAP:
@@ -93,7 +93,10 @@ def _broken(tolds: Sequence[ReportedPose]) -> Array:
 
 
 def _places(axes: Axes, localized: Localized) -> Array:
-    """Where the robot may be at the end (n, 2), as circles of two standard deviations."""
+    """Draw the places where the robot may be at the end; return their centres (n, 2).
+
+    They are circles of two standard deviations.
+    """
     places = localized.final.hypotheses if localized.final else ()
     centres = np.array([[item.pose.x, item.pose.y] for item in places]).reshape(-1, 2)
     for place, (x, y) in zip(places, centres, strict=True):
@@ -103,7 +106,7 @@ def _places(axes: Axes, localized: Localized) -> Array:
 
 
 def _look_at(axes: Axes, places: Array, laser_map: LaserMap) -> None:
-    """Show the ways and some of the map around; all of the map, where there are none."""
+    """Show the points and some of the map around them; the whole map if there are none."""
     if not len(places):
         height, width = laser_map.grid.data.shape
         corners = np.array([[0, 0], [width, 0], [0, height], [width, height]], dtype=np.float64)

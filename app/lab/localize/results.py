@@ -1,4 +1,4 @@
-"""What a bag's localization leaves in a folder."""
+"""Write the results of localizing a bag to a folder."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PATH, WITHDRAWN, PICTURE = "localized.tum", "localized_withdrawn.tum", "path.png
 
 @dataclass(frozen=True)
 class LocalizeRequest:
-    """What was to be done, to be written beside the result."""
+    """The requested work, which is written beside the result."""
 
     bag: Path
     map: Path
@@ -49,11 +49,11 @@ def write_results(
     laser_map: LaserMap,
     left_out: LeftOut,
 ) -> None:
-    """Write all, so that the folder has all of it or is as it was.
+    """Write all files; the folder gets all of them or stays as it was.
 
     Raises:
-        SettingError: the folder cannot be one.
-        OSError: it cannot be written.
+        SettingError: the path cannot be a folder.
+        OSError: the folder cannot be written.
     """
     notes = [f"{asked.bag.name} on {asked.map.name}, pose of {asked.layout.base_frame}"]
     wrong = [*notes, "told as certain, and withdrawn: the place turned out wrong"]
@@ -66,7 +66,7 @@ def write_results(
         write_json(new / RESULTS, content(asked, localized, left_out))
     for name, (given, _, least) in ways.items():
         if len(given) < least:
-            (folder / name).unlink(missing_ok=True)  # of an earlier run
+            (folder / name).unlink(missing_ok=True)  # left by an earlier run
 
 
 def _trajectory(tolds: Sequence[ReportedPose]) -> Trajectory:
@@ -76,7 +76,7 @@ def _trajectory(tolds: Sequence[ReportedPose]) -> Trajectory:
 
 
 def content(asked: LocalizeRequest, localized: Localized, left_out: LeftOut) -> dict[str, Any]:
-    """``results.json``: metres, radians, seconds, map frame."""
+    """Return the content of ``results.json``: metres, radians, seconds, map frame."""
     final = localized.final
     return {
         "bag": asked.bag.name,

@@ -1,6 +1,7 @@
-"""Settings of ``brickpose localize``: what suits a laser and wheels in a building.
+"""Settings of ``brickpose localize``, for a robot with a laser in a building.
 
-The program's own defaults are for tape that is seen within a metre; these are for walls.
+The defaults of the rest of the program are for tape that is seen within a metre; these are for
+walls.
 """
 
 from __future__ import annotations
@@ -42,14 +43,14 @@ LASER = LocalizationParameters(
         initial_sd_theta=0.25,
     ),
 )
-"""Names and meanings are nav2_amcl's, as everywhere."""
+"""Names and meanings are those of nav2_amcl, as in the rest of the program."""
 UNUSED = ("filter", "refine")
-"""Of the filter's settings, those that have no effect here: it is one particle filter."""
+"""Settings of the filter that have no effect here: only the particle filter is used."""
 
 
 @dataclass(frozen=True)
 class LaserSettings:
-    """What nav2_amcl has no names for."""
+    """Settings that nav2_amcl does not have."""
 
     free_way_weight: float = setting(
         0.5, "What rays that run through walls count, beside where they end; 0 is nothing",
@@ -100,7 +101,7 @@ class LaserSettings:
 
 @dataclass(frozen=True)
 class LocalizeSettings:
-    """All of them, as the tables of a TOML file."""
+    """All settings, as the tables of a TOML file."""
 
     localization: LocalizationParameters = LASER
     laser: LaserSettings = LaserSettings()
@@ -114,10 +115,10 @@ class LocalizeSettings:
 
 
 def load_settings(path: Path | None) -> LocalizeSettings:
-    """The defaults for lasers, with those of a TOML file over them.
+    """Return the defaults for lasers, overridden by the settings of a TOML file.
 
     Raises:
-        SettingError: the file is missing or no TOML, or a key is misspelt or out of range.
+        SettingError: the file is missing or not TOML, or a key is misspelt or out of range.
     """
     if path is None:
         return LocalizeSettings()
@@ -129,7 +130,7 @@ def load_settings(path: Path | None) -> LocalizeSettings:
 
 
 def shown_defaults() -> str:
-    """For ``--help``: what is other than in the rest of the program, and what is only here."""
+    """Return the text for ``--help``: settings with other defaults here, and those only here."""
     lines = ["settings of a --filter-config, with their defaults for lasers:", ""]
     for group in ("motion", "sensor", "filter"):
         lines.append(f"  [localization.{group}]")

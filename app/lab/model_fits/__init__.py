@@ -1,1 +1,1 @@
-"""What drives tell of the motion and sensor models: statistics, and parameters fitted to them."""
+"""Statistics of the motion and sensor models from drives, and parameters fitted to the drives."""

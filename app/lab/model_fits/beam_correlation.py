@@ -1,4 +1,4 @@
-"""How far the rays of a scan err together, and how many independent ones they are worth."""
+"""Correlation of the errors of rays, and the number of independent rays that they are worth."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ from robot.scan import evenly
 FEWEST_SCANS = 10
 RESAMPLES = 500
 LEAST_SD = 1e-9
-"""Errors that differ by less are the same [m]."""
+"""Errors with a smaller standard deviation count as equal [m]."""
 WILD = 10.0
-"""An error by so many robust standard deviations is not of the kind that the others are."""
+"""Errors larger than this many robust standard deviations are outliers."""
 LONGEST = 100
-"""Scans farther apart than so many others are not compared."""
+"""Largest lag at which scans are compared."""
 
 
 @dataclass(frozen=True)
 class BeamCorrelation:
-    """Correlation of range errors, and what it means for ``likelihood_weight``.
+    """Correlation of range errors, and the ``likelihood_weight`` that follows from it.
 
-    Intervals are of 95 %, by the bootstrap over scans, drawn in blocks of successive ones that are
-    twice as long as errors last.
+    Intervals are of 95 %, by the bootstrap over scans. It draws blocks of successive scans that are
+    twice as long as the correlation time of the errors.
     """
 
     by_ray: Array
-    """(k,) between rays of a scan that are 0, 1, ... apart; nan where there are no such two."""
+    """(k,) between rays of a scan that are 0, 1, ... apart; nan if there are no such pairs."""
     by_scan: Array
     """(s,) of a ray between scans that are 0, 1, ... apart."""
     rays_used: int
@@ -41,16 +41,16 @@ class BeamCorrelation:
     """Independent rays that those are worth: n_eff."""
     rays_worth_interval: Interval
     likelihood_weight: float
-    """If scans err independently: n_eff / n, 1 at most."""
+    """If the errors of scans are independent: n_eff / n, at most 1."""
     likelihood_weight_interval: Interval
     scans_a_new_one: float
     """Successive scans that are worth one independent scan: 1 + 2 times the sum of ``by_scan``."""
     scans_a_new_one_interval: Interval
     likelihood_weight_of_successive_scans: float
-    """If a filter counts every scan: ``likelihood_weight`` over ``scans_a_new_one``.
+    """If a filter uses every scan: ``likelihood_weight`` / ``scans_a_new_one``.
 
-    Rays that are so many rays and so many scans apart are taken to be as correlated as the product
-    of both correlations.
+    The correlation of two rays some rays and some scans apart is taken to be the product of both
+    correlations.
     """
     likelihood_weight_of_successive_scans_interval: Interval
 
@@ -58,15 +58,15 @@ class BeamCorrelation:
 def correlate_beams(
     pairs: RangePairs, max_beams: int, *, resamples: int = RESAMPLES, seed: int = 0
 ) -> BeamCorrelation:
-    """Correlation of the errors of good returns; the rest is left out as if not measured.
+    """Correlate the errors of good returns; other returns are left out as if not measured.
 
-    The mean error over everything is taken off, not that of each scan: what a whole scan is off by
-    is what its rays are off by together.
+    The mean error over all scans is subtracted, not that of each scan: an error of a whole scan is
+    an error that its rays have in common.
 
     All scans have the same rays, of which a filter uses ``max_beams``, evenly spread.
 
     Raises:
-        FitError: too few scans, or no two rays that returned what they should.
+        FitError: there are too few scans, or no scan has two good returns.
     """
     table = _table(pairs)
     scans, rays = table.shape
@@ -96,10 +96,10 @@ def correlate_beams(
 
 
 def independent_rays(by_ray: Array, used: NDArray[np.intp]) -> float:
-    """How many independent rays some rays of a scan are worth: n^2 / (sum of all correlations).
+    """Return how many independent rays some rays are worth: n^2 / (sum of all correlations).
 
-    For n neighbours that is n / (1 + 2 sum of (1 - k / n) rho_k), k = 1 to n - 1.
-    By the correlation (k,) by lag of rays, from lag 0 on, and the numbers (n,) of the rays.
+    For n neighbours that is n / (1 + 2 sum of (1 - k / n) rho_k), k = 1 to n - 1. The arguments are
+    the correlation (k,) by lag of rays, from lag 0 on, and the numbers (n,) of the rays.
     """
     positive = initial_positive(by_ray)
     distances = np.abs(used[:, None] - used[None, :]).ravel()
@@ -109,15 +109,15 @@ def independent_rays(by_ray: Array, used: NDArray[np.intp]) -> float:
 
 
 def correlation_time(correlations: Array) -> float:
-    """1 + 2 times the sum of correlations by lag (k,), from lag 0 on."""
+    """Return 1 + 2 times the sum of the correlations at lags from 1 on; the first (k,) is lag 0."""
     return 2 * float(initial_positive(correlations).sum()) - 1
 
 
 def initial_positive(correlations: Array) -> Array:
-    """Correlations up to where two neighbours no longer add up to more than 0.
+    """Return the correlations up to the first pair of neighbours whose sum is not positive.
 
-    Farther out they are chance, whose sum has no limit (initial positive sequence: Geyer,
-    Practical Markov Chain Monte Carlo, 1992). nan, of lags without pairs, ends them too.
+    Beyond it they are chance, and their sum has no limit (initial positive sequence: Geyer,
+    Practical Markov Chain Monte Carlo, 1992). nan, of a lag without pairs, ends them too.
     """
     pair_sums = correlations[: len(correlations) // 2 * 2].reshape(-1, 2).sum(axis=1)
     ends = np.flatnonzero(~(pair_sums > 0))
@@ -125,13 +125,13 @@ def initial_positive(correlations: Array) -> Array:
 
 
 def _table(pairs: RangePairs) -> Array:
-    """Errors of good returns (scans, rays) about their mean [m]; nan where there is none.
+    """Return the errors of good returns (scans, rays) minus their mean [m]; nan elsewhere.
 
-    One return that is far off hides what thousands have in common, and a sensor model takes it for
-    false: those by more than ``WILD`` robust standard deviations are left out.
+    One large error would hide the correlation of thousands of others, and a sensor model takes it
+    for a false return. So errors above ``WILD`` robust standard deviations are left out.
     """
     errors, good = pairs.residuals, pairs.right
-    # Where the median is 0, there is nothing wild.
+    # If the median is 0, no error is an outlier.
     gate = WILD * TO_SD * float(np.median(np.abs(errors[good]))) if good.any() else 0.0
     good &= np.abs(errors) <= (gate or math.inf)
     shape = (int(pairs.scan.max(initial=-1)) + 1, int(pairs.ray.max(initial=-1)) + 1)
@@ -150,9 +150,10 @@ def _table(pairs: RangePairs) -> Array:
 
 
 def _lag_sums(table: Array, lags: int, axis: int) -> Array:
-    """(2, s, k): by scan the products of errors (s, r) a lag apart, and how many there are.
+    """Return (2, s, k): for each scan and lag the sum of products of errors, and their number.
 
-    Along axis 0 between scans, along axis 1 between rays; nan where there is no error.
+    Errors (s, r) are compared between scans along axis 0, between rays along axis 1; nan means no
+    error.
     """
     values = np.stack([np.nan_to_num(table), np.isfinite(table)]).swapaxes(1, 1 + axis)
     length = values.shape[1]
@@ -165,7 +166,7 @@ def _lag_sums(table: Array, lags: int, axis: int) -> Array:
 
 
 def _correlations(sums: Array, times: Array) -> Array:
-    """By lag (k,), each scan counted so many times (s,); nan of lags without pairs."""
+    """Return the correlations by lag (k,); ``times`` (s,) weights the scans; nan without pairs."""
     products, counts = times @ sums
     with np.errstate(invalid="ignore"):
         covariances = products / counts
@@ -174,7 +175,7 @@ def _correlations(sums: Array, times: Array) -> Array:
 
 
 def _blocks(chance: np.random.Generator, scans: int, block: int) -> Array:
-    """How often each scan is drawn (s,), in blocks of successive ones around a circle."""
+    """Draw blocks of successive scans, around a circle; return how often each occurs (s,)."""
     starts = chance.integers(0, scans, math.ceil(scans / block))
     scans_used = (starts[:, None] + np.arange(block)).ravel()[:scans] % scans
     return np.bincount(scans_used, minlength=scans).astype(np.float64)

@@ -1,13 +1,13 @@
-"""Parameters of the beam model, by maximum likelihood.
+"""Fit the parameters of the beam model by maximum likelihood.
 
-For the densities that ``robot.localization.models.beam.Beam`` has (Probabilistic Robotics, Table
+The densities are those of ``robot.localization.models.beam.Beam`` (Probabilistic Robotics, Table
 6.1, without its normalisers): z_hit N(z; z*, sigma_hit); z_short lambda_short exp(-lambda_short z)
 up to the expected range; z_max, no return where an edge is surely seen; z_rand / range_max.
 
-To be a distribution that all this is drawn from, it has to say what becomes of a short or a false
-range that would lie where the ray does not see: before its sight begins, behind the edge, behind
-the end of sight. Such a ray goes on as if nothing had come in its way, to hit the edge or to miss
-it by z_hit to z_max. With clear = 1 - (short and false ranges in sight) and miss = z_max /
+A likelihood needs a proper distribution. So the model must also cover short and false ranges that
+would lie where the ray does not see: before its sight begins, behind the edge, behind the end of
+sight. Such a ray goes on as if nothing was in its way, and hits or misses the edge in the ratio
+z_hit to z_max. With clear = 1 - (short and false ranges in sight) and miss = z_max /
 (z_hit + z_max):
 
 ==============================  ======================================================
@@ -18,8 +18,9 @@ no edge in sight, none          clear
 ==============================  ======================================================
 
 Rays that may or may not see an edge at the border of their sight are left out: what they return
-depends on the scanner's geometry, which is no chance. z_short and z_rand are for a ray that sees
-everything up to the longest range; one that sees a third of that has a third of the false returns.
+depends on the scanner's geometry and is not random. z_short and z_rand are for a ray that sees
+everything up to the longest range; a ray that sees a third of that has a third of the false
+returns.
 """
 
 from __future__ import annotations
@@ -43,14 +44,14 @@ from robot.geometry import Array
 
 FEWEST_RAYS, FEWEST_HITS = 30, 10
 WIDEST = 0.25
-"""A spread by more of the longest range is none: hits are not told from false ranges."""
+"""Largest sigma_hit, as a share of the longest range: beyond it hits look like false ranges."""
 LEAST_SIGMA = 1e-6
-"""Ranges are nowhere exact to more than a micrometre; without an end the fit of some that are
-would never end [m]."""
+"""Smallest sigma_hit [m]. Without it, a fit to exact ranges would never end; no range is exact to a
+micrometre."""
 HARDLY_ANY = 0.5
-"""With fewer rays of a kind, its share is at the border 0."""
+"""With fewer rays of a kind than this, its share is at its border, 0."""
 COORDINATES = ("z_short", "z_max", "z_rand", "sigma_hit", "lambda_short")
-"""Of the likelihood; z_hit is what the other shares leave of 1."""
+"""Coordinates of the likelihood; z_hit is 1 minus the other shares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,20 +70,20 @@ class SensorValues:
 
 @dataclass(frozen=True, slots=True)
 class SensorFit:
-    """Fitted values and how sure they are."""
+    """Fitted values and their intervals."""
 
     values: SensorValues
     intervals: dict[str, Interval]
-    """Of 95 %, by name."""
+    """95 % intervals by name."""
     at_border: tuple[str, ...]
-    """Values at the border of what they can be: shares at 0; sigma_hit at its least; lambda_short
-    if no ray was cut short (the rays say nothing of it), or if it is so small or great that it
-    cannot be told."""
+    """Values at a border: shares at 0; sigma_hit at its smallest value; lambda_short if no ray was
+    cut short (then the rays do not depend on it), or if it is too small or too large to be
+    determined."""
     log_likelihood: float
     iterations: int
     converged: bool
     rays: int
-    """Rays that were fitted: those that surely see an edge and those that see none."""
+    """Number of fitted rays: those that surely see an edge and those that see none."""
 
 
 def fit_sensor(
@@ -97,20 +98,20 @@ def fit_sensor(
 
     Args:
         pairs: measured and exact ranges.
-        range_max: longest range [m], as the pairs were made for.
+        range_max: longest range [m], the same as for the pairs.
         start: values to start from; None guesses them.
-        worth: independent rays that a ray is worth; intervals get wider by its root.
-        least_sigma: sigma_hit is not fitted below it [m]; the others are the likeliest with it.
+        worth: independent rays that a ray is worth; less makes intervals wider, by its square root.
+        least_sigma: smallest sigma_hit [m]; the other values are the likeliest ones with it.
 
     Raises:
-        FitError: too few rays, or too few returns from edges.
+        FitError: there are too few rays, or too few returns from edges.
     """
     _check(pairs)
     loss, least_sigma = beam_loss(pairs, range_max), max(least_sigma, LEAST_SIGMA)
     usable = pairs.sure | pairs.empty
     count, near = int(usable.sum()), float(np.median(pairs.sight[usable, 0]))
-    # Short ranges that get rarer over more than the longest range are as good as even; those that
-    # do over a third of the way to where sight begins would hardly ever be seen.
+    # Short ranges that decay over more than the longest range look uniform. Those that decay over
+    # less than a third of the distance to where sight begins would hardly ever be seen.
     rates = 1 / range_max, min(1000 / range_max, 3 / near if near > 0 else math.inf)
     least = np.array([0.0, 0.0, 0.0, least_sigma, rates[0]])
     most = np.array([1.0, 1.0, 1.0, math.inf, rates[1]])
@@ -139,12 +140,12 @@ def fit_sensor(
 
 
 def beam_loss(pairs: RangePairs, range_max: float) -> Loss:
-    """Minus the log-likelihood by ``COORDINATES`` (5,), and its slope.
+    """Return minus the log-likelihood by ``COORDINATES`` (5,), and its slope.
 
-    Of the rays that surely see an edge, and those that see none.
+    It is that of the rays that surely see an edge, and of those that see none.
     """
     has_range, usable = pairs.returned, pairs.sure | pairs.empty
-    # Those that returned come first: m of all.
+    # The m rays that returned come first.
     order = np.concatenate([np.flatnonzero(usable & kind) for kind in (has_range, ~has_range)])
     m, misses = int((usable & has_range).sum()), int((pairs.sure & ~has_range).sum())
     ranges, expected = pairs.measured[order[:m]], pairs.expected[order]
@@ -158,7 +159,7 @@ def beam_loss(pairs: RangePairs, range_max: float) -> Loss:
         clear_all = max(1 - short - rand, 1e-12)
         miss = min(max(none / clear_all, 1e-300), 1 - 1e-12)
         fades = np.exp(-rate * begin), np.exp(-rate * end)
-        # Nothing is 0 or less, so that values tried in vain are merely unlikely.
+        # All probabilities stay positive: bad values that the search tries are just unlikely.
         clear = np.maximum(1 - short * (fades[0] - fades[1]) - rand * view, 1e-300)
         fading = np.where(in_front, rate * np.exp(-rate * ranges), 0.0)
         normal = np.exp(-0.5 * np.square(errors / sigma)) / (sigma * math.sqrt(2 * math.pi))
@@ -184,7 +185,7 @@ def beam_loss(pairs: RangePairs, range_max: float) -> Loss:
 def _intervals(
     loss: Loss, peak: Peak, rates: tuple[float, float], worth: float
 ) -> dict[str, Interval]:
-    """By name; of shares at 0 up to where seeing none gets unlikely."""
+    """Return the intervals by name; for a share at 0, up to where seeing none gets unlikely."""
     covariance = peak.covariance / worth
     hit = 1 - float(peak.place[:3].sum())
     low, high = interval_of(hit, float(covariance[:3, :3].sum()), 1.0)
@@ -194,11 +195,11 @@ def _intervals(
         if peak.free[k]:
             intervals[name] = interval_of(value, float(covariance[k, k]), most)
         elif k < 3:
-            # Without short ranges any lambda_short is as good as another.
+            # Without short ranges, all values of lambda_short are equally good.
             places = [np.append(peak.place[:4], item) for item in rates if not peak.free[0]]
             peaks = [expansion(loss, item, peak.units, peak.free) for item in places]
             none = min(max(item.none_seen(k, worth) for item in (peak, *peaks)), 1.0)
-            # What another share may be more than 0, z_hit may be less.
+            # If another share may be above 0, z_hit may be smaller by as much.
             intervals[name], low = (0.0, none), low * (1 - none)
         else:
             intervals[name] = 0.0, value if name == "sigma_hit" else math.inf
@@ -206,7 +207,7 @@ def _intervals(
 
 
 def _check(pairs: RangePairs) -> None:
-    """Refuse what cannot be fitted."""
+    """Refuse pairs that cannot be fitted."""
     if pairs.sure.sum() < FEWEST_RAYS:
         raise FitError(
             f"{pairs.sure.sum()} rays surely see an edge; needed are {FEWEST_RAYS} or more: "
@@ -219,12 +220,12 @@ def _check(pairs: RangePairs) -> None:
 
 
 def _guess(pairs: RangePairs, range_max: float, least_sigma: float) -> Array:
-    """Where to start (5,): what is farther than five spreads from its edge is false."""
+    """Guess start values (5,): returns farther than five sigmas from their edge count as false."""
     errors = np.abs(pairs.residuals)
     sigma = max(TO_SD * float(np.median(errors[pairs.sure & pairs.returned])), least_sigma)
     wrong = pairs.returned & (pairs.sure | pairs.empty) & ~(pairs.sure & (errors <= 5 * sigma))
     short = pairs.measured[wrong & (pairs.measured <= pairs.expected)]
-    # None is one, for at 0 lambda_short has no slope.
+    # Each count is one or more: with a share of 0, lambda_short has no slope.
     kinds = np.array([wrong.sum() / 2, (pairs.sure & ~pairs.returned).sum(), wrong.sum() / 2]) + 1
     rate = 1 / float(short.mean()) if short.any() else 5 / range_max
     return np.array([*kinds / ((pairs.sure | pairs.empty).sum() + 4), sigma, rate])

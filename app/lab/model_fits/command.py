@@ -1,4 +1,4 @@
-"""What ``brickpose evaluate models`` does with its arguments."""
+"""Carries out ``brickpose evaluate models`` with its arguments."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LIMITS = {"repeats": (2, 10_000), "seeds": (2, 10_000), "first_seed": (0, 2**31)
 
 
 def models_command(given: Given) -> int:
-    """Measure one simulated robot, or a recording."""
+    """Measure one simulated robot, or evaluate a recording."""
     folder = given.get("out", OUT)
     if "recording" in given:
         files = given["recording"], given["truth"]

@@ -1,15 +1,16 @@
-"""Fitted parameters as settings, and as a file for ``--config``.
+"""Convert fitted parameters to settings, and to a file for ``--config``.
 
-``beam`` takes the six values of a fit as they are: densities by the metre and a chance of a miss,
-which is what they were fitted as.
+``beam`` takes the six values of a fit unchanged: densities per metre and the probability of a miss,
+as they were fitted.
 
-``likelihood_field`` and ``likelihood_field_prob`` are z_hit exp(-d^2 / 2 sigma_hit^2) + z_rand /
-range_max for a ray that returned, with z_hit + z_rand = 1: the normal distribution there is not
-divided by its width, and what is short is false too. So z_hit is the share of the returns that are
-from the edge, z_hit / (z_hit + z_short + z_rand), and z_rand the rest, as in nav2_amcl. For the
-ratio of the fitted densities z_rand would have to be sigma_hit sqrt(2 pi) / range_max times as
-great, a thousandth or so, which is below the setting's least value and tracks no better. z_short,
-z_max and lambda_short, which these models do not use, are set as for the beam model.
+``likelihood_field`` and ``likelihood_field_prob`` use z_hit exp(-d^2 / 2 sigma_hit^2) + z_rand /
+range_max for a ray that returned, with z_hit + z_rand = 1. There the normal distribution is not
+divided by its width, and short ranges count as false. So z_hit is the share of the returns that
+come from the edge, z_hit / (z_hit + z_short + z_rand), and z_rand is the rest, as in nav2_amcl. To
+get the ratio of the fitted densities, z_rand would have to be sigma_hit sqrt(2 pi) / range_max
+times as large. That is about a thousandth, below the setting's smallest value, and tracks no
+better. z_short, z_max and lambda_short, which these models do not use, are set as for the beam
+model.
 """
 
 from __future__ import annotations
@@ -29,19 +30,19 @@ from robot.settings import describe
 
 ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")
 DIGITS, NOTHING = 6, 1e-9
-"""Fitted values are written with so many digits; smaller ones are none."""
+"""Fitted values are written with this many digits; smaller values are written as zero."""
 
 Clipped = tuple[dict[str, float], dict[str, float]]
-"""Values within the ranges of the settings, and those as fitted that had to be brought there."""
+"""Values clipped to the ranges of the settings, and the fitted values of the clipped ones."""
 
 
 def fitted_settings(
     motion: MotionStatistics, sensor: SensorStatistics | None, config: Config
 ) -> Clipped:
-    """Settings by their path, brought into their range; and what was fitted for those that were.
+    """Return settings by path, clipped to their ranges, and the fitted values of clipped ones.
 
     Raises:
-        FitError: wheels are so far from the description that it is of another robot.
+        FitError: the wheels differ so much that the description must be of another robot.
     """
     settings = _wheels(motion)
     alphas = dict(zip(ALPHAS, motion.fit.motion.alphas, strict=True))
@@ -58,9 +59,9 @@ def fitted_settings(
 
 
 def fitted_sensor(fit: SensorFit, defaults: SensorParameters) -> Clipped:
-    """Fitted settings of a sensor model by name.
+    """Return the fitted settings of a sensor model by name.
 
-    A lambda_short of which the rays say nothing stays what it is.
+    If no ray was cut short, lambda_short keeps its default.
     """
     fit_values: dict[str, float] = asdict(fit.values)
     if "z_short" in fit.at_border:
@@ -77,10 +78,10 @@ def fitted_sensor(fit: SensorFit, defaults: SensorParameters) -> Clipped:
 
 
 def toml_of(settings: dict[str, Any], comments: tuple[str, ...] = ()) -> str:
-    """Settings by path as TOML text, a table for each group.
+    """Return settings by path as TOML text, with a table for each group.
 
     Raises:
-        SettingError: they would not be accepted.
+        SettingError: the settings are invalid.
     """
     with_settings(Config(), settings)
     lines = [f"# {' '.join(comment.split())}" for comment in comments]

@@ -1,4 +1,4 @@
-"""What every fit shares: where a likelihood is greatest, and 95 % intervals from its curvature."""
+"""Find the maximum of a likelihood, and 95 % intervals from its curvature, for all fits."""
 
 from __future__ import annotations
 
@@ -14,66 +14,67 @@ from scipy.optimize import Bounds, minimize
 from robot.geometry import Array
 
 NORMAL_95 = 1.959964
-"""95 % of a normal distribution lie within so many standard deviations."""
+"""95 % of a normal distribution lie within this many standard deviations."""
 NONE_SEEN = math.log(20)
-"""What is not there may be so great that seeing none had a chance of 5 %: the rule of three."""
+"""A share of which none was seen may be so large that seeing none had a chance of 5 %: the rule of
+three."""
 WELL_KNOWN = 0.5
 """Up to this standard deviation of its logarithm, a value's logarithm is taken as normal."""
 FLAT = 1e-9
-"""A likelihood that is bent less, by the units of its values, tells nothing."""
+"""A likelihood with less curvature than this, in units of its values, determines nothing."""
 AT_BORDER = 1e-6
-"""So near to a border, in units of the values, is at it."""
+"""A value this near to a border, in units of the values, is at the border."""
 STEP = 1e-4
-"""Of the differences of slopes that make the curvature, as a share of a value."""
+"""Step of the finite differences of slopes that give the curvature, as a share of a value."""
 
 Interval = tuple[float, float]
 Loss = Callable[[Array], tuple[float, Array]]
-"""Minus the logarithm of the likelihood at a place (k,), and its slope there (k,)."""
+"""Minus the log-likelihood at a point (k,), and its slope there (k,)."""
 
 
 class FitError(ValueError):
-    """The data do not tell what is asked of them; the message says what is needed."""
+    """The data are not enough for the fit; the message says what is needed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """Where a likelihood is greatest, and its second-order expansion there."""
+    """The maximum of a likelihood, and its second-order expansion there."""
 
     place: Array
-    """(k,)"""
+    """(k,) the values at the maximum."""
     units: Array
-    """(k,): about how great values are, or how much they change."""
+    """(k,): typical sizes of the values, or of their changes."""
     log_likelihood: float
     slope: Array
-    """(k,) of minus the log-likelihood: not 0 where the place is at a border."""
+    """(k,) of minus the log-likelihood: not 0 for values at a border."""
     information: Array
     """(k, k): second derivatives of minus the log-likelihood."""
     free: NDArray[np.bool_]
-    """(k,): values that are at no border."""
+    """(k,): whether a value is at no border."""
     iterations: int
 
     @property
     def converged(self) -> bool:
-        """Whether the likelihood's logarithm would rise by less than a thousandth."""
+        """Whether the log-likelihood could rise by less than a thousandth."""
         return float(self.slope @ self.covariance @ self.slope) / 2 < 1e-3
 
     @property
     def covariance(self) -> Array:
-        """(k, k) of the values, normal about the place; 0 for those at a border."""
+        """(k, k) of the values, taken as normal about the maximum; 0 for those at a border."""
         inner = np.ix_(self.free, self.free)
         inner_bends, covariance = self.information[inner], np.zeros_like(self.information)
         sizes = np.outer(self.units, self.units)[inner]
         values, axes = np.linalg.eigh(inner_bends * sizes)
-        # Where nothing is known, variances are immense.
+        # Directions that the data do not determine get huge variances.
         covariance[inner] = (axes / np.maximum(values, FLAT)) @ axes.T * sizes
         return covariance
 
     def none_seen(self, k: int, worth: float = 1.0) -> float:
-        """How great a value may be that is at its least border, 0: by the rule of three.
+        """Return how large a value at its lower border, 0, may be, by the rule of three.
 
-        Where the parabola of the likelihood, the free values at their best, has fallen by
-        ``NONE_SEEN``, or its tangent if it is bent the other way. Of data that repeat themselves
-        each counts its worth.
+        It is where the parabola of the log-likelihood, with the free values at their best, has
+        fallen by ``NONE_SEEN``; the tangent is used if the parabola bends upwards. The worth is the
+        weight of each datum, less than 1 if data repeat themselves.
         """
         row = self.information[k]
         bend = max(float(row[k] - row @ self.covariance @ row), 0.0)
@@ -82,14 +83,14 @@ class Peak:
 
 
 def likeliest(loss: Loss, start: Array, units: Array, least: Array, most: Array) -> Peak:
-    """Find where a likelihood is greatest.
+    """Find the maximum of a likelihood.
 
     Args:
         loss: minus the log-likelihood and its slope.
         start: (k,) where to begin.
-        units: (k,) about how great values are, or how much they change.
-        least: (k,) least values.
-        most: (k,) greatest values.
+        units: (k,) typical sizes of the values, or of their changes.
+        least: (k,) smallest values.
+        most: (k,) largest values.
     """
 
     def scaled(place: Array) -> tuple[float, Array]:
@@ -99,7 +100,7 @@ def likeliest(loss: Loss, start: Array, units: Array, least: Array, most: Array)
     begin, limits = start / units, Bounds(least / units, most / units)
     options: Any = {"maxfun": 5000, "ftol": 1e-7, "xtol": 1e-9}
     options |= {"scale": np.ones(len(units)), "offset": begin}
-    # L-BFGS-B takes ten times as long where its small matrices meet busy cores.
+    # L-BFGS-B takes ten times as long with its small matrices on busy cores.
     result = minimize(scaled, begin, jac=True, method="TNC", bounds=limits, options=options)
     place: Array = result.x * units
     free = np.ones(len(place), dtype=np.bool_)
@@ -116,9 +117,9 @@ def expansion(
     free: NDArray[np.bool_],
     iterations: int = 0,
 ) -> Peak:
-    """A likelihood about a place (k,); the arguments are those of ``likeliest`` and ``Peak``.
+    """Expand a likelihood about a point (k,); see ``likeliest`` and ``Peak`` for the arguments.
 
-    The curvature is of differences of the slope; a value is not taken below 0 for that.
+    The curvature comes from differences of the slope; these keep values from going below 0.
     """
     value, slope = loss(place)
     columns = []
@@ -131,10 +132,11 @@ def expansion(
 
 
 def interval_of(value: float, variance: float, most: float = math.inf) -> Interval:
-    """95 % interval of a value from 0 to the most that it can be.
+    """Return the 95 % interval of a value between 0 and its largest possible value.
 
-    Its logarithm, or log-odds if it has a most, is taken as normal where it is well known; else
-    the value itself is, the interval may begin at 0, and ends as that of a value at 0 does.
+    If the value is well known, its logarithm is taken as normal, or its log-odds if there is a
+    largest value. Else the value itself is taken as normal; then the interval may begin at 0, and
+    it ends like that of a value at 0.
     """
     deviation, slope = math.sqrt(variance), value * (1 - value / most)
     if deviation >= WELL_KNOWN * slope:

@@ -1,4 +1,4 @@
-"""``brickpose evaluate models``: statistics, fitted parameters, and what they are worth."""
+"""``brickpose evaluate models``: statistics, fitted parameters, and how well these perform."""
 
 from __future__ import annotations
 
@@ -26,29 +26,29 @@ FITTED = "fitted.toml"
 
 @dataclass(frozen=True)
 class ModelsJob:
-    """What is measured with one simulated robot."""
+    """The measurements of one simulated robot."""
 
     config: Config
     world: str
     robot: int
-    """Seed of its dimensions."""
+    """Seed of the robot's dimensions."""
     repeats: int
-    """Of each motion."""
+    """Number of drives of each motion."""
     seeds: int
-    """Runs in which fitted and default settings are compared."""
+    """Number of runs that compare fitted and default settings."""
     laps: int = 2
-    """Of the figure-eight in each of them."""
+    """Laps of the figure-eight in each of these runs."""
     drives: int = 3
-    """Of the figure-eight whose scans are compared with exact ones."""
+    """Number of figure-eights whose scans are compared with exact ones."""
     seconds: float = 32.0
-    """How long each takes [s]."""
+    """Duration of each of these figure-eights [s]."""
 
 
 def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
     """Measure one simulated robot; write ``results.json``, ``report.html``, ``fitted.toml``.
 
     Raises:
-        EvaluationError, FitError: a drive cannot be made, or tells too little.
+        EvaluationError, FitError: a drive cannot be made, or is not enough for a fit.
         OSError: the folder cannot be written.
     """
     config = with_settings(job.config, {"sim.imperfections.robot": job.robot, "seed": job.robot})
@@ -75,19 +75,19 @@ def evaluate_recorded_models(
     clock: float | None,
     config: Config,
 ) -> Table:
-    """The same of recorded odometry with truth, for what that tells: motion.
+    """Evaluate recorded odometry with truth, and write the same files; only motion is evaluated.
 
     Args:
-        recording: odometry.
-        truth: the true trajectory.
+        recording: file of the odometry.
+        truth: file of the true trajectory.
         folder: for ``results.json``, ``report.html`` and ``fitted.toml``.
         body: which rigid body of a Motive file.
         clock: what to add to odometry's stamps [s]; None estimates it.
-        config: the robot's and the filter's settings.
+        config: settings of the robot and the filter.
 
     Raises:
-        TrajectoryError: a file cannot be read, they are not of one run, or too little was driven;
-            says what is needed.
+        TrajectoryError: a file cannot be read, the files are not of one run, or the robot drives
+            too little; says what is needed.
         OSError: the folder cannot be written.
     """
     odometry, true = read_trajectory(recording), read_trajectory(truth, body)
@@ -111,7 +111,7 @@ def _written(
     sensor: SensorStatistics | None,
     comparison: Table | None,
 ) -> Table:
-    """Write all files; the results."""
+    """Write all files and return the results."""
     settings, excesses = fitted_settings(motion, sensor, config)
     results = {
         "experiment": facts | {"settings": changed_settings(config), "versions": versions()},
@@ -124,7 +124,7 @@ def _written(
         f"{path} was fitted as {value:.6g}, which it may not be."
         for path, value in excesses.items()
     )
-    # So that a simulated run has the robot that was measured.
+    # A simulated run with this file then has the robot that was measured.
     robot = {"sim.imperfections.robot": facts["robot"]} if "robot" in facts else {}
     (folder / FITTED).write_text(toml_of(settings | robot, comments), encoding="utf-8")
     page = models_report(results, motion, sensor, config)
@@ -134,7 +134,7 @@ def _written(
 
 
 def _compared(config: Config, settings: Table, job: ModelsJob, workers: Workers) -> Table:
-    """The experiment with the same robot, as it is set and as it was fitted."""
+    """Run the experiment with the default and with the fitted settings, for the same robot."""
     summary = {}
     for name, config_used in (("default", config), ("fitted", with_settings(config, settings))):
         experiment = Experiment(config_used, (job.world,), job.robot + 1000, job.seeds, job.laps)

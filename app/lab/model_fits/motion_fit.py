@@ -1,4 +1,4 @@
-"""All that drives with truth tell of odometry: its steady errors, and how the rest spreads."""
+"""Fit odometry's systematic errors, and the spread of the remaining ones, to drives with truth."""
 
 from __future__ import annotations
 
@@ -23,76 +23,77 @@ from app.lab.model_fits.windows import Windows, together, windows
 from robot.geometry import Array
 
 HORIZONS = (5.0, 10.0, 20.0)
-"""Windows that alphas are fitted to [s], the correction to the first. In shorter ones stamps that
-are a little off look like noise; and of one length alone, what grows with the way is hard to tell
-from what is always there."""
+"""Lengths of the windows that the alphas are fitted to [s]; the correction uses the first. In
+shorter windows small errors of stamps look like noise. With one length alone, errors that grow
+with the distance are hard to separate from constant ones."""
 
 ROUNDS, ENOUGH = 8, 0.01
-"""No more rounds are needed, and none after one that moves all by less of its deviation."""
+"""Largest number of rounds; they end when all values move by less than this share of their standard
+deviation."""
 
 STRETCH = 32
-"""Windows of a stretch, 40 s: errors farther apart are taken as independent."""
+"""Number of windows in a stretch (40 s): errors farther apart are taken as independent."""
 
 LEAST_WINDOWS = 20
-"""A variance from fewer independent windows is known to less than a factor of two."""
+"""From fewer independent windows a variance is not even known to a factor of two."""
 
 LEAST_TURN, LEAST_WAY = 0.05, 0.01
-"""What windows must turn by [rad] and go [m] on the mean so that errors of that can be told."""
+"""Windows must turn by at least this [rad] and move by this [m] on average, to show such errors."""
 
 NOTHING = 1e-13
-"""Least alpha, and least variance of the truth [m², rad²]."""
+"""Smallest alpha, and smallest variance of the truth [m², rad²]."""
 
 TYPICAL = 0.01
-"""How large errors of distance, turn and curvature are."""
+"""Typical size of the errors of distance, turn and curvature."""
 
 
 @dataclass(frozen=True)
 class MotionFit:
-    """Alphas of ``DifferentialMotion``, for steps of one length, with what is left at rest."""
+    """Alphas of ``DifferentialMotion`` for steps of one length, and the errors left at rest."""
 
     alphas: tuple[float, float, float, float]
     intervals: tuple[Interval, ...]
-    """95 % intervals of the alphas; from 0 on where the data would do without."""
+    """95 % intervals of the alphas; they begin at 0 if the data may not need the alpha."""
     floor_xy: float
-    """Standard deviation along and across of a pose, at both ends of a motion [m]: truth errs too,
-    and encoders count in whole steps."""
+    """Standard deviation along and across of a pose, at both ends of a motion [m]: the truth has
+    errors too, and encoders count in whole steps."""
     floor_theta: float
-    """The same of the heading [rad]."""
+    """The same for the heading [rad]."""
     independent: float
-    """How many independent windows it is from."""
+    """Number of independent windows in the fit."""
     step: float
-    """Time of a step [s]; the alphas hold for this one."""
+    """Duration of a step [s]; the alphas hold for this duration."""
 
     @property
     def factors(self) -> Array:
-        """(6,) of the parts of windows: alphas and the floors' variances."""
+        """(6,) of the parts of windows: the alphas and the variances of the floors."""
         return np.array([*self.alphas, self.floor_xy**2, self.floor_theta**2])
 
 
 @dataclass(frozen=True)
 class DriveFit:
-    """Odometry's steady errors and the motion model's alphas."""
+    """Odometry's systematic errors and the motion model's alphas."""
 
     correction: DriveCorrection
     intervals: tuple[Interval, ...]
     """95 % intervals of distance, turn and curvature."""
     motion: MotionFit
-    """What is left, odometry being corrected."""
+    """The errors that remain after the correction."""
 
 
 def fit_drive(runs: Sequence[MotionRun], *, track: float = 0.0) -> DriveFit:
-    """Find correction and alphas under which truth is likeliest.
+    """Find the correction and the alphas under which the truth is likeliest.
 
-    The correction with the shortest windows and their alphas, in rounds, as errors are linear in it
-    only near by. Then the
-    alphas with windows of all lengths: a composite likelihood (Varin, Reid and Firth 2011), as they
-    are parts of each other.
+    First the correction is fitted to the shortest windows together with their alphas. That takes
+    rounds, as errors are linear in the correction only for small changes. Then the alphas are
+    fitted to windows of all lengths. As these overlap, this is a composite likelihood (Varin, Reid
+    and Firth 2011).
 
-    Drives have even stamps, all with the same step; one that is shorter than a window is a window
-    as a whole. The track is what odometry believes in [m], if it is known.
+    Drives have even stamps, all with the same step. A drive that is shorter than a window is one
+    window. The track [m] is the one that odometry assumes, if it is known.
 
     Raises:
-        FitError: too little was driven or turned; says what is needed.
+        FitError: the robot drives or turns too little; says what is needed.
     """
     values, start = np.array([1.0, 1.0, 0.0]), None
     for _ in range(ROUNDS):
@@ -109,16 +110,16 @@ def fit_drive(runs: Sequence[MotionRun], *, track: float = 0.0) -> DriveFit:
     several = [windows(runs, horizon, correction, keep_short=True) for horizon in HORIZONS]
     intervals = tuple(zip(low.tolist(), high.tolist(), strict=True))
     cut = together(several)
-    # Three numbers of the correction make errors smaller, as a mean does those of a sample.
+    # The fitted correction makes the errors smaller, as subtracting a sample's mean does.
     growth = math.sqrt(cut.independent / (cut.independent - 1))
     return DriveFit(correction, intervals, fit_motion(replace(cut, errors=growth * cut.errors)))
 
 
 def _reach(cut: Windows, peak: Peak) -> Array:
-    """Half the 95 % intervals (3,) of the correction, from how much each stretch pulls at it.
+    """Return half the 95 % intervals (3,) of the correction.
 
-    The curvature says what that does (the sandwich of Huber 1967): errors that last make stretches
-    pull more.
+    They come from the scores of the stretches and the curvature (the sandwich of Huber 1967):
+    errors that last long make the scores of stretches larger.
     """
     errors = cut.errors + cut.slopes @ peak.place[6:]
     pulls = np.linalg.solve(cut.covariances(peak.place[:6]), errors[..., None])[..., 0]
@@ -136,12 +137,12 @@ def _reach(cut: Windows, peak: Peak) -> Array:
 def fit_motion(cut: Windows) -> MotionFit:
     """Find the alphas under which the errors of windows are likeliest.
 
-    Windows that overlap count as many as would fit side by side. They tell a little more than
-    those, so the intervals are somewhat too wide, which is left, as real errors are never quite
-    what the model says.
+    Windows that overlap count as many as would fit side by side. They contain a little more
+    information than that, so the intervals are somewhat too wide. This is accepted, as real errors
+    never follow the model exactly.
 
     Raises:
-        FitError: too few windows, or too little was turned or driven; says what is needed.
+        FitError: there are too few windows, or they turn or move too little; says what is needed.
     """
     peak = _peak(cut, cut.slopes[..., :0])
     variances = np.diag(peak.covariance)
@@ -162,9 +163,9 @@ def fit_motion(cut: Windows) -> MotionFit:
 
 
 def motion_loss(cut: Windows, slopes: Array) -> Loss:
-    """Minus the log-likelihood, by factors (6,) of the windows' parts and a correction (c,).
+    """Return minus the log-likelihood, by factors (6,) of the windows' parts and a correction (c,).
 
-    By the correction their errors have the slopes (n, 3, c).
+    The slopes (n, 3, c) are the derivatives of the errors by the correction.
     """
     flat = cut.parts.reshape(len(cut.parts), -1)
 
@@ -186,7 +187,7 @@ def _peak(cut: Windows, slopes: Array, start: Array | None = None) -> Peak:
     _check_enough(cut)
     spread = cut.errors.T @ cut.errors / len(cut) + 1e-12 * np.eye(3)
     sizes = np.einsum("ij,cnji->c", np.linalg.inv(spread), cut.parts) / len(cut)
-    # Each part explains as much as another.
+    # Start with parts that explain equally much.
     even = np.maximum(3 / (len(sizes) * np.maximum(sizes, 1e-12)), 10 * NOTHING)
     count = slopes.shape[-1]
     none = np.zeros(count)

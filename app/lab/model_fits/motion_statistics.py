@@ -1,4 +1,4 @@
-"""What repeated motions, or a recording, tell of odometry and of the motion model."""
+"""Statistics of odometry and of the motion model, from repeated motions or from a recording."""
 
 from __future__ import annotations
 
@@ -29,36 +29,36 @@ from sim.imperfections import draw
 
 @dataclass(frozen=True, eq=False)
 class EndSpread:
-    """Errors at the end of a motion, driven several times."""
+    """Errors at the end of a motion that is driven several times."""
 
     motion: str
     errors: Array
-    """(n, 3) [m, m, rad]: the true end seen from that by odometry, as a twist: along, across,
+    """(n, 3) [m, m, rad]: the true end seen from the end by odometry, as a twist: along, across,
     heading."""
     predicted: Array
     """(3, 3): their covariance by the motion model, the mean over the runs."""
     distances: Array
-    """(n,): squared Mahalanobis distances of the errors by the model's covariance of each run; 3
-    on the mean where the model is right."""
+    """(n,): squared Mahalanobis distances of the errors by the model's covariance of each run; the
+    mean is 3 if the model is right."""
 
 
 @dataclass(frozen=True)
 class MotionStatistics:
-    """Odometry's steady errors, the alphas of what is left, and how both do."""
+    """Odometry's systematic errors, the alphas of the remaining errors, and tests of both."""
 
     fit: DriveFit
     umbmark: Umbmark | None
     """None without squares."""
     multipliers: WheelMultipliers
-    """What the wheels are corrected by, as fitted to all that was driven."""
+    """The fitted correction of the wheels."""
     true: WheelMultipliers | None
-    """What they should be; only a simulator knows."""
+    """The true correction; only a simulator knows it."""
     ends: tuple[tuple[EndSpread, EndSpread], ...]
-    """For each motion its ends: by the model as it is set, and corrected and fitted."""
+    """For each motion its ends: by the model as it is set, and by the corrected and fitted one."""
     held: tuple[Held, ...]
-    """Regions fitted to the first half of a recording, and what they held of the second."""
+    """Regions fitted to the first half of a recording, tested on the second half."""
     clock_offset: float
-    """What was added to odometry's stamps [s]."""
+    """Time added to odometry's stamps [s]."""
 
 
 def repeated_motions(
@@ -68,7 +68,7 @@ def repeated_motions(
 
     Raises:
         EvaluationError: a motion cannot be driven.
-        FitError: too few repeats to tell.
+        FitError: there are too few repeats.
     """
     spec, config = RobotSpec.load(), in_world(config, world)
     robot = trial_robot(spec, config)
@@ -90,7 +90,7 @@ def repeated_motions(
 
 
 def trial_robot(spec: RobotSpec, config: Config) -> TrialRobot:
-    """The robot that a configuration draws, for motions without a camera."""
+    """Return the robot that the configuration's seed draws, for motions without a camera."""
     seed, imperfect = max(config.sim.imperfections.robot, 0), config.sim.imperfections
     if config.robot == "kinematic":
         imperfect = replace(imperfect, slip_sd=0.0, encoder_step=0.0)
@@ -104,9 +104,10 @@ def trial_robot(spec: RobotSpec, config: Config) -> TrialRobot:
 def end_spreads(
     runs: Sequence[MotionRun], factors: Array, correction: DriveCorrection
 ) -> list[EndSpread]:
-    """The ends of runs, one entry for each motion in the order in which they come.
+    """Return the ends of runs, one entry for each motion in order of appearance.
 
-    Runs have the even stamps that the model's alphas are for; factors (6,) are those of windows.
+    Runs need the even stamps that the model's alphas are for. The factors (6,) are those of
+    windows.
 
     Raises:
         FitError: a motion was driven only once.
@@ -119,7 +120,7 @@ def end_spreads(
         longest = max(run.duration for run in same)
         ends = windows(same, longest, correction, stride=longest, keep_short=True)
         covariances = ends.covariances(factors)
-        # A run that stood still has no spread, and no error either.
+        # A run that stands still has no spread and no error.
         inverses = np.linalg.pinv(covariances, hermitian=True)
         distances = np.einsum("ni,nij,nj->n", ends.errors, inverses, ends.errors)
         spreads.append(EndSpread(name, ends.errors, covariances.mean(axis=0), distances))
@@ -129,13 +130,13 @@ def end_spreads(
 def recorded_motion(
     odometry: Trajectory, truth: Trajectory, clock_offset: float, config: Config
 ) -> MotionStatistics:
-    """Fit to the first half of a recording, and try it on the second.
+    """Fit to the first half of a recording, and test the fit on the second half.
 
-    The offset [s] is added to odometry's stamps; the wheel multipliers of the configuration, with
-    which odometry was reckoned, are corrected further.
+    The clock offset [s] is added to odometry's stamps. Odometry was computed with the wheel
+    multipliers of the configuration, so the fit corrects these further.
 
     Raises:
-        FitError: too little was driven, or turned; says what is needed.
+        FitError: the robot drives or turns too little; says what is needed.
     """
     believed = config.drive.multipliers
     tracks = odometry.stamps, odometry.poses, truth.stamps, truth.poses

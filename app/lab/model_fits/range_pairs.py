@@ -1,4 +1,4 @@
-"""Measured ranges beside those that exact edges give from the true poses, and how they differ."""
+"""Pair measured ranges with the exact ones at the true poses, and compute their errors."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ from robot.scan import Scan
 
 FAR_OFF = 0.03
 """A return farther than this from the expected edge is false [m], as in the scanner's benchmark:
-a hundred times the spread of a good range, and less than the 50 mm to the tape's other edge."""
+it is a hundred times the spread of a good range, and less than the 50 mm to the tape's other
+edge."""
 
 TO_SD = 1.4826
-"""Standard deviation of a normal distribution by its median absolute deviation."""
+"""Ratio of standard deviation to median absolute deviation, for a normal distribution."""
 
 
 @dataclass(frozen=True)
 class RangePairs:
-    """n rays of some scans, each with what it measured and what it should have.
+    """n rays of some scans, each with its measured and its expected range.
 
-    Rays that see nowhere are left out; ``scan`` and ``ray`` tell which those here are.
+    Rays without any sight are left out; ``scan`` and ``ray`` say which rays these are.
     """
 
     measured: Array
     """(n,) [m]; +inf is no return."""
     expected: Array
-    """(n,) to the first edge from where sight begins [m]; +inf is none within the range.
+    """(n,) [m] range to the first edge after the begin of sight; +inf if none is within the range.
 
-    Of a ray that returned from about where sight begins: from ``NEAR`` before that.
+    For a ray that returned from about the begin of sight, edges count from ``NEAR`` before it.
     """
     bearings: Array
     """(n,) [rad] from +x of the scan's centre, anticlockwise."""
@@ -44,9 +45,9 @@ class RangePairs:
     ray: NDArray[np.int64]
     """(n,) number of the ray within its scan."""
     sure: NDArray[np.bool_]
-    """(n,) whether the ray surely sees the expected edge, as the beam model (``Beam``) has it."""
+    """(n,) whether the ray surely sees the expected edge, as the beam model (``Beam``) defines."""
     sight: Array
-    """(n, 2) from where to where the ray can see [m], ending at the longest range at most."""
+    """(n, 2) begin and end of the ray's sight [m]; the end is at most the longest range."""
 
     def __len__(self) -> int:
         return len(self.measured)
@@ -63,7 +64,7 @@ class RangePairs:
 
     @property
     def right(self) -> NDArray[np.bool_]:
-        """(n,) whether the ray returned what it should, within ``FAR_OFF``."""
+        """(n,) whether the ray returned the expected range, within ``FAR_OFF``."""
         return np.abs(self.residuals) < FAR_OFF
 
     @property
@@ -78,12 +79,12 @@ class RangePairs:
 def pair_ranges(
     field: Field, scans: Sequence[Scan], poses: Sequence[Pose2], range_max: float
 ) -> RangePairs:
-    """Cast the rays of scans, from where they truly were measured, at a field's exact edges.
+    """Cast the rays of scans from their true poses at a field's exact edges.
 
-    Returns from beyond the longest range [m] count as none.
+    Returns from beyond the longest range [m] count as no return.
 
     Raises:
-        ValueError: no scans, or not as many poses.
+        ValueError: there are no scans, or another number of poses.
     """
     if not scans or len(scans) != len(poses):
         raise ValueError(
@@ -92,7 +93,7 @@ def pair_ranges(
     cut_scans = [scan.within(0.0, range_max) for scan in scans]
     counts = [len(scan.ranges) for scan in cut_scans]
     measured = np.concatenate([scan.ranges for scan in cut_scans])
-    # A sensor that tells no borders of its sight sees everywhere.
+    # A sensor that does not give the borders of its sight sees everywhere.
     everywhere = np.array([[0.0, np.inf]])
     sight = np.concatenate(
         [
@@ -102,7 +103,7 @@ def pair_ranges(
     )
     sighted = np.array([scan.sight is not None for scan in cut_scans]).repeat(counts)
     near, far = sight.T
-    # The line of an edge that is seen beside a ray also ends the ray a little before its sight.
+    # The line of an edge seen beside a ray may also end the ray a little before its sight begins.
     begin = near - np.minimum(NEAR, near) * (measured < near + NEAR)
     centres = [pose @ scan.robot_from_scan for pose, scan in zip(poses, cut_scans, strict=True)]
     bearings = np.concatenate([scan.bearings for scan in cut_scans])
@@ -123,13 +124,13 @@ def pair_ranges(
 
 
 def _cast(field: Field, starts: Array, begin: Array, range_max: float) -> Array:
-    """Distances (n,) from the starts to the first edges that are met from a distance on [m].
+    """Return distances (n,) [m] from the starts to the first edges beyond the begin of sight.
 
     Tape below the camera's view hides nothing, so a ray is cast from where its sight begins.
     """
     begins = starts.copy()
     begins[:, :2] += begin[:, None] * heading_vectors(starts[:, 2])
-    # A ray that sees nowhere is cast all the same, and left out later.
+    # A ray without any sight is cast too, and left out later.
     ways = np.empty((len(starts), 1))
     cast_rays(np.nan_to_num(begins), np.zeros(1), field.edge_index, range_max, ways)
     expected: Array = begin + ways[:, 0]
@@ -138,51 +139,51 @@ def _cast(field: Field, starts: Array, begin: Array, range_max: float) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class RangeStatistics:
-    """The rays of one bin. A figure of which there is nothing to tell is nan."""
+    """Statistics of the rays of one bin. A figure without rays is nan."""
 
     low: float
-    """Of the bin [m] or [rad]."""
+    """Lower border of the bin [m] or [rad]."""
     high: float
     count: int
-    """Rays that returned what they should, within ``FAR_OFF``: bias and spread are of these."""
+    """Rays that returned the expected range, within ``FAR_OFF``: bias and spread are of these."""
     bias: float
-    """Mean of measured minus exact [m]."""
+    """Mean of measured minus exact range [m]."""
     sd: float
-    """Standard deviation of it [m]."""
+    """Standard deviation of measured minus exact range [m]."""
     robust_sd: float
-    """1.4826 times the median absolute deviation [m]: what it is without the worst ones."""
+    """1.4826 times the median absolute deviation [m]: the standard deviation without outliers."""
     expected: int
     """Rays that surely see an edge."""
     missed: float
-    """Share of those that do not report it: no return, or one that is false."""
+    """Share of those without a right return: no return, or a false one."""
     returns: int
     """Rays that returned anything."""
     false: float
-    """Share of those where nothing is: farther than ``FAR_OFF`` from the edge, or without one."""
+    """Share of those with a false return: farther than ``FAR_OFF`` from the edge, or no edge."""
 
 
 def by_distance(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
-    """Statistics between borders (k + 1,) [m], rising.
+    """Return statistics between borders (k + 1,) [m], rising.
 
-    What should have been seen counts by its exact distance, what was returned by its measured one.
+    Expected ranges are sorted into bins by their exact distance, returns by their measured one.
     """
     return _by(pairs, pairs.expected, pairs.measured, borders)
 
 
 def by_bearing(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
-    """Statistics between borders (k + 1,) of bearings [rad], rising."""
+    """Return statistics between borders (k + 1,) of bearings [rad], rising."""
     return _by(pairs, pairs.bearings, pairs.bearings, borders)
 
 
 def overall(pairs: RangePairs) -> RangeStatistics:
-    """Statistics of all rays."""
+    """Return statistics of all rays."""
     return _by(pairs, pairs.bearings, pairs.bearings, np.array([-math.inf, math.inf]))[0]
 
 
 def _by(
     pairs: RangePairs, expected: Array, measured: Array, borders: Array
 ) -> list[RangeStatistics]:
-    """Of the rays from each border on to before the next, as expected and as measured."""
+    """Return statistics of the rays between borders, by expected and by measured values."""
     right, bins = pairs.right, []
     for low, high in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
         due, came = ((low <= values) & (values < high) for values in (expected, measured))

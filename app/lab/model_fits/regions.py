@@ -1,4 +1,4 @@
-"""Regions that should hold 95 % of the true ends of a motion, and what they do hold."""
+"""Regions that should hold 95 % of the true ends of a motion, and tests of what they hold."""
 
 from __future__ import annotations
 
@@ -22,60 +22,60 @@ HORIZONS = (1.0, 5.0, 20.0)
 """Times over which ends of motions are predicted [s]."""
 
 SHARE = 0.95
-"""What regions should hold, and how sure intervals are."""
+"""Share that regions should hold, and level of the intervals."""
 
 STRIDES = 10
-"""Windows begin this many times in a horizon."""
+"""Number of windows that begin within one horizon."""
 
 LEAST_WINDOWS = 10
-"""The largest of fewer distances holds less than 90 % of others."""
+"""With fewer distances, even the largest holds less than 90 % of others."""
 
 Judgement = Literal["honest", "too sure", "too cautious"]
 
 
 @dataclass(frozen=True)
 class Region:
-    """Where motions of one length should end: an ellipsoid about odometry's end, as a twist."""
+    """Where motions of one duration should end: an ellipsoid of twists about odometry's end."""
 
     horizon: float
     """[s]"""
     share: float
-    """What share of the ends it should hold."""
+    """The share of the ends that the region should hold."""
     threshold: float
     """Largest squared Mahalanobis distance of an end inside, by the fitted covariance."""
     independent: float
-    """How many windows side by side it was taken from."""
+    """Number of windows side by side that the region was fitted to."""
     sd_along: float
-    """Standard deviation of the ends along the way [m], root mean square over the windows."""
+    """Standard deviation of the ends along the path [m], root mean square over the windows."""
     sd_across: float
-    """The same across [m]."""
+    """The same across the path [m]."""
     sd_heading: float
-    """The same of the heading [rad]."""
+    """The same for the heading [rad]."""
 
     @property
     def stretch(self) -> float:
-        """How much wider it is than normal errors of the fitted covariance would need."""
+        """How much wider it is than for normal errors with the fitted covariance."""
         return math.sqrt(self.threshold / float(chi2.ppf(self.share, 3)))
 
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """A region, and what it held of drives that it was not fitted to."""
+    """A region, and the share that it held of drives that it was not fitted to."""
 
     region: Region
     share: float
-    """Of all windows of its length."""
+    """The share of all windows of its length that the region holds."""
     interval: Interval
-    """Of 95 %: which shares of endless drives like these this one may come from."""
+    """95 % interval of the share in endless drives like these."""
     independent: float
-    """How many independent windows the share is worth."""
+    """Number of independent windows that the share is worth."""
 
     @property
     def judgement(self) -> Judgement:
-        """Whether the share that it should hold is in the interval; else on which side it errs.
+        """Whether the interval contains the share that the region should hold; else on which side.
 
-        Honest therefore means not refuted: of few windows the interval is wide. From fewer than
-        72 it reaches below 95 % even if all are held.
+        "honest" only means not refuted: with few windows the interval is wide. With fewer than 72
+        windows it reaches below 95 % even if all are held.
         """
         low, high = self.interval
         if high < self.region.share:
@@ -84,7 +84,7 @@ class Held:
 
 
 def usable_horizons(runs: Sequence[MotionRun]) -> tuple[float, ...]:
-    """The horizons that drives have enough windows of to fit regions."""
+    """Return the horizons for which drives have enough windows to fit regions."""
     return tuple(
         horizon
         for horizon in HORIZONS
@@ -95,15 +95,15 @@ def usable_horizons(runs: Sequence[MotionRun]) -> tuple[float, ...]:
 def fit_region(
     runs: Sequence[MotionRun], correction: DriveCorrection, fit: MotionFit, horizon: float
 ) -> Region:
-    """The region that holds its share of drives like these.
+    """Fit the region that holds its share of drives like these.
 
-    The threshold is the split-conformal quantile (Lei et al. 2018): of n windows that do not
-    overlap the ceil((n + 1) share)-th smallest distance, whatever the distances are distributed
-    like; the largest where there are fewer than 19 for 95 %. Side by side windows can be laid from
-    ten places on; their thresholds are averaged.
+    The threshold is the split-conformal quantile (Lei et al. 2018). Of n windows that do not
+    overlap, it is the ceil((n + 1) share)-th smallest distance, whatever the distribution of the
+    distances. For 95 % and fewer than 19 windows it is the largest distance. Windows side by side
+    can begin at ten different offsets; the thresholds of these are averaged.
 
     Raises:
-        FitError: there are too few windows to tell of such a share; says what it takes.
+        FitError: there are too few windows for such a share; says how many are needed.
     """
     cut = _windows(runs, horizon, correction)
     if cut.independent < LEAST_WINDOWS:
@@ -112,7 +112,7 @@ def fit_region(
             f"them; it takes {LEAST_WINDOWS}: {LEAST_WINDOWS * horizon:g} s of driving"
         )
     distances = np.split(squared_distances(cut, fit), np.flatnonzero(np.diff(cut.drive)) + 1)
-    # Drives that are only just as long as the horizon fill the first places alone.
+    # A drive that is hardly longer than the horizon has windows at the first offsets only.
     rows = (
         np.concatenate([item[place::STRIDES] for item in distances]) for place in range(STRIDES)
     )
@@ -126,15 +126,16 @@ def fit_region(
 def held_by(
     runs: Sequence[MotionRun], correction: DriveCorrection, fit: MotionFit, region: Region
 ) -> Held:
-    """What a region holds of the true ends of drives.
+    """Return the share of the true ends of drives that a region holds.
 
-    The windows overlap, and an error that lasts longer than a window shows in several side by
-    side, so they are worth far fewer independent ones: n / (1 + 2 sum of rho_k), with rho_k the
-    correlation of being held k windows apart, summed up to the first that is not positive; and no
-    more than lie side by side. The interval is Clopper and Pearson's (1934) for so many.
+    The windows overlap, and an error that lasts longer than a window shows in several windows. So n
+    windows are worth far fewer independent ones: n / (1 + 2 sum of rho_k). Here rho_k is the
+    correlation of being held at k windows apart, and the sum ends before the first that is not
+    positive. There are also no more independent windows than lie side by side. The interval is that
+    of Clopper and Pearson (1934) for this number.
 
     Raises:
-        FitError: no drive is as long.
+        FitError: no drive is as long as the horizon.
     """
     cut = _windows(runs, region.horizon, correction)
     holds = squared_distances(cut, fit) <= region.threshold
@@ -145,14 +146,14 @@ def held_by(
 
 
 def squared_distances(cut: Windows, fit: MotionFit) -> Array:
-    """Squared Mahalanobis distances (n,) of the true ends of windows."""
+    """Return the squared Mahalanobis distances (n,) of the true ends of windows."""
     pulls = np.linalg.solve(cut.covariances(fit.factors), cut.errors[..., None])[..., 0]
     distances: Array = np.sum(cut.errors * pulls, axis=1)
     return distances
 
 
 def share_interval(share: float, count: float) -> Interval:
-    """Clopper and Pearson's interval of a share of ``count`` draws, which need not be whole."""
+    """Return Clopper and Pearson's interval of a share of ``count`` draws (any real number)."""
     held, tail = share * count, (1 - SHARE) / 2
     low = float(beta.ppf(tail, held, count - held + 1)) if held > 0 else 0.0
     high = float(beta.ppf(1 - tail, held + 1, count - held)) if held < count else 1.0
@@ -160,7 +161,7 @@ def share_interval(share: float, count: float) -> Interval:
 
 
 def repetition(drives: Sequence[NDArray[np.bool_]]) -> float:
-    """How many windows, 1 or more, say no more than an independent one."""
+    """Return how many windows are worth one independent window, 1 or more."""
     mean = np.concatenate(drives).mean()
     deviations = [drive - mean for drive in drives]
     variance = sum(float(item @ item) for item in deviations)
@@ -178,6 +179,6 @@ def _windows(runs: Sequence[MotionRun], horizon: float, correction: DriveCorrect
 
 
 def _conformal(distances: Array) -> float:
-    """The smallest distance that holds the share of others, from distances (n,) like them."""
+    """Return the smallest distance that holds the share of others, from like distances (n,)."""
     n = len(distances)
     return float(np.sort(distances)[min(math.ceil((n + 1) * SHARE), n) - 1])

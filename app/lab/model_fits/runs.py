@@ -1,4 +1,4 @@
-"""Drives of which both odometry and truth are known, at common and even stamps."""
+"""Drives with both odometry and truth, at common and even stamps."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from app.lab.model_fits.twists import motions_of, relative, twists_of
 from robot.geometry import Array, compose
 
 STEP = 1 / 30
-"""Time of a step [s]: the filter moves its poses once a picture. The alphas belong to it, for the
-variance that they give to a metre grows with the length of the steps it is cut into."""
+"""Duration of a step [s]: the filter moves its poses once per picture. The alphas are valid for
+this step only, as the variance that they give to a metre grows with the length of its steps."""
 
 MAX_GAP = 0.2
 """Truth is not interpolated over longer gaps [s]."""
@@ -38,16 +38,16 @@ class MotionRun:
 
     @property
     def steps(self) -> Array:
-        """Odometry from stamp to stamp (n - 1, 3), each step seen from its start."""
+        """Motions by odometry from stamp to stamp (n - 1, 3), each seen from its start."""
         return relative(self.odometry[:-1], self.odometry[1:])
 
     def part(self, first: int, last: int) -> MotionRun:
-        """The poses from a place on, up to and without another."""
+        """Return the poses from the first index up to, but without, the last."""
         cut = slice(first, last)
         return MotionRun(self.name, self.stamps[cut], self.odometry[cut], self.truth[cut])
 
     def resampled(self, step: float = STEP) -> MotionRun:
-        """The same drive with a pose each step [s]; a rest shorter than a step is left out."""
+        """Return the drive with a pose at each step [s]; a shorter last step is left out."""
         grid = _even_stamps(self.stamps[0], self.stamps[-1], step)
         tracks = (poses_at(grid, self.stamps, poses) for poses in (self.odometry, self.truth))
         return MotionRun(self.name, grid, *tracks)
@@ -62,14 +62,14 @@ def paired_runs(
     step: float = STEP,
     offset: float = 0.0,
 ) -> list[MotionRun]:
-    """Cut a recording into runs with odometry and truth at common stamps, those of truth's clock.
+    """Cut a recording into runs with odometry and truth at common stamps of truth's clock.
 
-    Stamps are (n,) [s], poses (n, 3) [m, m, rad]. A run has a pose each step [s] and ends where
-    truth pauses for longer than ``MAX_GAP``. What odometry says of its stamp t is true at
-    t + offset [s] on truth's clock.
+    Stamps are (n,) [s], poses (n, 3) [m, m, rad]. A run has a pose at each step [s] and ends where
+    truth pauses for longer than ``MAX_GAP``. Odometry at its stamp t belongs to t + offset [s] on
+    truth's clock.
 
     Raises:
-        FitError: the two do not overlap, or one is no track of poses.
+        FitError: the two do not overlap, or one is not a valid track of poses.
     """
     _check_track("odometry", odometry_stamps, odometry)
     _check_track("truth", truth_stamps, truth)
@@ -91,7 +91,7 @@ def paired_runs(
 
 
 def cut_at(runs: Iterable[MotionRun], stamp: float) -> tuple[list[MotionRun], list[MotionRun]]:
-    """What was driven up to a stamp [s], and what after it; the pose in between is in both."""
+    """Cut drives at a stamp [s] into earlier and later ones; the pose at the cut is in both."""
     earlier, later = [], []
     for run in runs:
         place = int(np.searchsorted(run.stamps, stamp))
@@ -103,9 +103,9 @@ def cut_at(runs: Iterable[MotionRun], stamp: float) -> tuple[list[MotionRun], li
 
 
 def poses_at(stamps: Array, known_stamps: Array, poses: Array) -> Array:
-    """Poses (n, 3) at stamps (n,), between known ones along the arcs that join them.
+    """Interpolate poses (n, 3) at stamps (n,), along the arcs between known poses.
 
-    Straight lines would not do: where stamps pause while the robot turns, it would seem to drive
+    Straight lines are wrong: where stamps pause while the robot turns, it would seem to drive
     sideways, which the motion model takes for two large turns in each step.
     """
     earlier = np.clip(np.searchsorted(known_stamps, stamps, side="right") - 1, 0, len(poses) - 2)
@@ -116,7 +116,7 @@ def poses_at(stamps: Array, known_stamps: Array, poses: Array) -> Array:
 
 
 def _even_stamps(first: float, last: float, step: float) -> Array:
-    """Stamps [s] from the first on, a step apart, none after the last."""
+    """Return stamps [s] from the first on, one step apart, none after the last."""
     return first + step * np.arange(int((last - first) / step + 1e-9) + 1, dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""What ranges beside exact ones tell of the scanner and of the beam model."""
+"""Statistics of the scanner and of the beam model, from measured and exact ranges."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ DISTANCES = np.arange(0.1, 1.01, 0.1)
 BEARINGS = np.radians(np.arange(-40, 41, 10))
 """Borders of bins [rad]."""
 LEAST_SIGMA = 0.002
-"""A filter is set no narrower [m]: between its particles no pose fits ranges that are finer, and it
-loses places that it starts a little beside (docs/evaluation.md)."""
+"""Smallest sigma_hit of a filter [m]: with less, no particle fits the ranges, and the filter loses
+a place if it starts a little off (docs/evaluation.md)."""
 
 
 @dataclass(frozen=True)
 class SensorStatistics:
-    """How ranges err, and the beam model's parameters."""
+    """The errors of ranges, and the beam model's parameters."""
 
     pairs: RangePairs
     all: RangeStatistics
@@ -43,13 +43,13 @@ class SensorStatistics:
     bearings: tuple[RangeStatistics, ...]
     correlation: BeamCorrelation
     fit: SensorFit
-    """What the scanner does."""
+    """The parameters that describe the scanner."""
     usable: SensorFit
     """The same with a sigma_hit that a filter can use."""
 
 
 def scans_of(job: tuple[Config, float]) -> tuple[list[Scan], list[Pose2]]:
-    """Scans of a figure-eight, and the true pose at the stamp of each."""
+    """Return the scans of a figure-eight, and the true pose at each scan's stamp."""
     drive = record(*job)
     scans = [tick.scan for tick in drive.ticks if tick.scan is not None]
     return scans, [drive.truth_at(scan.stamp) for scan in scans]
@@ -58,11 +58,11 @@ def scans_of(job: tuple[Config, float]) -> tuple[list[Scan], list[Pose2]]:
 def scanned_drives(
     config: Config, world: str, drives: int, seconds: float, workers: Workers
 ) -> SensorStatistics:
-    """Compare the scans of some figure-eights, so many seconds each, of one simulated robot.
+    """Compare the scans of several figure-eights of one simulated robot, each for some seconds.
 
     Raises:
         EvaluationError: a drive cannot be made.
-        FitError: the ranges have no edges in them.
+        FitError: the ranges show no edges.
     """
     config = in_world(config, world)
     seeds = range(config.seed, config.seed + drives)

@@ -1,4 +1,4 @@
-"""A simulated robot that drives known motions by its odometry, again and again."""
+"""A simulated robot that repeatedly drives known motions by its odometry."""
 
 from __future__ import annotations
 
@@ -23,44 +23,44 @@ from sim.simulated import PERIOD
 from sim.world import World
 
 SPEED, TURNING = 0.2, 1.0
-"""Of a leg at most [m/s], [rad/s]."""
+"""Highest speed and turn rate of a leg [m/s], [rad/s]."""
 
 REST = 0.3
 """Standing time before a motion and after each of its legs [s]: motors lag."""
 
 CREEP = 0.03
-"""The end of a leg is reached at this part of its speed."""
+"""The robot reaches the end of a leg at this share of its speed."""
 
 STARTING = 0.5
-"""Time to gain a leg's speed [s]: both axes then stay within their limits, and arcs are arcs."""
+"""Time to reach a leg's speed [s]: then both axes stay within their limits, and arcs stay arcs."""
 
 NEARING = 3.0
-"""Speed by the way that is left [1/s]: so slow before the end that motors that lag keep up."""
+"""Speed per remaining distance [1/s]: slow enough before the end for motors that lag."""
 
 ARC_RADIUS = 0.19
-"""As the circles of the paper's figure-eight [m]."""
+"""Radius of arcs, that of the circles in the paper's figure-eight [m]."""
 
 SIDE = 1.0
-"""Of straights and squares [m]."""
+"""Length of straights and of the sides of squares [m]."""
 
 QUARTER = math.pi / 2
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A stretch along one curve, until odometry says that its end is reached."""
+    """A stretch along one curve, which ends when odometry reaches its end."""
 
     distance: float
-    """To go [m]; negative is backwards."""
+    """Distance to drive [m]; negative is backwards."""
     turn: float
-    """To turn [rad]; positive is to the left."""
+    """Angle to turn [rad]; positive is to the left."""
 
     def share(self, step: Pose2) -> float:
-        """What part of the leg a small step along it is."""
+        """Return the share of the leg that a small step covers."""
         return step.theta / self.turn if self.turn else step.x / self.distance
 
     def twist(self, rate: float) -> Twist2:
-        """The twist along the leg at so many legs a second."""
+        """Return the twist along the leg at a rate [legs/s]."""
         return Twist2(self.distance * rate, self.turn * rate)
 
 
@@ -80,24 +80,24 @@ MOTIONS: dict[str, tuple[Leg, ...]] = {
 
 @dataclass(frozen=True, eq=False)
 class TrialRobot:
-    """A robot, what it believes of itself, and where it drives."""
+    """A robot, its described and its true dimensions, and its world."""
 
     spec: RobotSpec
-    """The description, by which odometry reckons."""
+    """The description that odometry uses."""
     true: RobotSpec
-    """Its true dimensions."""
+    """The true dimensions."""
     imperfections: Imperfections = field(default_factory=Imperfections)
-    """Slip and counting of its encoders."""
+    """Slip, and the steps of the encoders."""
     drive: DriveSettings = field(default_factory=DriveSettings)
     physics: BulletSettings = field(default_factory=BulletSettings)
     world: Literal["sim", "kinematic"] = "sim"
-    """With forces, or without."""
+    """With physics, or with kinematics only."""
     seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
 class MotionTrial:
-    """One motion, driven once more."""
+    """One repetition of a motion."""
 
     robot: TrialRobot
     motion: str
@@ -106,14 +106,14 @@ class MotionTrial:
 
 
 def trials(robot: TrialRobot, repeats: int) -> list[MotionTrial]:
-    """All motions, each so many times; those driven first have each of them once."""
+    """Return all motions, each repeated; every motion comes once before any comes again."""
     return [MotionTrial(robot, name, repeat) for repeat in range(repeats) for name in MOTIONS]
 
 
 def run_motion(trial: MotionTrial) -> MotionRun:
-    """Drive one motion; slip and where the encoders stand are drawn anew by seed and repeat.
+    """Drive one motion; seed and repeat determine slip and the encoders' start positions.
 
-    Odometry and truth begin at the same pose (0, 0, 0).
+    Odometry and truth both begin at the pose (0, 0, 0).
 
     Raises:
         BulletMissingError: the physics engine is not installed.
@@ -145,7 +145,7 @@ class _Drive:
         self._truth = [world.pose]
 
     def along(self, motion: str) -> MotionRun:
-        """The whole motion with its rests."""
+        """Drive the whole motion with its rests."""
         self._rest()
         for leg in MOTIONS[motion]:
             for twist in self._twists(leg):
@@ -159,7 +159,7 @@ class _Drive:
         )
 
     def _twists(self, leg: Leg) -> Iterator[Twist2]:
-        """What to command until odometry says that a leg is done."""
+        """Yield the commands of a leg, until odometry reaches its end."""
         fastest = min(SPEED / max(abs(leg.distance), 1e-9), TURNING / max(abs(leg.turn), 1e-9))
         left, rate = 1.0, 0.0
         while left > 0:

@@ -1,4 +1,4 @@
-"""Statistics of the models as the tables of ``results.json``."""
+"""Convert the models' statistics to the tables of ``results.json``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Table = dict[str, Any]
 
 
 def motion_table(motion: MotionStatistics) -> Table:
-    """How odometry errs, what was fitted, and how that does."""
+    """Return odometry's errors, the fitted values and their tests."""
     fit, alphas, squares = motion.fit, motion.fit.motion, motion.umbmark
     correction = fit.correction
     steady = correction.distance, correction.turn, correction.curvature
@@ -58,7 +58,7 @@ def motion_table(motion: MotionStatistics) -> Table:
 
 
 def sensor_table(sensor: SensorStatistics) -> Table:
-    """How ranges err, and what was fitted."""
+    """Return the errors of ranges and the fitted values."""
     values = asdict(sensor.fit.values)
     table: Table = _plain(
         {
@@ -97,7 +97,7 @@ def _ends_table(ends: EndSpread) -> Table:
 
 
 def _plain(value: Any) -> Any:
-    """The same of lists and numbers that JSON has; what is not finite is None."""
+    """Return a value made of lists and numbers for JSON; numbers that are not finite are None."""
     if isinstance(value, dict):
         return {name: _plain(item) for name, item in value.items()}
     if isinstance(value, np.ndarray):

@@ -1,4 +1,4 @@
-"""Planar motions by the thousand, and the twists that make them; odometry corrected by wheels."""
+"""Arrays of planar motions and of their twists, and the correction of odometry."""
 
 from __future__ import annotations
 
@@ -10,37 +10,37 @@ from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array, wrap_angle
 
 STRAIGHT = 1e-4
-"""Turns [rad] below this are taken by their Taylor series."""
+"""Below this turn [rad] the Taylor series is used."""
 
 
 @dataclass(frozen=True, slots=True)
 class DriveCorrection:
-    """Truth from odometry, on the mean.
+    """Correction of odometry's systematic errors.
 
-    Of a distance D and a turn W by odometry it makes
+    From a distance D and a turn W by odometry it computes
 
         W' = turn W + curvature D
         D' = distance D + (curvature track^2 / 4) (distance / turn) W
 
-    which are the wheels' ways, each by a factor, over another track: with the ways
+    This is the same as a factor on the path of each wheel and another track: with the paths
     L = D - track W / 2 and R = D + track W / 2 and the multipliers m_l, m_r and m_b,
     D' = (m_l L + m_r R) / 2 and W' = (m_r R - m_l L) / (m_b track).
     """
 
     distance: float = 1.0
-    """True distance by that of odometry."""
+    """True distance divided by that of odometry."""
     turn: float = 1.0
-    """True turn by that of odometry."""
+    """True turn divided by that of odometry."""
     curvature: float = 0.0
-    """Turn by distance where odometry goes straight on [rad/m]."""
+    """True turn per distance where odometry goes straight [rad/m]."""
     track: float = 0.0
-    """Distance between the wheels that odometry believes in [m]; 0 where it is not known, and the
-    last term, of less than a millimetre a radian, is left out."""
+    """Distance between the wheels that odometry assumes [m]. If it is not known, it is 0, and the
+    last term, of less than a millimetre per radian, is left out."""
 
     def corrected(self, steps: Array) -> Array:
-        """Steps (n, 3) [m, m, rad] of odometry as they are on the mean; each is an arc."""
+        """Return corrected steps (n, 3) [m, m, rad] of odometry; each is an arc."""
         x, y, turn = np.moveaxis(twists_of(steps), -1, 0)
-        # Uneven wheels turn a robot about another point than the middle between them.
+        # Unequal wheels turn a robot about a point beside the middle between them.
         aside = self.curvature * self.track**2 / 4 * self.distance / self.turn
         ahead = self.distance * x + aside * turn
         return motions_of(
@@ -48,7 +48,7 @@ class DriveCorrection:
         )
 
     def wheel_multipliers(self) -> WheelMultipliers:
-        """The same as factors on radii and track, which has to be known."""
+        """Return the same as factors on the wheel radii and the track; the track must be known."""
         separation = self.distance / self.turn
         half_difference = self.curvature * separation * self.track / 2
         return WheelMultipliers(
@@ -57,7 +57,7 @@ class DriveCorrection:
 
 
 def relative(start: Array, end: Array) -> Array:
-    """Where poses (n, 3) are, seen from others (n, 3) [m, m, rad]."""
+    """Return the end poses (n, 3) seen from the start poses (n, 3) [m, m, rad]."""
     offset = end - start
     c, s = np.cos(start[..., 2]), np.sin(start[..., 2])
     x, y = offset[..., 0], offset[..., 1]
@@ -65,9 +65,9 @@ def relative(start: Array, end: Array) -> Array:
 
 
 def twists_of(motions: Array) -> Array:
-    """The constant twists (n, 3) [m, m, rad] that make motions (n, 3) in a unit of time.
+    """Return the constant twists (n, 3) [m, m, rad] that make motions (n, 3) in a unit of time.
 
-    The logarithm of SE(2): a robot that keeps such a twist runs along an arc of a circle.
+    This is the logarithm of SE(2): with a constant twist a robot moves along an arc.
     """
     half = motions[..., 2] / 2
     near_zero = np.abs(half) < STRAIGHT
@@ -78,7 +78,7 @@ def twists_of(motions: Array) -> Array:
 
 
 def motions_of(twists: Array) -> Array:
-    """The motions (n, 3) [m, m, rad] of twists (n, 3) kept for a unit of time; exp of SE(2)."""
+    """Return the motions (n, 3) [m, m, rad] of twists (n, 3) in a unit of time (exp of SE(2))."""
     turn = twists[..., 2]
     near_zero = np.abs(turn) < STRAIGHT
     safe = np.where(near_zero, 1.0, turn)
@@ -89,7 +89,7 @@ def motions_of(twists: Array) -> Array:
 
 
 def chained(steps: Array) -> Array:
-    """Poses (n + 1, 3) along steps (n, 3), from the origin on; headings are not wrapped."""
+    """Chain steps (n, 3) to poses (n + 1, 3) from the origin on; headings are not wrapped."""
     headings = np.concatenate([[0.0], np.cumsum(steps[:, 2])])
     c, s = np.cos(headings[:-1]), np.sin(headings[:-1])
     poses = np.zeros((len(steps) + 1, 3))
@@ -100,9 +100,10 @@ def chained(steps: Array) -> Array:
 
 
 def seen_from(poses: Array) -> Array:
-    """Matrices (n, 3, 3) that take twists seen from the origin to those seen from poses (n, 3).
+    """Return matrices (n, 3, 3) that convert twists seen from the origin to those seen from poses.
 
-    The adjoint of the inverse pose: the same movement of a rigid body, told at another place.
+    They are the adjoints of the inverse poses (n, 3): the same movement of a rigid body in another
+    frame.
     """
     x, y, theta = poses[..., 0], poses[..., 1], poses[..., 2]
     c, s = np.cos(theta), np.sin(theta)

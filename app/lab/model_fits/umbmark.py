@@ -1,4 +1,4 @@
-"""UMBmark: wheel diameters and track from squares driven both ways round.
+"""UMBmark: wheel diameters and track from squares driven in both directions.
 
 Borenstein and Feng, Measurement and correction of systematic odometry errors in mobile robots,
 IEEE Transactions on Robotics and Automation 12(6), 1996; the symbols are the paper's.
@@ -20,35 +20,36 @@ from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 
 LARGEST = 2.0
-"""Squares that end farther off than so many sides have no small errors."""
+"""Largest return error, in sides of the square: UMBmark is for small errors."""
 
 
 @dataclass(frozen=True)
 class Umbmark:
-    """What squares tell of a robot's wheels."""
+    """Wheel and track errors of a robot, from squares."""
 
     centre_cw: tuple[float, float]
     """Mean return error of the squares driven clockwise: x_cg and y_cg, cw [m]."""
     centre_ccw: tuple[float, float]
     """The same anticlockwise [m]."""
     spread_cw: float
-    """Standard deviation of the return errors about their centre [m]: what is not systematic."""
+    """Standard deviation of the return errors about their centre [m]: the random part."""
     spread_ccw: float
     """The same anticlockwise [m]."""
     alpha: float
-    """By how much a corner falls short of the quarter turn [rad]; from the track."""
+    """Angle by which a corner falls short of the quarter turn [rad]; caused by the track."""
     beta: float
-    """By how much a side bends to the left [rad]; from unequal wheels."""
+    """Angle by which a side bends to the left [rad]; caused by unequal wheels."""
     wheel_ratio: float
-    """E_d: right wheel's diameter by the left one's."""
+    """E_d: diameter of the right wheel divided by that of the left wheel."""
     track_ratio: float
-    """E_b: true track by that of the description, both by the mean diameter."""
+    """E_b: true track divided by the described track, both relative to the mean diameter."""
     distance: float
-    """True way by odometry's of straight runs: the mean diameter, which squares do not show."""
+    """True distance divided by odometry's, on straight runs: the error of the mean diameter, which
+    squares do not show."""
 
     @property
     def worst(self) -> float:
-        """E_max,syst [m]: the farther of the two centres from no error."""
+        """E_max,syst [m]: the larger distance of the two centres from zero error."""
         return max(math.hypot(*self.centre_cw), math.hypot(*self.centre_ccw))
 
     def wheel_multipliers(self) -> WheelMultipliers:
@@ -61,18 +62,18 @@ class Umbmark:
 def umbmark(
     errors_cw: Array, errors_ccw: Array, side: float, track: float, distance: float = 1.0
 ) -> Umbmark:
-    """Wheel and track errors from the ends of squares.
+    """Compute wheel and track errors from the ends of squares.
 
-    The paper has them by sums of small angles; here alpha and beta are those whose squares end
-    nearest to the centres of gravity. With L and b as long as they truly are
+    The paper computes them from sums of small angles. Here alpha and beta are the angles whose
+    squares end nearest to the centres of gravity. With the true lengths L and b
 
         R = (L / 2) / sin(beta / 2),  E_d = (R + b / 2) / (R - b / 2),  E_b = 90° / (90° - alpha)
 
-    Errors (n, 2) [m] are true ends minus those by odometry, of squares to the right and to the
-    left, with sides [m] and track [m] as described, and ``distance_factor``.
+    Errors (n, 2) [m] are true ends minus ends by odometry, of squares to the right and to the left.
+    Side [m] and track [m] are as described; the distance is the ``distance_factor``.
 
     Raises:
-        FitError: errors are too large for a square of that size.
+        FitError: the errors are too large for a square of that size.
     """
     cw, ccw = errors_cw.mean(axis=0), errors_ccw.mean(axis=0)
     lengths = distance * side, distance * track
@@ -103,7 +104,7 @@ def umbmark(
 
 
 def return_errors(runs: Sequence[MotionRun]) -> Array:
-    """(n, 2) [m]: true end minus end by odometry of each run, in the axes of its start."""
+    """Return (n, 2) [m]: true end minus end by odometry of each run, in the axes of its start."""
     ends = [
         (relative(run.truth[0], run.truth[-1]) - relative(run.odometry[0], run.odometry[-1]))[:2]
         for run in runs
@@ -112,7 +113,7 @@ def return_errors(runs: Sequence[MotionRun]) -> Array:
 
 
 def distance_factor(runs: Sequence[MotionRun]) -> float:
-    """True way by odometry's of straight runs, forward or back; each may bend to an arc."""
+    """Return true distance by odometry's of straight runs, forward or back; runs may be arcs."""
     ways = [(_way(run.truth), _way(run.odometry)) for run in runs]
     return sum(true / by_odometry for true, by_odometry in ways) / len(ways)
 
@@ -122,10 +123,10 @@ def _way(poses: Array) -> float:
 
 
 def _square(way: int, angles: Array, side: float, track: float) -> Array:
-    """Where a square ends whose sides bend and whose corners fall short; way 1 is to the left.
+    """Return the end of a square whose sides bend and whose corners fall short; way 1 is left.
 
-    In its corners a robot on unequal wheels goes a little ahead or back: it turns about another
-    point than the middle between them.
+    In corners a robot with unequal wheels moves a little forward or back: it turns about a point
+    beside the middle between the wheels.
     """
     alpha, beta = angles.tolist()
     ahead = way * math.pi / 4 * track * _bend(alpha, beta, side, track)
@@ -139,12 +140,12 @@ def _track_ratio(alpha: float) -> float:
 
 
 def _bend(alpha: float, beta: float, side: float, track: float) -> float:
-    """(b / 2) / R for sides that bend by beta; R is infinite for equal wheels, this is not."""
+    """Return (b / 2) / R for sides that bend by beta; finite even if R is infinite."""
     return math.sin(beta / 2) / (side / 2) * _track_ratio(alpha) * track / 2
 
 
 def _spread(errors: Array) -> float:
-    """Standard deviation along both axes together [m]; 0 of a single square."""
+    """Return the standard deviation along both axes together [m]; 0 for a single square."""
     if len(errors) < 2:
         return 0.0
     return float(np.sqrt(errors.var(axis=0, ddof=1).sum()))

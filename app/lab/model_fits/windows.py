@@ -1,4 +1,4 @@
-"""Drives cut into windows: by how much truth differs at their ends, and what may be its cause."""
+"""Cut drives into windows: the errors of odometry at their ends, and their possible causes."""
 
 from __future__ import annotations
 
@@ -22,42 +22,45 @@ class Windows:
     """Windows of drives; they may overlap."""
 
     horizon: float
-    """How long each is, or the shortest [s]; a whole drive where that is shorter."""
+    """Length of each window, or of the shortest [s]; a shorter drive is one window."""
     step: float
-    """Time of a step of the motion model [s]."""
+    """Duration of a step of the motion model [s]."""
     independent: float
-    """How many of them there could be without overlap."""
+    """Number of windows that fit without overlap."""
     moved: Array
     """(n, 3) [m, m, rad]: the window's end by odometry, seen from its start."""
     errors: Array
-    """(n, 3) [m, m, rad]: the true end seen from that by odometry, as a twist.
+    """(n, 3) [m, m, rad]: the true end seen from the end by odometry, as a twist.
 
-    Turning errors bend the cloud of ends like a banana; as twists, the logarithm of SE(2), it is
-    normal (Long, Wolfe, Mashner and Chirikjian 2012).
+    Turning errors bend the cloud of ends like a banana; as twists, the logarithm of SE(2), the
+    cloud is normal (Long, Wolfe, Mashner and Chirikjian 2012).
     """
     parts: Array
-    """(6, n, 3, 3): covariance of the errors for each alpha at one, then if truth errs by one at
-    both ends, along and across [m], and by heading [rad]."""
+    """(6, n, 3, 3): covariance of the errors if each alpha is one; then if the truth at both ends
+    has an error of one along and across [m], and in heading [rad]."""
     slopes: Array
-    """(n, 3, 3): what the errors change by with distance, turn and curvature of the correction."""
+    """(n, 3, 3): derivatives of the errors by distance, turn and curvature of the correction."""
     weights: Array
-    """(n,): what each counts; together as many as are independent, and none more than one."""
+    """(n,): weight of each window, at most one; their sum is at most the independent number."""
     drive: Array
-    """(n,): number of the drive that it is cut from."""
+    """(n,): number of the drive that the window is cut from."""
 
     def __len__(self) -> int:
         return len(self.errors)
 
     def covariances(self, factors: Array) -> Array:
-        """(n, 3, 3) of the errors with factors (6,): alphas, and variances of the truth."""
+        """Return the covariances (n, 3, 3) of the errors.
+
+        The factors (6,) are the alphas and the variances of the truth.
+        """
         whole: Array = (factors @ self.parts.reshape(len(factors), -1)).reshape(-1, 3, 3)
         return whole
 
 
 def together(several: Sequence[Windows]) -> Windows:
-    """Windows of several lengths as one set, in which each length counts as much as another.
+    """Join windows of several lengths to one set, in which all lengths have equal weight.
 
-    In all they count as many as are independent of each length on the mean.
+    The total weight is the mean of the total weights of the lengths.
     """
     each = np.mean([item.weights.sum() for item in several]) / len(several)
     return Windows(
@@ -83,11 +86,11 @@ def windows(
 ) -> Windows:
     """Cut drives, at even stamps with the same step, into windows as long as a horizon [s].
 
-    They begin a stride apart [s], by default a quarter of the horizon. A drive that is shorter may
-    be kept as a window.
+    The windows begin a stride apart [s], by default a quarter of the horizon. With ``keep_short`` a
+    shorter drive is kept as one window.
 
     Raises:
-        FitError: no drive is as long.
+        FitError: no drive is as long as the horizon.
     """
     drives = list(runs)
     if not drives:
@@ -119,9 +122,11 @@ def windows(
 def _cut(
     run: MotionRun, length: int, apart: int, correction: DriveCorrection
 ) -> tuple[Array, Array, Array, Array]:
-    """Windows of so many steps, or the whole drive.
+    """Cut a drive into windows of some steps, or take the whole drive if it is shorter.
 
-    Motions and errors (n, 3), covariances by alpha (n, 4, 3, 3), slopes by correction (n, 3, 3).
+    Returns:
+        Motions and errors (n, 3), covariances by alpha (n, 4, 3, 3), slopes by correction
+        (n, 3, 3).
     """
     steps = correction.corrected(run.steps)
     length = min(length, len(steps))
@@ -137,7 +142,7 @@ def _cut(
 
 
 def summed(of_steps: Array, start: NDArray[np.intp], end: NDArray[np.intp]) -> Array:
-    """Sums (k, ...) over the steps from places (k,) to others, of what steps (n, ...) have."""
+    """Sum values of steps (n, ...) from start (k,) up to end (k,) indices; returns (k, ...)."""
     sums = np.zeros((len(of_steps) + 1, *of_steps.shape[1:]))
     np.cumsum(of_steps, axis=0, out=sums[1:])
     windows_have: Array = sums[end] - sums[start]
@@ -145,7 +150,7 @@ def summed(of_steps: Array, start: NDArray[np.intp], end: NDArray[np.intp]) -> A
 
 
 def _by_correction(poses: Array, steps: Array, track: float) -> Array:
-    """Twists (n, 3, 3) by distance, turn and curvature that move ends, seen from the start."""
+    """Return how distance, turn and curvature move the ends: twists (n, 3, 3) from the start."""
     twists = twists_of(steps)
     moves = np.zeros((len(steps), 3, 3))
     moves[:, :2, 0] = twists[:, :2]
@@ -155,11 +160,11 @@ def _by_correction(poses: Array, steps: Array, track: float) -> Array:
 
 
 def by_alpha(poses: Array, steps: Array) -> Array:
-    """Covariances (n, 4, 3, 3) of steps by alpha, as twists seen from the path's start.
+    """Return the covariances (n, 4, 3, 3) of steps by alpha, as twists seen from the path's start.
 
     A step's covariance is linear in alpha1 to alpha4 (Probabilistic Robotics, Table 5.6, with
-    alphas as variances). As twists seen from one place small errors of steps simply add up, and so
-    do their covariances; a window's is the difference of two sums.
+    alphas as variances). As twists seen from one pose, small errors of steps add up, and so do
+    their covariances. The covariance of a window is the difference of two sums.
     """
     distance = np.hypot(steps[:, 0], steps[:, 1])
     turn = np.where(distance <= STANDING_M, 0.0, np.arctan2(steps[:, 1], steps[:, 0]))
@@ -180,13 +185,13 @@ def by_alpha(poses: Array, steps: Array) -> Array:
 
 
 def _square(turn: Array) -> Array:
-    """Squares (n, 1, 1) of the smaller turns, forward or in reverse."""
+    """Return the squares (n, 1, 1) of the smaller turns, forward or in reverse."""
     smaller = np.minimum(np.abs(turn), np.abs(wrap_angle(turn + np.pi)))
     return np.square(smaller)[:, None, None]
 
 
 def _turning_at(poses: Array) -> Array:
-    """Twists (n, 3) of a turn by one about where the poses are."""
+    """Return the twists (n, 3) of a turn by one radian about the positions of the poses."""
     return np.stack([poses[:, 1], -poses[:, 0], np.ones(len(poses))], axis=-1)
 
 
@@ -195,9 +200,9 @@ def _outer(vectors: Array) -> Array:
 
 
 def _floors(moved: Array) -> Array:
-    """Covariances (n, 2, 3, 3) of motions (n, 3) whose ends are known to one metre, one radian.
+    """Return the covariances (n, 2, 3, 3) of motions (n, 3) with ends known to 1 m, and to 1 rad.
 
-    An error of the start's heading is, seen from the end, one of the place too.
+    Seen from the end, an error in the heading of the start is also an error in position.
     """
     at_end = np.array([np.diag([1.0, 1.0, 0.0]), np.diag([0.0, 0.0, 1.0])])
     to_end = seen_from(moved)[:, None]

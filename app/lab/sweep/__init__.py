@@ -1,1 +1,1 @@
-"""Sweeps: the experiment at many settings, kept point by point so that nothing is done twice."""
+"""Sweeps: the experiment at many settings; results are kept by point, so none is done twice."""

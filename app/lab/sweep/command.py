@@ -1,4 +1,4 @@
-"""What ``brickpose sweep`` does with its arguments."""
+"""Carries out ``brickpose sweep`` with its arguments."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from app.options import config_of
 
 
 def sweep_command(parsed: argparse.Namespace) -> int:
-    """Do what is not done yet."""
+    """Do the points of a sweep that are not done yet."""
     file, base = load_sweep(parsed.file), config_of(vars(parsed))
     if "condition" in parsed:
         conditions = tuple(dict.fromkeys(parsed.condition))

@@ -1,4 +1,4 @@
-"""The command line of ``brickpose sweep``; what takes long to load is loaded when it is used."""
+"""The command line of ``brickpose sweep``; slow imports are delayed until they are used."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ The same command again goes on where it was interrupted.
 
 
 def add_sweep(commands: Commands) -> None:
-    """Add the command."""
+    """Add the command ``sweep``."""
     command = commands.add_parser(
         "sweep",
         help="the experiment at many settings, on this machine or a cluster",

@@ -1,4 +1,4 @@
-"""What a setting does to the error: a point for each run, and the median by value."""
+"""Plot the error by a setting: a point for each run, and the median by value."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from app.lab.evaluation.report.figures import drawn
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
 OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"
 FEW = 12
-"""So many values at most have medians of their own: more are a random sample's."""
+"""Medians are drawn for at most this many values: more come from a random sample."""
 WORD = 24
-"""Of longer values, as of a file far down in folders, so many letters at the end are shown."""
+"""Longest text of a value; longer ones, such as paths of files, show only their end."""
 MARKS = tuple(zip("o^sDvP*X", (
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999",
 ), strict=True))  # fmt: skip
-"""Worlds and conditions, by mark and colour (Okabe and Ito); of more, they come again."""
+"""Marks and colours (Okabe and Ito) of worlds and conditions; they repeat if there are more."""
 
 
 def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: bool) -> None:
-    """Write an SVG of the error by one setting; runs without one are counted in its title.
+    """Write an SVG of the error by one setting; its title counts the runs without an error.
 
     Args:
         path: of the file.
-        setting: by its path.
+        setting: path of the setting.
         rows: of the table.
-        steady: show the error once the pose is right, for starts that are told wrong.
+        steady: whether to show the error after the pose became right, for wrong start poses.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     measure, label = (OFFSET_MEASURE, OFFSET_LABEL) if steady else (MEASURE, LABEL)
     shown = [row for row in rows if row[measure] is not None]
@@ -76,13 +76,13 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
 
 
 def _where(row: dict[str, Any]) -> str:
-    """The world, and the condition if it is not the usual one."""
+    """Return the world, and the condition if it is not the default one."""
     usual = row["condition"] == "default"
     return str(row["world"]) if usual else f"{row['world']}, {row['condition']}"
 
 
 def _word(value: Any) -> str:
-    """Short enough to leave room for the figure."""
+    """Return a value as text, short enough to leave room for the figure."""
     text = str(value)
     return text if len(text) <= WORD else f"…{text[1 - WORD :]}"
 
@@ -96,5 +96,5 @@ def _order(value: Any) -> tuple[bool, Any]:
 
 
 def _is_wide(values: list[Any]) -> bool:
-    """Whether values span so much that they are better seen by their logarithm."""
+    """Whether values span so much that a logarithmic axis shows them better."""
     return bool(min(values) > 0 and max(values) / min(values) >= 20)

@@ -1,4 +1,4 @@
-"""The points of a sweep: what each sets, its key, and the drives that points share."""
+"""The points of a sweep: their settings, their keys, and the drives that they share."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
 AT_ONCE = 8
-"""Points that follow one drive in one job: enough to make the drive worth it, and few enough that
-a killed worker loses little."""
+"""Points that follow one drive in one job: enough to justify the drive, and few enough that a
+killed worker loses little."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Point:
     config: Config | None
     """None if the settings are invalid."""
     error: str = ""
-    """Why they are."""
+    """Why the settings are invalid."""
 
 
 @dataclass(frozen=True)
@@ -46,17 +46,17 @@ class SweepJob:
     """One drive, followed at several settings."""
 
     drive: Config
-    """As the robot needs it."""
+    """The configuration of the robot that drives."""
     duration: float
     """[s]"""
     offset: tuple[float, ...]
-    """Of the told pose, or none."""
+    """Error of the start pose; empty if the start is known."""
     configs: dict[str, Config] = field(hash=False)
-    """By the points' keys."""
+    """The configurations that follow the drive, by the points' keys."""
 
 
 def points_of(file: SweepFile, base: Config) -> list[Point]:
-    """All points of a sweep, in the order of its table."""
+    """Return all points of a sweep, in the order of its table."""
     sweep = file.sweep
     seeds = range(sweep.first_seed, sweep.first_seed + sweep.seeds)
     result = []
@@ -70,17 +70,17 @@ def points_of(file: SweepFile, base: Config) -> list[Point]:
 def _point(settings: Settings, world: str, condition: str, seed: int, base: Config) -> Point:
     try:
         config = in_condition(in_world(replace(base, seed=seed), world), condition)
-        # What is swept wins over what world and condition set.
+        # Swept settings override those of the world and the condition.
         return Point(settings, world, condition, seed, with_settings(config, settings))
     except SettingError as error:
         return Point(settings, world, condition, seed, None, str(error))
 
 
 def key_of(config: Config, duration: float, offset: tuple[float, ...]) -> str:
-    """What a result depends on, as a short text.
+    """Return a short digest of everything that a result depends on.
 
-    Settings and seed, map, models of the user's own with the files beside them, the program's code
-    and the versions of what it computes with.
+    These are the settings and the seed, the map, the user's own models with the files beside them,
+    the program's code and the versions of the libraries that it computes with.
     """
     parts = {
         "settings": settings_of(config),
@@ -94,7 +94,7 @@ def key_of(config: Config, duration: float, offset: tuple[float, ...]) -> str:
 
 
 def duration_of(file: SweepFile, config: Config) -> float:
-    """Of a drive [s]."""
+    """Return the duration of a drive [s]."""
     return file.sweep.laps * config.figure_eight.lap
 
 
@@ -104,7 +104,7 @@ def jobs_of(
     offset: tuple[float, ...],
     most: int = AT_ONCE,
 ) -> list[SweepJob]:
-    """Work for configurations by key: those that drive alike share a drive, so many at most."""
+    """Make the jobs of configurations by key; up to ``most`` that drive alike share a drive."""
     by_drive: dict[Config, dict[str, Config]] = {}
     for key, config in configs.items():
         by_drive.setdefault(_drive_of(config), {})[key] = config
@@ -116,7 +116,7 @@ def jobs_of(
 
 
 def _drive_of(config: Config) -> Config:
-    """What decides how the robot drives and what it sees, without what follows it."""
+    """Return what decides how the robot drives and what it sees, with default localization."""
     return replace(
         config,
         localization=LocalizationParameters(),
@@ -127,7 +127,7 @@ def _drive_of(config: Config) -> Config:
 
 
 def at_once(points: int, workers: int) -> int:
-    """How many points share a drive: the fewer, the more workers have something to do."""
+    """Return how many points share a drive: few enough that all workers have something to do."""
     return min(AT_ONCE, max(1, math.ceil(points / (2 * workers))))
 
 
@@ -143,7 +143,7 @@ def _models(config: Config) -> list[Path]:
 
 @functools.cache
 def _map_digest(name: str) -> str:
-    """Of what a map shows and where its edges are, from whatever files it was read."""
+    """Return a digest of a map's image, edges, extent and start, whatever files it comes from."""
     try:
         field = load_field(name, MAPS)
     except FieldError as error:
@@ -155,7 +155,7 @@ def _map_digest(name: str) -> str:
 
 
 def _folder_digest(model: Path) -> str:
-    """Of a model's file and of those beside it, which it may import."""
+    """Return a digest of a model's file and of the files beside it, which it may import."""
     digest = hashlib.sha256()
     for path in sorted(model.parent.glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -1,4 +1,4 @@
-"""Results of points, kept by key so that what was done once is not done again."""
+"""Results of points, stored by key so that no point is done twice."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class ResultCache:
         self._folder = folder
 
     def get(self, key: str) -> Measured | None:
-        """What was measured at a point; None if it was not, or its file is damaged."""
+        """Return the measures of a point; None if there are none or the file is damaged."""
         try:
             result = json.loads((self._folder / f"{key}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
@@ -25,10 +25,10 @@ class ResultCache:
         return result if whole else None
 
     def put(self, key: str, measured: Measured) -> None:
-        """Keep what was measured; the file is whole or not there.
+        """Store the measures of a point; the file is complete or not there.
 
         Raises:
-            OSError: it cannot be written.
+            OSError: the file cannot be written.
         """
         with file_written_whole(self._folder / f"{key}.json") as new:
             new.write_text(json.dumps(measured), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""``brickpose sweep``: all points of a sweep file, as a table and a plot for each setting."""
+"""``brickpose sweep``: does all points of a sweep file; writes a table and a plot per setting."""
 
 from __future__ import annotations
 
@@ -30,29 +30,29 @@ from app.settings.config import Config
 
 @dataclass(frozen=True)
 class Swept:
-    """What came of a sweep."""
+    """The outcome of a sweep."""
 
     rows: list[Row]
     done_before: int
-    """Points whose results were there already."""
+    """Number of points whose results already existed."""
 
 
 def sweep(
     file: SweepFile, base: Config, workers: Workers, folder: Path, kind: str = "csv"
 ) -> Swept:
-    """Do what is not done yet, and write table and plots.
+    """Do the points that are not done yet, and write table and plots.
 
     Args:
         file: what to sweep.
         base: settings that are not swept.
-        workers: who does it.
-        folder: for ``results.csv`` (or ``.parquet``), ``plots/``, and ``points/`` with what is
-            done; a sweep that was interrupted goes on from there.
+        workers: the processes that do the work.
+        folder: for ``results.csv`` (or ``.parquet``), ``plots/``, and ``points/`` with the points
+            that are done; an interrupted sweep continues from there.
         kind: one of ``FORMATS``.
 
     Raises:
-        SettingError: there can be no such folder.
-        OSError: it cannot be written.
+        SettingError: the folder cannot be created.
+        OSError: the folder cannot be written.
     """
     make_folder(folder)
     _remove_former(folder)
@@ -65,7 +65,7 @@ def sweep(
     done_before = len(result)
     left = {key: config for key, config in configs.items() if key not in result}
     with tqdm(total=len(configs), initial=done_before, unit="point", disable=None) as progress:
-        # Of several points that ended their worker together, one alone may be to blame.
+        # If several points together ended their worker, only one may be the cause: try each alone.
         for most in (at_once(len(left), workers.count), 1):
             jobs = jobs_of(left, file.sweep.laps, offset, most)
             result |= _do(jobs, workers, kept, progress)
@@ -80,7 +80,7 @@ def sweep(
 def _do(
     jobs: list[SweepJob], workers: Workers, kept: ResultCache, progress: tqdm[None]
 ) -> dict[str, Measured]:
-    """What was measured, by key; without points that ended their worker together with others."""
+    """Return the measures by key, without the points of a job of several points that failed."""
     result: dict[str, Measured] = {}
     for place, outcome in workers.each(follow_all, jobs):
         keys = list(jobs[place].configs)
@@ -89,7 +89,8 @@ def _do(
         for key in keys:
             measured = _measured(outcome, key)
             result[key] = measured
-            # What failed is tried again the next time: it may have been the machine's fault.
+            # A failed point is not stored: the next run tries it again, as the machine may have
+            # been the cause.
             if not measured["error"]:
                 kept.put(key, measured)
             progress.update()
@@ -103,14 +104,14 @@ def _measured(outcome: dict[str, Measured] | Exception, key: str) -> Measured:
 
 
 def _remove_former(folder: Path) -> None:
-    """A table and plots are of what the file says now, or not there."""
+    """Remove the former table and plots, which may not match the sweep file any more."""
     for kind in FORMATS:
         (folder / f"results.{kind}").unlink(missing_ok=True)
     shutil.rmtree(folder / "plots", ignore_errors=True)
 
 
 def _key(file: SweepFile, point: Point) -> str:
-    """What a point's result is kept under; empty if there can be none."""
+    """Return the key of a point's result; empty if its settings are invalid."""
     if point.config is None:
         return ""
     return key_of(point.config, duration_of(file, point.config), file.sweep.offset)

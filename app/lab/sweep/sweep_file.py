@@ -1,4 +1,4 @@
-"""What a sweep file asks for: settings and their values, seeds, worlds."""
+"""Read a sweep file: settings and their values, seeds and worlds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from app.settings.provenance import settings_of
 from robot.settings import SettingError, check_settings, setting
 
 NOT_SWEPT = ("robot", "host", "port", "seed")
-"""The worlds and seeds of a sweep say these."""
+"""Settings that cannot be swept: the worlds and seeds of a sweep set robot and seed."""
 
 Settings = dict[str, Any]
 
@@ -32,9 +32,9 @@ class SweepSettings:
     laps: int = setting(1, "Laps of the figure-eight", low=1, high=1000)
     worlds: tuple[str, ...] = ("sim",)
     conditions: tuple[str, ...] = ("default",)
-    """Each world in each of them."""
+    """Each world is combined with each condition."""
     offset: tuple[float, ...] = ()
-    """How far the told pose is off [m, m, rad]; none is a start that is known."""
+    """Error of the start pose [m, m, rad]; empty means a known start."""
     sample: int = setting(0, "Random points; 0 is all combinations", low=0, high=1_000_000)
     sample_seed: int = setting(0, "Seed of the random points", low=0, high=2**31)
 
@@ -55,12 +55,12 @@ class SweepSettings:
 
 @dataclass(frozen=True)
 class Interval:
-    """A setting's values between two limits, for random points."""
+    """The range of a setting's values, for random points."""
 
     low: float
     high: float
     log: bool = False
-    """Even in the logarithm."""
+    """Whether values are drawn evenly in the logarithm."""
 
     def __post_init__(self) -> None:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
@@ -69,7 +69,7 @@ class Interval:
             raise SettingError(f"low is {self.low:g}; with log it must be above zero")
 
     def draw(self, rng: np.random.Generator, whole: bool) -> float | int:
-        """A value, of a whole number's kind if that is what the setting is."""
+        """Draw a value; it is rounded if the setting is a whole number."""
         if self.log:
             value = float(np.exp(rng.uniform(np.log(self.low), np.log(self.high))))
         else:
@@ -79,15 +79,15 @@ class Interval:
 
 @dataclass(frozen=True)
 class SweepFile:
-    """All that a sweep file says."""
+    """The content of a sweep file."""
 
     name: str
     sweep: SweepSettings
     values: dict[str, list[Any] | Interval] = field(default_factory=dict)
-    """By the setting's path."""
+    """Values by the setting's path."""
 
     def points(self, base: Config) -> list[Settings]:
-        """Settings of each point, in order: the grid's, or a random sample's."""
+        """Return the settings of each point, in order: of the grid, or of a random sample."""
         if self.sweep.sample:
             rng = np.random.default_rng(self.sweep.sample_seed)
             default = settings_of(base)
@@ -103,8 +103,8 @@ def load_sweep(path: Path) -> SweepFile:
     """Read a sweep file.
 
     Raises:
-        SettingError: it is missing or no TOML, a setting is unknown, or a value is none; names
-            file and line, and what is valid.
+        SettingError: the file is missing or not TOML, a setting is unknown, or a value is invalid;
+            names file and line, and what is valid.
     """
     if not path.is_file():
         raise SettingError(f"there is no file {path}")
@@ -152,7 +152,7 @@ def _values(
 
 
 def _flat(table: dict[str, Any], known: Settings, above: str = "") -> list[tuple[str, Any]]:
-    """Settings by their path: a table's own names are those above it."""
+    """Return the settings by their path; names of nested tables are joined by dots."""
     result: list[tuple[str, Any]] = []
     for name, value in table.items():
         path = f"{above}{name}"
@@ -186,7 +186,7 @@ def _drawn(values: list[Any] | Interval, default: Any, rng: np.random.Generator)
 
 
 def _wrong(path: Path, text: str, name: str, what: str) -> SettingError:
-    """An error that names the line on which a name stands, by its last part."""
+    """Return an error that names the line of a setting, found by the last part of its path."""
     last = re.escape(name.rpartition(".")[2])
     as_key = re.compile(rf'(^|[.\s"\'\[]){last}["\'\]]?\s*(=|\]|\.)')
     lines = [n for n, line in enumerate(text.splitlines(), 1) if as_key.search(line)]

@@ -13,14 +13,14 @@ FORMATS = ("csv", "parquet")
 
 
 class TableError(SettingError):
-    """A table cannot be written in the form that was asked for."""
+    """The table cannot be written in the requested format."""
 
 
 def require_format(kind: str) -> None:
-    """Refuse a form that cannot be written here, before hours of work.
+    """Refuse a format that cannot be written here, before hours of work.
 
     Raises:
-        TableError: it is unknown, or its library is missing; says how to get it.
+        TableError: the format is unknown, or its library is missing; says how to get it.
     """
     if kind not in FORMATS:
         raise TableError(f"no format {kind!r}; valid are {', '.join(FORMATS)}")
@@ -32,10 +32,10 @@ def require_format(kind: str) -> None:
 
 
 def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
-    """Write rows, all with the same columns; the file is whole or as it was.
+    """Write rows, all with the same columns; the file is complete or unchanged.
 
     Raises:
-        OSError: it cannot be written.
+        OSError: the file cannot be written.
     """
     with file_written_whole(path) as new:
         if path.suffix == ".parquet":
@@ -53,7 +53,7 @@ def _write_parquet(path: Path, rows: list[dict[str, Any]]) -> None:
 
     columns = {name: [row[name] for row in rows] for name in rows[0]}
     for name, values in columns.items():
-        # A column has one type: where settings of several kinds meet, it is text.
+        # A column has one type: if its values have several types, it becomes text.
         if len({_kind(value) for value in values if value is not None}) > 1:
             columns[name] = [str(value) for value in values]
     parquet.write_table(pyarrow.table(columns), path)

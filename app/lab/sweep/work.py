@@ -1,4 +1,4 @@
-"""What a worker does in a sweep: drive once, follow at several settings."""
+"""The work of one worker in a sweep: drive once, and follow at several settings."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ MEASURES = (
     "steady_ate_rmse_m",
     "filter_ms",
 )
-"""Columns of the table, beside the settings, world, seed and error; none is no value. All but the
-last, which is a time that was measured, are the same each time."""
+"""Columns of the table, besides settings, world, seed and error; None means no value. All but the
+last are the same in each run; the last is a measured time."""
 
 Measured = dict[str, Any]
 
 
 def follow_all(job: SweepJob) -> dict[str, Measured]:
-    """What was measured at each point, by its key; what went wrong there is its ``error``."""
+    """Return the measures of each point by its key; a point that failed has an ``error``."""
     try:
         drive = record(job.drive, job.duration)
     except Exception as error:
@@ -70,6 +70,6 @@ def _measured(drive: Drive, config: Config, offset: tuple[float, ...]) -> Measur
 
 
 def _failed(error: Exception) -> Measured:
-    """A point that failed is a row too; whatever it was, the sweep goes on."""
+    """Return the row of a point that failed; whatever the error, the sweep goes on."""
     text = str(error) or type(error).__name__
     return dict.fromkeys(MEASURES) | {"error": " ".join(text.split())}

@@ -1,1 +1,1 @@
-"""Trajectories: read, put on one clock, compared, and what the comparison says."""
+"""Trajectories: reading, clock offsets, comparison and statistics."""

@@ -1,4 +1,4 @@
-"""Bring two trajectories to the same stamps: by the nearest pose, or between two of them."""
+"""Bring two trajectories to the same stamps, by the nearest pose or by interpolation."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 
 FEWEST = 3
-"""Fewer pairs say nothing."""
+"""Smallest useful number of pairs."""
 
 
 def associate(
     truth: Trajectory, estimate: Trajectory, max_difference: float = 0.01
 ) -> tuple[Trajectory, Trajectory]:
-    """Pairs of poses at nearly one stamp, as two trajectories of equal length.
+    """Pair poses of nearly the same stamp; return them as two trajectories of equal length.
 
-    For each stamp of the one with fewer poses (of equal ones: the estimate) the nearest pose of
-    the other, of two equally near ones the earlier; dropped if it is farther than the difference.
-    One pose of the longer may stand in several pairs. Both bear the stamps of the shorter one.
-    These are the pairs of evo and of the tools of the TUM benchmark, so that figures agree.
+    For each stamp of the trajectory with fewer poses (if equal: the estimate), the nearest pose of
+    the other one is taken; of two equally near poses, the earlier one. The pair is dropped if the
+    stamps differ by more than the largest difference. One pose of the longer trajectory may be in
+    several pairs. Both results have the stamps of the shorter one. These are the pairs of evo and
+    of the tools of the TUM benchmark, so that the figures agree.
 
     Args:
-        truth: what is known.
-        estimate: what is to be judged, on the same clock.
+        truth: the true trajectory.
+        estimate: the trajectory to judge, on the same clock.
         max_difference: largest difference of two stamps [s].
 
     Raises:
@@ -46,7 +47,7 @@ def associate(
 def _nearest(
     stamps: Array, among: Array, max_difference: float
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Index (n,) of the stamp nearest to each, and whether it is near enough."""
+    """Return for each stamp the index (n,) of the nearest one, and whether it is near enough."""
     after = np.minimum(np.searchsorted(among, stamps, side="right"), len(among) - 1)
     to_after = among[after] - stamps
     to_before = np.where(after > 0, stamps - among[after - 1], np.inf)
@@ -57,7 +58,7 @@ def _nearest(
 
 
 def _with_stamps(trajectory: Trajectory, indices: NDArray[np.int64], stamps: Array) -> Trajectory:
-    """Poses at indices, with the stamps of others, of which some may be repeated."""
+    """Return the poses at indices, with other stamps, some of which may repeat."""
     return Trajectory(
         stamps,
         trajectory.positions[indices],
@@ -71,18 +72,18 @@ def _with_stamps(trajectory: Trajectory, indices: NDArray[np.int64], stamps: Arr
 def at(
     trajectory: Trajectory, stamps: ArrayLike, max_gap: float = 0.2
 ) -> tuple[Trajectory, NDArray[np.bool_]]:
-    """Where it was at other stamps: positions along straight lines, rotations the short way round.
+    """Interpolate a trajectory: positions along straight lines, rotations by the shorter way.
 
     Args:
-        trajectory: what is known.
+        trajectory: the trajectory to interpolate.
         stamps: rising stamps (n,) [s], on its clock.
-        max_gap: between poses farther apart than this [s] nothing is known.
+        max_gap: longest time between two poses [s] over which to interpolate.
 
     Returns:
-        Its poses at the stamps at which they are known, and which ones those are (n,).
+        The poses at those stamps where they are known, and which stamps those are (n,).
 
     Raises:
-        TrajectoryError: they are known at fewer than two stamps; names the times.
+        TrajectoryError: the poses are known at fewer than two stamps; names the times.
     """
     trajectory = trajectory.one_a_stamp()
     asked = np.asarray(stamps, dtype=np.float64).ravel()

@@ -1,4 +1,4 @@
-"""How far the clock of an estimate is from the truth's, from how both move."""
+"""Estimate the offset between the clocks of an estimate and of the truth, from their motions."""
 
 from __future__ import annotations
 
@@ -13,44 +13,45 @@ from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 
 OVERLAP = 0.5
-"""At least this part of the shorter one must be in both."""
+"""The overlap must be at least this part of the shorter trajectory."""
 AS_GOOD, AS_LONG = 0.05, 0.1
-"""Peaks this little below the best correlation, and overlap, are as good."""
+"""A peak counts as well if its correlation and overlap are less than this below the best ones."""
 REFINED_WITHIN = 0.05
-"""Positions move the peak of the correlation by less than this [s], or are not believed."""
+"""Positions may move the peak of the correlation by up to this [s]; else they are ignored."""
 NOISE = 0.1
-"""Errors larger than the way in this time [s] are drift and jumps: positions are not believed."""
+"""Errors above the path length in this time [s] are drift or jumps: positions are ignored."""
 BETWEEN = 0.2
-"""Between poses of which a speed is taken [s]."""
+"""Time between the poses that the mean speed is computed from [s]."""
 USUALLY = 80
-"""Percentile of the speeds by which sizes are compared: a robot may stand, and an estimate jump."""
+"""Percentile of the speeds that scales are compared by: a robot may stand, an estimate may jump."""
 OTHER_SIZE = 1.5
-"""What is so many times as fast has another unit or, as of a single camera, none."""
+"""If speeds differ by this factor, the estimate has another unit, or none (a single camera)."""
 PIECE = 20.0
 """Positions are compared in pieces of this length [s], each aligned alone, as odometry drifts."""
 POSES_COMPARED = 20_000
 PEAKS = 16
-"""So many of the highest are looked at."""
+"""Number of the highest peaks that are compared."""
 SAME_RUN = 0.8
-"""Two trajectories that correlate less are of two runs.
+"""Two trajectories with a smaller correlation are of different runs.
 
-Those of one run do by 0.95 and more (wheel odometry against Vicon; noise of 5 mm). Random paths
-reach by chance 0.45 in 40 s and 0.72 in 20 s, but 0.85 in 10 s: so short ones may look alike.
+Trajectories of one run have 0.95 and more (wheel odometry against Vicon; noise of 5 mm). Random
+paths reach by chance 0.45 in 40 s and 0.72 in 20 s, but 0.85 in 10 s: paths that short may look
+alike.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class ClockOffset:
-    """What must be added to the estimate's stamps to be on the truth's clock."""
+    """The time to add to the estimate's stamps to get the truth's clock."""
 
     seconds: float
     """[s]."""
     correlation: float
     """Of speed and turn rate at this offset, in [-1, 1]; low if they are not of one run."""
     overlap: float
-    """Which part of the shorter one is in both, in [0, 1]."""
+    """Part of the shorter trajectory that is in both, in [0, 1]."""
     error: float
-    """Root mean square of distances [m] after aligning the pieces."""
+    """Root mean square distance [m] after aligning the pieces."""
 
 
 def estimate_clock_offset(
@@ -58,21 +59,22 @@ def estimate_clock_offset(
 ) -> ClockOffset:
     """Find the offset between the clocks of two trajectories of one run.
 
-    Speeds and turn rates, which no choice of frames changes, are correlated over all offsets at
-    which half of the shorter one overlaps. Of peaks that are as good, as a path that is driven
-    twice has them, those with the largest overlap count, and of these the one with the least error
-    of position; its minimum, with truth between its poses, refines the offset unless the estimate
-    drifts or jumps. If either is planar the other is taken from above. Noise of s [m] in n poses
-    at speed v leaves some s / (v sqrt(n)) [s]. An estimate of another size, as a single camera
-    makes it, is brought to the truth's first.
+    Speeds and turn rates do not depend on the choice of frames. They are correlated over all
+    offsets at which half of the shorter trajectory overlaps. A path that is driven twice gives
+    several peaks that are equally good: then those with the largest overlap count, and of these
+    the one with the smallest error of position. The minimum of that error, with the truth
+    interpolated, refines the offset unless the estimate drifts or jumps. If either trajectory is
+    planar, the other is seen from above. With noise of s [m] in n poses at speed v the offset
+    errs by about s / (v sqrt(n)) [s]. An estimate of another scale, such as from a single camera,
+    is first scaled to the truth.
 
     Args:
         truth: with any clock.
         estimate: with any clock.
-        search: largest offset [s]; None looks everywhere.
+        search: largest offset [s]; None means any.
 
     Raises:
-        TrajectoryError: one is too short or too long, or no offset is in reach.
+        TrajectoryError: a trajectory is too short or too long, or no offset is in reach.
     """
     from_above = truth.planar or estimate.planar
     true, result = motion_profile(truth, from_above), motion_profile(estimate, from_above)
@@ -99,12 +101,12 @@ def estimate_clock_offset(
 def require_same_run(
     truth: Trajectory, estimate: Trajectory, search: float | None = None
 ) -> ClockOffset:
-    """The clock offset of two trajectories that must be of one run.
+    """Return the clock offset of two trajectories that must be of one run.
 
-    Two runs of one program move alike and cannot be told apart.
+    Two runs of the same driving program move alike and cannot be told apart.
 
     Raises:
-        TrajectoryError: they move differently, or there is no offset.
+        TrajectoryError: the trajectories move differently, or there is no offset.
     """
     offset = estimate_clock_offset(truth, estimate, search)
     if offset.correlation < SAME_RUN:
@@ -116,7 +118,7 @@ def require_same_run(
 
 
 def _peaks(alike: Array, overlap: Array) -> NDArray[np.int64]:
-    """Peaks of the correlation that are as good as the best, and overlap as much."""
+    """Return the peaks of the correlation about as good as the best, with about its overlap."""
     padded = np.concatenate([[-2.0], alike, [-2.0]])
     peaks = np.flatnonzero((alike >= padded[:-2]) & (alike > padded[2:]) & (alike > -2))
     peaks = peaks[alike[peaks] >= alike[peaks].max() - AS_GOOD]
@@ -126,7 +128,7 @@ def _peaks(alike: Array, overlap: Array) -> NDArray[np.int64]:
 
 
 def _top(offsets: Array, alike: Array, peak: int) -> float:
-    """Where the parabola through a peak and its neighbours is highest [s]."""
+    """Return the maximum [s] of the parabola through a peak and its neighbours."""
     if not 0 < peak < len(alike) - 1 or min(alike[peak - 1], alike[peak + 1]) <= -2:
         return float(offsets[peak])
     before, top, after = alike[peak - 1 : peak + 2]
@@ -135,7 +137,7 @@ def _top(offsets: Array, alike: Array, peak: int) -> float:
 
 
 def _refined(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[float, float]:
-    """The offset [s] near another one with the least error [m] of position, and that error."""
+    """Return the offset [s] near another one with the least position error, and that error [m]."""
     stamps, positions = _compared(truth, estimate, offset)
     if len(stamps) < 3:
         return offset, np.inf
@@ -159,7 +161,7 @@ def _refined(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[fl
 
 
 def _size(true: MotionProfile, result: MotionProfile) -> float:
-    """What an estimate is to be multiplied by; 1 unless it is of quite another size."""
+    """Return the factor that scales an estimate to the truth; 1 unless the scales differ much."""
     usual, theirs = (
         float(np.percentile(item.channels[0, item.known], USUALLY)) if item.known.any() else 0.0
         for item in (true, result)
@@ -170,7 +172,7 @@ def _size(true: MotionProfile, result: MotionProfile) -> float:
 
 
 def _speed(trajectory: Trajectory) -> float:
-    """Length of the way by its duration [m/s], by poses so far apart that noise adds little."""
+    """Return the mean speed [m/s], from poses far enough apart that noise adds little."""
     asked = trajectory.stamps[0] + np.arange(0.0, trajectory.duration, BETWEEN)
     few = np.searchsorted(trajectory.stamps, asked)
     way = np.linalg.norm(np.diff(trajectory.positions[few], axis=0), axis=1)
@@ -178,7 +180,10 @@ def _speed(trajectory: Trajectory) -> float:
 
 
 def _compared(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[Array, Array]:
-    """Stamps (n,) on the truth's clock and positions (n, 3) of the estimate within the truth."""
+    """Return stamps (n,) on the truth's clock and positions (n, 3) of the estimate.
+
+    Only poses count at which the truth is known.
+    """
     stamps = estimate.stamps + offset
     ends = (stamps - REFINED_WITHIN, stamps, stamps + REFINED_WITHIN)
     known = np.flatnonzero(~np.any([in_gap(truth, end) for end in ends], axis=0))
@@ -188,7 +193,7 @@ def _compared(truth: Trajectory, estimate: Trajectory, offset: float) -> tuple[A
 
 @dataclass(frozen=True, eq=False)
 class _Pieces:
-    """Positions in pieces, each about its own middle."""
+    """Positions in pieces, each relative to its own mean."""
 
     starts: NDArray[np.int64]
     lengths: NDArray[np.int64]
@@ -197,7 +202,7 @@ class _Pieces:
 
     @classmethod
     def of(cls, stamps: Array, positions: Array) -> _Pieces:
-        """Pieces of equal duration, none much shorter than PIECE."""
+        """Cut positions into pieces of equal duration, at least PIECE unless there is only one."""
         elapsed = stamps - stamps[0]
         count = max(int(elapsed[-1] / PIECE), 1)
         piece = np.minimum((elapsed * count / elapsed[-1]).astype(np.int64), count - 1)
@@ -206,11 +211,11 @@ class _Pieces:
         return cls(starts, lengths, _about_middles(positions, starts, lengths))
 
     def error(self, truth: Array) -> float:
-        """Root mean square distance [m] to positions (n, 3) after aligning each piece (Umeyama)."""
+        """Return the rms distance [m] to positions (n, 3) after aligning each piece (Umeyama)."""
         other = _about_middles(truth, self.starts, self.lengths)
         cross = np.add.reduceat(other[:, :, None] * self.centred[:, None, :], self.starts)
         values = np.linalg.svd(cross, compute_uv=False)
-        # A reflection is no motion.
+        # A reflection is not a rigid motion.
         values[:, 2] *= np.where(np.linalg.det(cross) < 0, -1, 1)
         squares = np.sum(other**2) + np.sum(self.centred**2) - 2 * np.sum(values)
         return float(np.sqrt(max(squares, 0.0) / len(truth)))

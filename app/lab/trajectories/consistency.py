@@ -1,4 +1,4 @@
-"""Is a filter's covariance honest? Normalized estimation errors squared and their bounds.
+"""Consistency of a filter's covariance: normalized estimation errors squared and their bounds.
 
 Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, Wiley 2001,
 section 5.4.2.
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from robot.geometry import Array
 
 SINGULAR = 1e-12
-"""An eigenvalue of a correlation matrix that is less is none."""
+"""A smaller eigenvalue of a correlation matrix counts as zero."""
 
 
 class ConsistencyError(ValueError):
@@ -21,19 +21,20 @@ class ConsistencyError(ValueError):
 
 
 def nees(errors: Array, covariances: Array) -> Array:
-    """Normalized estimation error squared of each estimate.
+    """Return the normalized estimation error squared (NEES) of each estimate.
 
-    e' P^-1 e, the chi-square of d degrees of freedom if the covariance is honest; its mean is d.
+    It is e' P^-1 e. If the covariance is consistent, it has the chi-square distribution of d
+    degrees of freedom, with mean d.
 
     Args:
-        errors: (n, d), truth less estimate, angles by the shorter way [m, m, rad].
+        errors: (n, d), truth minus estimate, angles by the shorter way [m, m, rad].
         covariances: (n, d, d), of the estimates.
 
     Returns:
         (n,), without unit.
 
     Raises:
-        ConsistencyError: shapes differ, or a covariance is singular or none; names its index.
+        ConsistencyError: shapes differ, or a covariance is singular or invalid; names its index.
     """
     errors = np.asarray(errors, dtype=np.float64)
     covariances = np.asarray(covariances, dtype=np.float64)
@@ -46,7 +47,7 @@ def nees(errors: Array, covariances: Array) -> Array:
     _check_each(~np.atleast_1d(finite), "not finite")
     deviations = np.sqrt(np.maximum(np.einsum("nii->ni", covariances), 0.0))
     _check_each((deviations <= 0).any(axis=1), "singular: a variance is not positive")
-    # As correlations, so that metres and radians of any size are alike.
+    # Correlations make values in metres and in radians comparable.
     scales = deviations[:, :, None] * deviations[:, None, :]
     correlations = covariances / scales
     _check_each(
@@ -61,10 +62,11 @@ def nees(errors: Array, covariances: Array) -> Array:
 
 
 def anees_bounds(runs: int, dof: int = 3, level: float = 0.95) -> tuple[float, float]:
-    """Between which values the mean NEES of independent runs lies, if the filter is honest.
+    """Return the bounds of the mean NEES of independent runs if the filter is consistent.
 
-    The sum over N runs of d degrees of freedom each is the chi-square of N d; its two-sided bounds
-    divided by N. A mean above is a filter too sure of itself, one below a filter too careful.
+    The sum over N runs of d degrees of freedom each has the chi-square distribution of N d degrees
+    of freedom; the bounds are its two-sided bounds divided by N. Above them, the filter is
+    overconfident; below them, it is too cautious.
 
     Raises:
         ValueError: runs or degrees of freedom are less than 1, or level not between 0 and 1.

@@ -1,7 +1,7 @@
-"""How far an estimate is from the truth, on pairs of poses.
+"""Errors of an estimate against the truth, on pairs of poses.
 
 After Sturm, Engelhard, Endres, Burgard, Cremers, A Benchmark for the Evaluation of RGB-D SLAM
-Systems, IROS 2012. All take pairs, as `association.associate` makes them.
+Systems, IROS 2012. All functions take pairs, as `association.associate` makes them.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from robot.geometry import Array, wrap_angle
 Unit = Literal["s", "m", "frames"]
 
 RANK = 1e-9
-"""A spread this small beside the largest one is none."""
+"""A spread this small relative to the largest one counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """A rigid motion that takes positions of the estimate's frame to the truth's."""
+    """A rigid motion from the estimate's frame to the truth's frame."""
 
     rotation: Array
     """(3, 3); about z only if both trajectories are planar."""
@@ -33,7 +33,7 @@ class Alignment:
     """(3,) [m]."""
 
     def apply(self, trajectory: Trajectory) -> Trajectory:
-        """The trajectory in the truth's frame."""
+        """Return the trajectory in the truth's frame."""
         turned = Rotation.from_matrix(self.rotation) * Rotation.from_quat(trajectory.quaternions)
         return replace(
             trajectory,
@@ -44,11 +44,12 @@ class Alignment:
 
 
 def align(truth: Trajectory, estimate: Trajectory) -> Alignment:
-    """The rigid motion of the estimate after which squared distances have the least sum.
+    """Return the rigid motion of the estimate that minimizes the sum of squared distances.
 
-    Without scale (Umeyama, Least-squares estimation of transformation parameters between two point
-    patterns, PAMI 1991): in the plane if both are planar, else in space. Of paths in space along
-    one line the rotation about that line is free: it is the one that turns least.
+    It has no scale (Umeyama, Least-squares estimation of transformation parameters between two
+    point patterns, PAMI 1991). It is in the plane if both trajectories are planar, else in space.
+    If a path in space lies on one line, the rotation about that line is free: then the smallest
+    rotation is taken.
 
     Raises:
         TrajectoryError: not pairs, or a path stays on one spot, so that no rotation is best.
@@ -67,10 +68,10 @@ def align(truth: Trajectory, estimate: Trajectory) -> Alignment:
 
 
 def _spread(trajectory: Trajectory) -> float:
-    """Root of the sum of squared distances from the middle [m].
+    """Return the root of the sum of squared distances from the mean position [m].
 
     Raises:
-        TrajectoryError: it is only rounding.
+        TrajectoryError: the spread is only a rounding error.
     """
     spread = float(np.linalg.norm(trajectory.positions - trajectory.positions.mean(axis=0)))
     if spread <= RANK * np.linalg.norm(trajectory.positions) or spread == 0:
@@ -81,7 +82,10 @@ def _spread(trajectory: Trajectory) -> float:
 
 
 def _planar_rotation(cross: Array) -> tuple[float, Array]:
-    """About z: the angle of the sum of products of the two, as complex numbers; and its length."""
+    """Return the length of the sum of products as a complex number, and the rotation about z.
+
+    The rotation is by the angle of that sum.
+    """
     along = cross[0, 0] + cross[1, 1]
     aside = cross[1, 0] - cross[0, 1]
     rotation = Rotation.from_euler("z", np.arctan2(aside, along)).as_matrix()
@@ -89,17 +93,17 @@ def _planar_rotation(cross: Array) -> tuple[float, Array]:
 
 
 def _rotation(cross: Array) -> tuple[float, Array]:
-    """In space, and the largest singular value."""
+    """Return the largest singular value, and the rotation in space."""
     u, values, v = np.linalg.svd(cross)
     if values[1] <= RANK * values[0]:
         return float(values[0]), _least_turn(v[0], u[:, 0])
-    # A reflection is no motion: the weakest axis is turned round instead.
+    # A reflection is not a rigid motion: flip the weakest axis instead.
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(v))])
     return float(values[0]), (u * signs) @ v
 
 
 def _least_turn(start: Array, end: Array) -> Array:
-    """The rotation by the least angle that takes one unit vector to another."""
+    """Return the smallest rotation that takes one unit vector to another."""
     axis, cosine = np.cross(start, end), float(start @ end)
     if cosine < RANK - 1:
         aside = np.linalg.svd(start[None])[2][1]
@@ -111,7 +115,7 @@ def _least_turn(start: Array, end: Array) -> Array:
 
 
 def absolute_errors(truth: Trajectory, estimate: Trajectory) -> Array:
-    """Distances (n,) [m] between the positions of each pair.
+    """Return the distances (n,) [m] between the positions of each pair.
 
     Raises:
         TrajectoryError: not pairs.
@@ -122,7 +126,7 @@ def absolute_errors(truth: Trajectory, estimate: Trajectory) -> Array:
 
 
 def ate_rmse(truth: Trajectory, estimate: Trajectory, aligned: bool = False) -> float:
-    """Root mean square [m] of the absolute errors, as they are or after `align`.
+    """Return the root mean square [m] of the absolute errors, unaligned or after `align`.
 
     Raises:
         TrajectoryError: not pairs, or they cannot be aligned.
@@ -133,15 +137,15 @@ def ate_rmse(truth: Trajectory, estimate: Trajectory, aligned: bool = False) -> 
 
 
 def rms(errors: ArrayLike) -> float:
-    """Root of the mean of squares."""
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def heading_errors(truth: Trajectory, estimate: Trajectory) -> Array:
-    """Angles (n,) [rad] from the true rotation to the estimated one.
+    """Return the angles (n,) [rad] from the true rotation to the estimated one.
 
-    Of planar ones with a sign, in [-pi, pi), anticlockwise; else the angle of the rotation between
-    the two, in [0, pi].
+    If both trajectories are planar, angles have a sign, in [-pi, pi), anticlockwise; else they are
+    the angle of the rotation between the two, in [0, pi].
 
     Raises:
         TrajectoryError: not pairs.
@@ -155,13 +159,13 @@ def heading_errors(truth: Trajectory, estimate: Trajectory) -> Array:
 def relative_errors(
     truth: Trajectory, estimate: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
 ) -> tuple[Array, Array]:
-    """Errors of the motion over a time, a way or a number of poses.
+    """Return the errors of the motion over a time, a path length or a number of poses.
 
     Translation (k,) [m] and rotation (k,) [rad] of
     E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated, over all pairs of `relative_pairs`.
 
     Raises:
-        TrajectoryError: not pairs, or no two poses are so far apart.
+        TrajectoryError: not pairs, or no two poses are delta apart.
     """
     _check_pairs(truth, estimate)
     i, j = relative_pairs(truth, delta, unit, tolerance)
@@ -175,7 +179,7 @@ def relative_errors(
 def motion_errors(
     truth: Trajectory, estimate: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
 ) -> tuple[Array, Array]:
-    """Errors of the motion from poses i (k,) to poses j (k,), as in `relative_errors`."""
+    """Return the errors of the motion from poses i (k,) to j (k,), as in `relative_errors`."""
     (moved, turned), (true_moved, true_turned) = _motions(estimate, i, j), _motions(truth, i, j)
     translation: Array = np.linalg.norm(moved - true_moved, axis=1)
     return translation, _angles(true_turned.inv() * turned)
@@ -184,13 +188,14 @@ def motion_errors(
 def relative_pairs(
     truth: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """For each pose i the later pose j whose time or way from i is nearest to delta.
+    """Find for each pose i the later pose j whose time or path length from i is nearest to delta.
 
     Args:
-        truth: along which time and way count.
-        delta: time [s], length of the way [m] or number of poses.
+        truth: the trajectory whose times and path lengths count.
+        delta: time [s], path length [m] or number of poses.
         unit: "s", "m" or "frames".
-        tolerance: i is left out if j is off by more than this part of delta; numbers are exact.
+        tolerance: i is left out if j is off by more than this part of delta; a number of poses is
+            exact.
 
     Returns:
         Indices i and j (k,).
@@ -200,7 +205,7 @@ def relative_pairs(
     along = _ALONG[unit](truth)
     i = np.arange(len(along) - 1)
     goal = along[:-1] + delta
-    # Of equally near ones the earliest: where the robot stands the way has equal values.
+    # Take the earliest of equal values: the path length stays equal while the robot stands.
     after = np.minimum(np.searchsorted(along, goal, side="left"), len(along) - 1)
     before = np.searchsorted(along, along[np.maximum(after - 1, 0)], side="left")
     after, before = np.maximum(after, i + 1), np.maximum(before, i + 1)
@@ -213,7 +218,7 @@ def relative_pairs(
 
 
 def _way(trajectory: Trajectory) -> Array:
-    """Length (n,) [m] of the way up to each pose."""
+    """Return the path length (n,) [m] up to each pose."""
     steps = np.linalg.norm(np.diff(trajectory.positions, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -228,7 +233,7 @@ _ALONG: dict[Unit, Callable[[Trajectory], Array]] = {
 def _motions(
     trajectory: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
 ) -> tuple[Array, Rotation]:
-    """From poses i to poses j, seen from i: translations (k, 3) and rotations."""
+    """Return the motions from poses i to j, seen from i: translations (k, 3) and rotations."""
     rotations = _rotations(trajectory)
     back = rotations[i].inv()
     return back.apply(trajectory.positions[j] - trajectory.positions[i]), back * rotations[j]
@@ -239,7 +244,7 @@ def _rotations(trajectory: Trajectory) -> Rotation:
 
 
 def _angles(rotations: Rotation) -> Array:
-    """Angle (n,) [rad] of each, in [0, pi]."""
+    """Return the angle (n,) [rad] of each rotation, in [0, pi]."""
     return np.asarray(rotations.magnitude(), dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""How something moves, apart from where: speed and turn rate, whatever frames they were seen in."""
+"""Speed and turn rate of a trajectory over time; they do not depend on the choice of frames."""
 
 from __future__ import annotations
 
@@ -13,44 +13,45 @@ from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 
 STEP = 0.02
-"""Between samples [s]."""
+"""Time between samples [s]."""
 SMOOTHING = 0.15
-"""Standard deviation [s] of the Gaussian that takes the noise of single poses away."""
+"""Standard deviation [s] of the Gaussian that removes the noise of single poses."""
 SHORTEST, LONGEST = 2.0, 20_000.0
-"""How long a trajectory lasts of which this can be said [s]."""
+"""Shortest and longest duration of a trajectory that can be profiled [s]."""
 GAP = 0.5
-"""Between poses farther apart than this [s], and than is usual in the file, nothing is known."""
+"""Poses farther apart than this [s], and than three times the file's median, leave a gap."""
 LEVERS = (0.05, 1.0)
-"""Bounds of the length [m] that makes a turn rate comparable with a speed."""
+"""Bounds of the length [m] that turns a turn rate into a comparable speed."""
 QUIET = 0.05
-"""Where less than this part of the usual variance is left nothing correlates."""
+"""Overlaps with less than this part of the usual variance get a low correlation."""
 
 
 @dataclass(frozen=True, eq=False)
 class MotionProfile:
-    """Speed and turn rate at even steps from a start on."""
+    """Speed and turn rate at even steps after a start."""
 
     start: float
     """[s]."""
     channels: Array
-    """(2, n): speed [m/s], turn rate [rad/s]; with a sign if it is seen from above."""
+    """(2, n): speed [m/s], turn rate [rad/s]; the turn rate has a sign if seen from above."""
     known: NDArray[np.bool_]
-    """(n,): not within a gap."""
+    """(n,): whether the sample is outside of gaps."""
 
     def scaled(self, size: float) -> MotionProfile:
-        """Of a path that is so many times as large."""
+        """Return the profile of the path scaled by a factor."""
         return replace(self, channels=self.channels * [[size], [1.0]])
 
 
 def motion_profile(trajectory: Trajectory, from_above: bool) -> MotionProfile:
-    """Speed and turn rate of a trajectory, smoothed.
+    """Return the smoothed speed and turn rate of a trajectory.
 
     Args:
-        trajectory: whose.
-        from_above: turn rate about z with its sign; else its magnitude about any axis.
+        trajectory: the trajectory to profile.
+        from_above: whether to take the turn rate about z with its sign; else its magnitude about
+            any axis.
 
     Raises:
-        TrajectoryError: it is too short or too long.
+        TrajectoryError: the trajectory is too short or too long.
     """
     if not SHORTEST <= trajectory.duration <= LONGEST:
         raise TrajectoryError(
@@ -64,13 +65,13 @@ def motion_profile(trajectory: Trajectory, from_above: bool) -> MotionProfile:
     if from_above:
         turn = _rates(grid, stamps, np.unwrap(trajectory.poses[:, 2])[:, None])[:, 0]
     else:
-        # Of a unit quaternion the rate is half the turn rate.
+        # The rate of change of a unit quaternion is half the turn rate.
         turn = 2 * np.linalg.norm(_rates(grid, stamps, _continuous(trajectory)), axis=1)
     return MotionProfile(start, np.stack([speed, turn]), ~in_gap(trajectory, grid))
 
 
 def in_gap(trajectory: Trajectory, stamps: Array) -> NDArray[np.bool_]:
-    """Whether stamps (n,) are off the trajectory's end or in a gap of it."""
+    """Return which stamps (n,) are beyond the trajectory's ends or in one of its gaps."""
     known = trajectory.stamps
     gaps = np.diff(known)
     longest = max(GAP, 3 * float(np.median(gaps)))
@@ -82,14 +83,14 @@ def in_gap(trajectory: Trajectory, stamps: Array) -> NDArray[np.bool_]:
 
 
 def _rates(grid: Array, stamps: Array, values: Array) -> Array:
-    """Rates (m, k) of change of values (n, k), smoothed."""
+    """Return the smoothed rates of change (m, k) of values (n, k)."""
     sampled = np.column_stack([np.interp(grid, stamps, column) for column in values.T])
     rates: Array = gaussian_filter1d(sampled, SMOOTHING / STEP, axis=0, order=1) / STEP
     return rates
 
 
 def _continuous(trajectory: Trajectory) -> Array:
-    """Quaternions (n, 4), each with the sign that is nearer to the one before."""
+    """Return quaternions (n, 4), each with the sign that brings it nearer to the previous one."""
     quaternions = trajectory.quaternions
     along = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
     signs = np.cumprod(np.append(1.0, np.where(along < 0, -1.0, 1.0)))
@@ -98,14 +99,14 @@ def _continuous(trajectory: Trajectory) -> Array:
 
 
 def correlations(truth: MotionProfile, estimate: MotionProfile) -> tuple[Array, Array, Array]:
-    """How alike two profiles are at each lag at which they overlap.
+    """Correlate two profiles at each lag at which they overlap.
 
-    The correlation of both channels together, each less its mean where they overlap; turn rates
-    count with the length at which they are as large as speeds.
+    The correlation is of both channels together, each minus its mean over the overlap. Turn rates
+    are multiplied by the length that makes them as large as speeds.
 
     Returns:
-        What to add to the estimate's stamps [s], the correlation in [-1, 1] and how much of what
-        the shorter one knows overlaps, in [0, 1], each (m,).
+        The time to add to the estimate's stamps [s], the correlation in [-1, 1], and the part of
+        the shorter profile's known samples that overlaps, in [0, 1], each (m,).
     """
     speed, turn = np.sqrt(np.mean(np.square(truth.channels), axis=1))
     lever = np.array([[1.0], [np.clip(speed / max(turn, 1e-9), *LEVERS)]])
@@ -114,7 +115,7 @@ def correlations(truth: MotionProfile, estimate: MotionProfile) -> tuple[Array, 
     lags, size = np.arange(1 - m, n), next_fast_len(n + m, real=True)
 
     def summed(a: Array, b: Array) -> Array:
-        """Sums of products (2, k) at all lags."""
+        """Return the sums of products (2, k) at all lags."""
         products: Array = irfft(rfft(a, size) * np.conj(rfft(b, size)), size)[..., lags % size]
         return products
 
@@ -134,14 +135,14 @@ def correlations(truth: MotionProfile, estimate: MotionProfile) -> tuple[Array, 
 
 
 def _clipped(profile: MotionProfile, target: MotionProfile) -> MotionProfile:
-    """Where an estimate jumps it is faster than anything that moves; that would hide the rest."""
+    """Clip a profile to the target's values: the high speeds of jumps would hide all else."""
     slowest, fastest = target.channels.min(axis=1), target.channels.max(axis=1)
     within = np.clip(profile.channels, slowest[:, None], fastest[:, None])
     return replace(profile, channels=within)
 
 
 def _centred(profile: MotionProfile, lever: Array) -> Array:
-    """Channels (2, n) about their means, zero where nothing is known."""
+    """Return the channels (2, n) minus their means, and zero where nothing is known."""
     known = profile.known
     if not known.any():
         return np.zeros_like(profile.channels)

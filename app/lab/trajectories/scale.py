@@ -1,4 +1,4 @@
-"""How much better an estimate fits with a scale of its own, as one of a single camera needs."""
+"""Fit a scale to an estimate, as one from a single camera needs it."""
 
 from __future__ import annotations
 
@@ -11,33 +11,35 @@ from app.lab.trajectories.metrics import align, ate_rmse, rms
 from app.lab.trajectories.trajectory import Trajectory
 
 MUCH = 0.5
-"""A scale is worth a word if it leaves no more than such a part of the error ..."""
+"""A scale is free if it leaves no more than this part of the error ..."""
 OTHER = 0.05
-"""... and differs by more than such a part: less is a wheel's radius or a lens, not a unit."""
+"""... and if its logarithm differs from 0 by more than this: a smaller difference comes from a
+wheel's radius or a lens, not from a unit."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScaleFit:
-    """The similarity transform, Sim(3), beside the rigid motion."""
+    """The similarity transform, Sim(3), compared with the rigid motion."""
 
     scale: float
-    """What the estimate's positions are to be multiplied by."""
+    """The factor to multiply the estimate's positions by."""
     rigid: float
-    """Root mean square error [m] after the rigid motion that makes it least."""
+    """Root mean square error [m] after the best rigid motion."""
     scaled: float
     """The same with the scale."""
 
     @property
     def is_free(self) -> bool:
-        """Whether the estimate's scale seems to be its own, not metres."""
+        """Whether the estimate seems to have a scale of its own instead of metres."""
         return self.scaled <= MUCH * self.rigid and abs(math.log(self.scale)) > OTHER
 
 
 def fit_scale(truth: Trajectory, estimate: Trajectory) -> ScaleFit:
-    """The scale of least squares, after Umeyama (PAMI 1991), equations 40 to 42.
+    """Fit the scale by least squares, after Umeyama (PAMI 1991), equations 40 to 42.
 
     The best rotation is the same with and without a scale, so it is taken from `align`; then
-    c = sum p_i . q_i / sum |q_i|^2, with p true and q turned positions, each from its middle.
+    c = sum p_i . q_i / sum |q_i|^2, with p the true and q the aligned positions, each relative to
+    its mean.
 
     Raises:
         TrajectoryError: not pairs, or they cannot be aligned.

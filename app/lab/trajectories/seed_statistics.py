@@ -1,4 +1,4 @@
-"""What many runs, each with its seed, say together."""
+"""Statistics over many runs, each with its own seed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 from robot.geometry import Array
 
 AT_ONCE = 2**22
-"""So many numbers are drawn at a time."""
+"""Numbers that are drawn at a time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Mean, median and largest of values of one unit."""
+    """Mean, median and maximum of values of one unit."""
 
     mean: float
     median: float
@@ -23,10 +23,10 @@ class Summary:
 
 
 def summary(values: ArrayLike) -> Summary:
-    """Mean, median and largest.
+    """Return mean, median and maximum.
 
     Raises:
-        ValueError: there are none, or one is not finite.
+        ValueError: there are no values, or one is not finite.
     """
     checked = _checked(values)
     return Summary(float(checked.mean()), float(np.median(checked)), float(checked.max()))
@@ -35,13 +35,15 @@ def summary(values: ArrayLike) -> Summary:
 def bootstrap_interval(
     values: ArrayLike, level: float = 0.95, draws: int = 10_000, seed: int = 0
 ) -> tuple[float, float]:
-    """Percentile bootstrap interval of the mean (Efron and Tibshirani 1993, chapter 13).
+    """Return the percentile bootstrap interval of the mean.
+
+    After Efron and Tibshirani (1993), chapter 13.
 
     Args:
-        values: one a run, independent of each other.
-        level: how often it should hold the true mean, between 0 and 1.
+        values: one for each run, independent of each other.
+        level: how often the interval should hold the true mean, between 0 and 1.
         draws: how many samples are drawn with replacement.
-        seed: of the draws; the same one gives the same interval.
+        seed: of the draws; the same seed gives the same interval.
 
     Raises:
         ValueError: there are no values, one is not finite, or a parameter is out of range.

@@ -1,4 +1,4 @@
-"""Where something was at many times."""
+"""Trajectories: the poses of a body at many stamps."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 from robot.geometry import Array, heading_angles, heading_vectors
 
 FARTHEST = 1e9
-"""A coordinate beyond this [m] is no position."""
+"""A coordinate beyond this [m] is not a position."""
 LATEST = 1e11
 """A stamp beyond this [s] is not in seconds: the year 5000 comes before it."""
 FLAT = 1e-9
-"""What moves or tilts less than this [m, -] is planar."""
+"""A trajectory is planar if it rises and tilts by no more than this [m, -]."""
 NO_LENGTH = 1e-6
-"""A quaternion this short has no direction."""
+"""A quaternion shorter than this has no direction."""
 
 Indices = NDArray[np.int64] | NDArray[np.bool_]
 
@@ -28,7 +28,7 @@ class TrajectoryError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Poses of a body in a world frame (z up), by rising stamps; the arrays are read-only.
+    """Poses of a body in a world frame (z up), at rising stamps; the arrays are read-only.
 
     Raises:
         TrajectoryError: fewer than two poses, a stamp that is not after the one before it (with
@@ -37,19 +37,19 @@ class Trajectory:
     """
 
     stamps: Array
-    """(n,) [s], strictly rising, or with ``repeats`` never falling."""
+    """(n,) [s], strictly rising; with ``repeats`` never falling."""
     positions: Array
     """(n, 3) [m]."""
     quaternions: Array
-    """(n, 4) x y z w, world from body; brought to unit length."""
+    """(n, 4) x y z w, world from body; normalized to unit length."""
     source: str = ""
-    """What messages call it, such as the file's name."""
+    """Its name in messages, such as the file's name."""
     notes: tuple[str, ...] = ()
     """Comments of the file."""
     repeats: bool = False
-    """Whether several poses may bear one stamp, as in the TUM benchmark's own freiburg2_desk."""
+    """Whether several poses may have the same stamp, as in freiburg2_desk of the TUM benchmark."""
     lines: InitVar[Sequence[int] | None] = None
-    """For messages: the line (n,) of the file that each pose stands on."""
+    """The line (n,) of each pose in the file, for messages."""
 
     def __post_init__(self, lines: Sequence[int] | None) -> None:
         stamps = _numbers(self.stamps, (-1,))
@@ -81,9 +81,9 @@ class Trajectory:
         lines: Sequence[int] | None = None,
         repeats: bool = False,
     ) -> Trajectory:
-        """From stamps (n,) [s] and planar poses (n, 3): x, y [m], theta [rad]."""
+        """Make a trajectory of stamps (n,) [s] and planar poses (n, 3): x, y [m], theta [rad]."""
         planar = np.asarray(poses, dtype=np.float64).reshape(-1, 3)
-        with np.errstate(invalid="ignore"):  # of an infinite angle comes a NaN, which is refused
+        with np.errstate(invalid="ignore"):  # an infinite angle gives NaN, which is refused
             half = heading_vectors(planar[:, 2] / 2)
         nothing = np.zeros(len(planar))
         return cls(
@@ -101,29 +101,29 @@ class Trajectory:
 
     @property
     def name(self) -> str:
-        """The source, or a word for it where there is none."""
+        """The source, or a general name if there is none."""
         return self.source or "the trajectory"
 
     @property
     def duration(self) -> float:
-        """From the first pose to the last [s]."""
+        """Time from the first pose to the last [s]."""
         return float(self.stamps[-1] - self.stamps[0])
 
     @property
     def planar(self) -> bool:
-        """Whether it stays at one height and turns about z only."""
+        """Whether it stays at one height and only turns about z."""
         heights = self.positions[:, 2]
         return bool(np.ptp(heights) <= FLAT and (np.abs(self.quaternions[:, :2]) <= FLAT).all())
 
     @property
     def poses(self) -> Array:
-        """Seen from above (n, 3): x, y [m] and the heading [rad] of the body's x axis."""
+        """The poses from above (n, 3): x, y [m] and the heading [rad] of the body's x axis."""
         x, y, z, w = self.quaternions.T
         ahead = np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)])
         return np.column_stack([self.positions[:, :2], heading_angles(ahead)])
 
     def picked(self, indices: Indices) -> Trajectory:
-        """Only the poses at rising indices, or where a mask (n,) is true."""
+        """Return the poses at rising indices, or where a mask (n,) is true."""
         return Trajectory(
             self.stamps[indices],
             self.positions[indices],
@@ -134,22 +134,22 @@ class Trajectory:
         )
 
     def from_above(self) -> Trajectory:
-        """The planar one that is seen from above: no height, and no turn but the heading."""
+        """Return the planar trajectory seen from above: without height, roll and pitch."""
         return Trajectory.of_poses(
             self.stamps, self.poses, self.source, self.notes, repeats=self.repeats
         )
 
     def one_a_stamp(self) -> Trajectory:
-        """Of poses that bear one stamp only the last."""
+        """Keep only the last of several poses with the same stamp."""
         return replace(self.picked(np.append(np.diff(self.stamps) > 0, True)), repeats=False)
 
     def shifted(self, seconds: float) -> Trajectory:
-        """The same poses, all later by so much [s]."""
+        """Return the same poses at later stamps, by some time [s]."""
         return replace(self, stamps=self.stamps + seconds, lines=None)
 
 
 def _numbers(values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """A copy of its own, in the given shape."""
+    """Return a copy of the values in the given shape."""
     try:
         return np.array(values, dtype=np.float64, order="C").reshape(shape)
     except ValueError as error:
@@ -163,7 +163,7 @@ def _poses(count: int) -> str:
 def _first_fault(
     stamps: Array, positions: Array, quaternions: Array, repeats: bool
 ) -> tuple[int, str] | None:
-    """Index of the first pose that cannot be, and why."""
+    """Return the index of the first invalid pose, and what is wrong with it."""
     largest = np.abs(quaternions).max(axis=1)
     falls = np.less if repeats else np.less_equal
     faults = (

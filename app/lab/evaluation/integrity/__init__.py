@@ -1,1 +1,1 @@
-"""Is it right when it says so? Robots, fields, conditions and starts, counted as aviation does."""
+"""Measure integrity over robots, fields, conditions and starts, with the measures of aviation."""

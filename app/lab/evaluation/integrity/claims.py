@@ -1,4 +1,4 @@
-"""What was claimed at each picture of a drive, and what was true."""
+"""The filter's claims at each picture of a drive, and the truth."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from robot.localization.integrity import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
 STARTS = ("known", "told-wrong", "scattered", "carried")
-"""Told the true pose, give or take 1 cm and 0.03 rad; told one that is 0.14 m and 0.3 rad off; told
-nothing; and told nothing, found, then carried off."""
+"""What the filter is told at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
+is 0.14 m and 0.3 rad off; nothing; and nothing, with the robot carried off later."""
 
 TOLD = 8
-"""Number of the stream that the error of a known start is drawn from, beside the seed."""
+"""Number of the random stream, beside the seed, that the error of a known start is drawn from."""
 
 
 @dataclass(frozen=True)
 class Claims:
-    """Of n pictures, in order."""
+    """The claims and the truth at n pictures, in order."""
 
     stamps: Array
     """(n,) [s]"""
     truth: Array
     """(n, 3) [m, m, rad] in the map."""
     poses: Array
-    """(n, 3) the estimate at the pictures' stamps; nan while there is none."""
+    """(n, 3) the estimates at the pictures' stamps; nan where there is none."""
     covariance: Array
-    """(n, 3, 3) [m, m, rad], as the filter says; nan while there is none."""
+    """(n, 3, 3) [m, m, rad], of the heaviest hypothesis; nan where there is none."""
     weights: Array
     """(n,) of the heaviest hypothesis."""
     states: tuple[State, ...]
@@ -46,13 +46,13 @@ class Claims:
     heading_bound: Array
     """(n,) [rad]"""
     causes: tuple[Cause | None, ...]
-    """The likeliest reason for doubt at each picture."""
+    """The likeliest reason for doubt at each picture; None without one."""
     carry_stamp: float | None
     """When the robot was carried off [s]."""
 
     @property
     def off(self) -> Array:
-        """(n, 3) estimate less truth [m, m, rad]; nan without an estimate."""
+        """(n, 3) estimate minus truth [m, m, rad]; nan without an estimate."""
         offset = self.poses - self.truth
         offset[:, 2] = wrap_angle(offset[:, 2])
         return offset
@@ -83,16 +83,16 @@ class _Row:
 def follow_claims(
     trial: TrialDrive, config: Config, start: str, believed: Field | None = None
 ) -> Claims:
-    """Let the program's localization follow a drive and keep what it claims.
+    """Let the program's localization follow a drive, and keep its claims.
 
     Args:
         trial: what the robot saw and where it was.
-        config: seed and localization, and models of the user's own.
+        config: seed, localization and the user's own models.
         start: one of ``STARTS``.
-        believed: the field that the robot takes it for, if it is not the true one.
+        believed: the field that the filter assumes; by default the true one.
 
     Raises:
-        EvaluationError: a model of the user's own is broken, or there are fewer than three
+        EvaluationError: one of the user's own models is broken, or there are fewer than three
             pictures.
     """
     field = believed or trial.drive.field
@@ -113,7 +113,10 @@ _ENTRIES: dict[tuple[bytes, float, float], EntryField] = {}
 
 
 def entries_over(field: Field, config: Config) -> EntryField:
-    """The table of distances, which takes long to make: the last one is kept in each process."""
+    """Return the distance table of a field.
+
+    The table takes long to build, so each process keeps the last one.
+    """
     sensor = config.localization.sensor
     far = sensor.laser_likelihood_max_dist
     key = field.edges.tobytes(), sensor.field_resolution, far

@@ -1,4 +1,4 @@
-"""Claims as CSV, so that others can count again."""
+"""Write and read claims as CSV, so that others can compute measures of their own."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STATE = COLUMNS.index("state")
 
 
 def claims_csv(claims: Claims) -> str:
-    """A line for each picture."""
+    """Return the claims as CSV, one line for each picture."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -33,12 +33,12 @@ def claims_csv(claims: Claims) -> str:
 
 
 def read_numbers(path: Path) -> dict[str, Array]:
-    """The columns of numbers by name, each (n,)."""
+    """Read the numeric columns by name, each (n,)."""
     wanted = [place for place in range(len(COLUMNS)) if place != STATE]
     rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=wanted, ndmin=2)
     return {COLUMNS[place]: column for place, column in zip(wanted, rows.T, strict=True)}
 
 
 def _short(value: float) -> str:
-    """To a micrometre, a microradian, a microsecond."""
+    """Format a value to a micrometre, a microradian or a microsecond."""
     return f"{value:.6f}"

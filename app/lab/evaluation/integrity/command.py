@@ -1,4 +1,4 @@
-"""What ``brickpose evaluate integrity`` does with its arguments."""
+"""Carries out ``brickpose evaluate integrity`` with its arguments."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ SINGLE = ("first_seed", "seeds", "laps")
 
 
 def integrity_command(given: dict[str, Any]) -> int:
-    """Make the experiment."""
+    """Run the experiment."""
     folder = given.get("out", OUT)
     options: dict[str, Any] = {name: given[name] for name in SINGLE if name in given}
     for option, name in SEVERAL.items():

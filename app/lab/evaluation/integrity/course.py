@@ -1,4 +1,4 @@
-"""Where a figure-eight is driven on a field: as large as fits, with tape in sight."""
+"""Place a figure-eight on a field: as large as fits, with tape in sight."""
 
 from __future__ import annotations
 
@@ -17,26 +17,28 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
 CELL = 0.02
-"""Of the raster of distances from tape [m]."""
+"""Cell size of the grid of distances from tape [m]."""
 LOOKS = tuple((x, slope * x) for x in (0.2, 0.35, 0.5) for slope in (-0.4, 0.0, 0.4))
 NEAR = 0.08
-"""Tape is in sight if it is so near [m] to one of these points, seen from the robot [m]."""
+"""Tape is in sight if it is this near [m] to one of the points LOOKS in the robot's frame [m]."""
 RADII = (0.10, 0.30)
-"""Least and largest radius of a circle [m]."""
+"""Smallest and largest radius of a circle [m]."""
 BY_SIDE = 0.19
-"""Radius by the shorter side of the field: on a square of 1 m the paper's."""
+"""Radius divided by the shorter side of the field: on a square of 1 m the paper's radius."""
 REACH = 1.6
-"""A path reaches two radii from its middle; the rest may lie beyond the tape."""
+"""Radii around the middle that must lie within the tape's box; a path reaches two, and the rest
+may lie beyond the tape."""
 STEP = 0.1
-"""Between middles that are compared [m]; more on floors as large as a building."""
+"""Distance between the middles that are compared [m]; larger on floors as large as a building."""
 MOST_STEPS = 12
-"""From the field's middle to its sides."""
+"""Largest number of steps from the field's middle to its sides."""
 AS_GOOD = 0.05
-"""The field's middle is preferred to a place that shows tape on so much more of the way."""
+"""The field's middle is chosen unless another middle shows tape on more of the path, by more than
+this share."""
 TURNS, MOMENTS = 8, 32
-"""Paths and moments on each by which a middle is judged."""
+"""Number of paths, and of moments on each path, that are used to judge a middle."""
 MARGIN = 0.98
-"""Share of what the wheels can do that is driven with."""
+"""Share of the wheels' limits that a drive uses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,12 +50,12 @@ class Course:
     eight: FigureEight
 
     def pose(self, rng: np.random.Generator, elapsed: float) -> Pose2:
-        """Where a robot may be a time [s] after the start, on a path that is turned at random."""
+        """Draw a pose some time [s] after the start, on a path that is turned at random."""
         return self.middle @ on_eight(rng, elapsed, self.eight)
 
 
 def course_on(field: Field, config: Config) -> Course:
-    """The course on a field: the same for all seeds, at the speed that is set, if it can be."""
+    """Return the course on a field: the same for all seeds, at the set speed if it is drivable."""
     xmin, ymin, xmax, ymax = field.roamed
     side = min(xmax - xmin, ymax - ymin)
     eight = _drivable(float(np.clip(BY_SIDE * side, *RADII)), config)
@@ -66,7 +68,7 @@ def course_on(field: Field, config: Config) -> Course:
 
 
 def _drivable(radius: float, config: Config) -> FigureEight:
-    """Circles of a radius [m], no faster than wheels and limits allow."""
+    """Return circles of a radius [m], no faster than the wheels and the limits allow."""
     spec, drive = RobotSpec.load(), config.drive
     fastest = min(
         MARGIN * spec.max_v / (1 + spec.track / 2 / radius),
@@ -78,7 +80,7 @@ def _drivable(radius: float, config: Config) -> FigureEight:
 
 
 def _middles(field: Field, radius: float) -> Array:
-    """Middles (n, 2) [m] from which the circles stay in or near the tape's box, its own first."""
+    """Return middles (n, 2) [m] of circles in or near the tape's box; the box's own is first."""
     box = np.reshape(field.roamed, (2, 2))
     middle = box.mean(axis=0)
     room = np.maximum(np.ptp(box, axis=0) / 2 - REACH * radius, 0)
@@ -91,7 +93,7 @@ def _middles(field: Field, radius: float) -> Array:
 
 
 def _share_in_sight(field: Field, eight: FigureEight, middles: Array) -> Array:
-    """Share of the way (n,) on which tape is in sight, by where its middle is (n, 2)."""
+    """Return the share of the path (n,) on which tape is in sight, for each middle (n, 2)."""
     points = middles[:, None, None] + _points_ahead(eight)
     xmin, ymin, _, _ = field.extent
     distances = _distances(field)
@@ -103,7 +105,7 @@ def _share_in_sight(field: Field, eight: FigureEight, middles: Array) -> Array:
 
 
 def _points_ahead(eight: FigureEight) -> Array:
-    """What the camera looks at (m, k, 2) [m], on paths of all turns about (0, 0)."""
+    """Return the points that the camera looks at (m, k, 2) [m], on turned paths about (0, 0)."""
     way, looks = [], np.array(LOOKS)
     for moment in np.arange(MOMENTS) / MOMENTS * eight.lap:
         left = min(float(moment), eight.lap / 2)
@@ -117,6 +119,6 @@ def _points_ahead(eight: FigureEight) -> Array:
 
 
 def _distances(field: Field) -> NDArray[np.float64]:
-    """Distance from tape (h, w) [m] of the floor's cells; row 0 at the bottom."""
+    """Return the distance from tape (h, w) [m] of each floor cell; row 0 is at the bottom."""
     free = (field.occupancy(CELL).data < 50).astype(np.uint8)
     return CELL * np.asarray(cv2.distanceTransform(free, cv2.DIST_L2, 5), dtype=np.float64)

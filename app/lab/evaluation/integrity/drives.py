@@ -1,4 +1,4 @@
-"""Drives by which integrity is judged: a lap from anywhere, and one on which it is carried off."""
+"""Drives that integrity is judged by: laps from anywhere, and a drive with a kidnapping."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 
 CARRY_STAMP, CARRY_SECONDS = 11.0, 17.0
-"""When a robot is carried off, and how long that drive is [s]."""
+"""Stamp at which a robot is carried off, and duration of that drive [s]."""
 PATH = 7
-"""Number of the stream that the path is drawn from, beside the seed."""
+"""Number of the random stream, beside the seed, that the path is drawn from."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +23,15 @@ class TrialDrive:
 
     drive: Drive
     carry_stamp: float | None = None
-    """It is where it was up to this stamp [s]; None if it never was carried."""
+    """The last stamp before the robot is carried off [s]; None if it never is."""
 
 
 def lap_drive(config: Config, laps: float = 1.0) -> TrialDrive:
-    """Drive the figure-eight that suits the field, from somewhere on it.
+    """Drive the figure-eight that fits the field, from a random pose on it.
 
     Args:
         config: robot, map, seed and condition; the radius of its figure-eight is not used.
-        laps: how many.
+        laps: how many laps to drive.
     """
     course = course_on(load_field(config.map, MAPS), config)
     config = replace(config, figure_eight=course.eight)
@@ -43,7 +43,7 @@ def lap_drive(config: Config, laps: float = 1.0) -> TrialDrive:
 
 
 def carried_drive(config: Config) -> TrialDrive:
-    """The same for 17 s; at 11 s it is carried off, unseen, to another path there."""
+    """Drive for 17 s; at 11 s the robot is carried off, unseen, to another path of the field."""
     course = course_on(load_field(config.map, MAPS), config)
     config = replace(config, figure_eight=course.eight)
     rng = np.random.default_rng([config.seed, PATH])

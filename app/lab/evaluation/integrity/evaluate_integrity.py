@@ -1,4 +1,4 @@
-"""``brickpose evaluate integrity``: from the experiment to its folder of results."""
+"""``brickpose evaluate integrity``: runs the experiment and writes its folder of results."""
 
 from __future__ import annotations
 
@@ -26,18 +26,18 @@ from app.settings.provenance import changed_settings, versions
 def evaluate_integrity(
     experiment: IntegrityExperiment, workers: Workers, folder: Path
 ) -> dict[str, Any]:
-    """Make the experiment and write ``results.json``, ``report.html`` and ``runs/``.
+    """Run the experiment and write ``results.json``, ``report.html`` and ``runs/``.
 
     Args:
-        experiment: which robots drive where, under what, and what they are told.
-        workers: who does it.
-        folder: where the results go; made if it is not there.
+        experiment: the robots, fields, conditions and starts.
+        workers: the processes that do the work.
+        folder: where the results go; created if it does not exist.
 
     Returns:
-        What is in ``results.json``; the same for the same seeds, whoever does the work.
+        The content of ``results.json``; the same for the same seeds, with any workers.
 
     Raises:
-        EvaluationError: no drive at all could be followed.
+        EvaluationError: no drive could be followed.
         OSError: the folder cannot be written.
     """
     with written_whole(folder) as new:
@@ -62,7 +62,7 @@ def evaluate_integrity(
 
 
 def run_path(row: Row) -> str:
-    """Where in the folder a robot's claims are."""
+    """Return the path of a robot's claims in the folder."""
     return f"runs/{row['map']}-{row['condition']}-{row['start']}/{row['seed']}.csv"
 
 
@@ -87,7 +87,7 @@ def _results(
 
 
 def _in_order(rows: list[Row], experiment: IntegrityExperiment) -> list[Row]:
-    """As the experiment names them, whoever was done first."""
+    """Sort rows as the experiment lists them, not by when they were done."""
     conditions, starts = list(experiment.conditions), list(experiment.starts)
     maps = [map_stem(name) for name in experiment.maps]
 

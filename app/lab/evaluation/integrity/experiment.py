@@ -1,4 +1,4 @@
-"""Robots x fields x conditions x starts: which there are, and what one worker does."""
+"""The integrity experiment (robots x fields x conditions x starts), and the work of one worker."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ CARRIED = "carried"
 
 @dataclass(frozen=True)
 class IntegrityExperiment:
-    """Which robots drive where, under what, and what they are told."""
+    """The robots, fields, conditions and starts of the experiment."""
 
     config: Config = Config()
     maps: tuple[str, ...] = ("square", "stub", "town")
@@ -54,7 +54,7 @@ class IntegrityExperiment:
             raise SettingError(f"two maps have one name: {', '.join(stems)}; give each its own")
 
     def jobs(self) -> list[IntegrityJob]:
-        """All drives; those of one field follow each other, as tables of it are kept."""
+        """Return all drives, grouped by field, as a worker keeps the tables of the last field."""
         laps = tuple(start for start in self.starts if start != CARRIED)
         groups = [group for group in (laps, (CARRIED,) * (CARRIED in self.starts)) if group]
         return [
@@ -85,13 +85,13 @@ class IntegrityRun:
     """One robot from one start."""
 
     row: dict[str, Any]
-    """As ``results.json`` has it."""
+    """Its row in ``results.json``."""
     csv: str
     stanford: Stanford
 
 
 def do_job(job: IntegrityJob) -> list[IntegrityRun]:
-    """Drive once, follow from each start; the same job has the same outcome to the last digit."""
+    """Drive once and follow from each start; equal jobs have exactly equal outcomes."""
     is_carried = CARRIED in job.starts
     trial = carried_drive(job.config) if is_carried else lap_drive(job.config, job.laps)
     return [_run(job, trial, start) for start in job.starts]
@@ -111,7 +111,7 @@ def _run(job: IntegrityJob, trial: TrialDrive, start: str) -> IntegrityRun:
 
 
 def map_stem(name: str) -> str:
-    """What a field is called in results and folders."""
+    """Return the name of a field in results and folders."""
     return Path(name).stem
 
 
@@ -126,9 +126,10 @@ class Failure:
 
 
 def each_run(jobs: list[IntegrityJob], workers: Workers) -> Iterator[IntegrityRun | Failure]:
-    """Do all of it, and show how far it is; robots come in the order in which they are done.
+    """Do all drives and show the progress; yields robots in the order in which they finish.
 
-    What fails is told, and the rest goes on: hours of work are not lost to one drive.
+    A drive that fails is yielded as a failure and the rest goes on, so that one drive does not cost
+    hours of work.
     """
     done = workers.each(do_job, jobs)
     for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):

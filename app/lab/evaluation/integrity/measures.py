@@ -1,4 +1,4 @@
-"""What is counted of one robot's claims."""
+"""Measures of one robot's claims."""
 
 from __future__ import annotations
 
@@ -20,40 +20,40 @@ from robot.geometry import Array
 from robot.localization.integrity import Cause, State
 
 FIRST = 1.0
-"""So long after a carry nobody can know better [s]."""
+"""For this time after the robot was carried off, nobody can know about it [s]."""
 SETTLE = 1.0
-"""From so long after the start on, covariances are compared with errors [s]."""
+"""Covariances are compared with errors from this time after the start on [s]."""
 USEFUL = 0.02
-"""A claim with a narrower radius is of use [m]."""
+"""A claim is useful if its radius is less than this [m]."""
 ELLIPSE = 5.991
-"""Squared radius of an ellipse that holds 95 % in two dimensions."""
+"""Squared Mahalanobis radius of the ellipse that holds 95 % in two dimensions."""
 
 Measures = dict[str, Any]
 
 
 def right(claims: Claims) -> Mask:
-    """Which estimates (n,) are right."""
+    """Return which estimates (n,) are right."""
     return in_place(claims.distances, claims.turns)
 
 
 def certain(claims: Claims) -> Mask:
-    """Which pictures (n,) claim to be certain."""
+    """Return which pictures (n,) claim to be certain."""
     return _in_state(claims, State.CERTAIN)
 
 
 def outside(claims: Claims) -> Mask:
-    """Whether the truth (n,) lies outside of what is claimed to hold."""
+    """Return at which pictures (n,) the truth lies outside the claimed bounds."""
     beyond: Mask = (claims.distances > claims.radius) | (claims.turns > claims.heading_bound)
     return beyond
 
 
 def misleading(claims: Claims) -> Mask:
-    """Which pictures (n,) claim to be certain while the truth lies outside of the bounds."""
+    """Return which pictures (n,) claim to be certain while the truth lies outside the bounds."""
     return certain(claims) & outside(claims)
 
 
 def measures(claims: Claims) -> Measures:
-    """All that is counted of one robot, in the form of ``results.json``: m, rad, s, shares."""
+    """Return all measures of one robot, in the form of ``results.json``: m, rad, s, shares."""
     is_right, wrong_claim = right(claims), misleading(claims)
     alarm = _in_state(claims, State.LOST) | _in_state(claims, State.SEARCHING)
     within = is_right & ~outside(claims)
@@ -81,13 +81,13 @@ def measures(claims: Claims) -> Measures:
 
 
 def time_to_right(stamps: Array, is_right: Mask) -> float:
-    """Time [s] after the first stamp from which on it is right for a second; inf if never."""
+    """Return the time [s] from the first stamp until it is right for a second; inf if never."""
     first = first_held(stamps, is_right)
     return math.inf if first is None else float(stamps[first] - stamps[0])
 
 
 def longest(stamps: Array, some: Mask) -> float:
-    """The longest time [s] without a break; each picture's claim holds until the next one."""
+    """Return the longest unbroken time [s]; each picture's claim holds until the next picture."""
     ends = np.append(stamps[1:], stamps[-1] + np.median(np.diff(stamps)))
     longest_yet, begin = 0.0, math.inf
     for stamp, end, current in zip(stamps, ends, some, strict=True):
@@ -98,21 +98,21 @@ def longest(stamps: Array, some: Mask) -> float:
 
 
 def _lost_again(claims: Claims) -> bool:
-    """In either part of the drive: to be carried off is not to be lost."""
+    """Whether it was lost again before or after the carry; the carry itself does not count."""
     is_right, sure, after = right(claims), certain(claims), _after_carry(claims)
     parts = (after,) if claims.carry_stamp is None else (~after, after)
     return any(lost_again(claims.stamps[p], is_right[p], sure[p]) for p in parts)
 
 
 def _after_carry(claims: Claims) -> Mask:
-    """Pictures (n,) after the robot was carried off; all of them if it never was."""
+    """Return which pictures (n,) come after the robot was carried off; all if it never was."""
     stamp = -math.inf if claims.carry_stamp is None else claims.carry_stamp
     later: Mask = claims.stamps > stamp + 1e-6
     return later
 
 
 def _carry_measures(claims: Claims, wrong_claim: Mask) -> Measures:
-    """Misleading before the carry, in the first second after it, and later."""
+    """Return the misleading shares before the carry, in the first second after it, and later."""
     if claims.carry_stamp is None:
         return {}
     since = claims.stamps - claims.carry_stamp
@@ -131,8 +131,9 @@ def _carry_measures(claims: Claims, wrong_claim: Mask) -> Measures:
 
 
 def _consistency(claims: Claims) -> Measures:
-    """NEES (3 is honest) and the share within the 95 % ellipse of the place, where it claims one
-    place, from a second after the start on.
+    """Return the NEES (3 is consistent) and the share within the position's 95 % ellipse.
+
+    Only pictures that claim one place count, from a second after the start on.
     """
     one_place = certain(claims) | _in_state(claims, State.APPROXIMATE)
     used = one_place & (claims.stamps >= claims.stamps[0] + SETTLE)
@@ -152,16 +153,16 @@ def _consistency(claims: Claims) -> Measures:
 
 
 def _squared(offset: Array, covariance: Array) -> Array:
-    """e' P^-1 e (n,)."""
+    """Return e' P^-1 e (n,)."""
     solved = np.linalg.solve(covariance, offset[..., None])[..., 0]
     result: Array = (offset * solved).sum(axis=1)
     return result
 
 
 def _cause_measures(claims: Claims) -> Measures:
-    """Which reasons for doubt were named first, how soon, and in which share of the pictures.
+    """Return which causes were named first and most, how soon, and in which share of pictures.
 
-    Until it is carried off: then doubt is due, whatever it is called.
+    Only pictures before the carry count: after it doubt is justified, whatever cause is named.
     """
     until = math.inf if claims.carry_stamp is None else claims.carry_stamp
     count = int(np.searchsorted(claims.stamps, until, side="right"))

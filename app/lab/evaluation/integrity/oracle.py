@@ -1,9 +1,9 @@
-"""When has the field told the true place from all that could be mistaken for it?
+"""Find when the field has decided: from then on, scans tell the true place from all rivals.
 
-An oracle that knows the truth follows each rival along the robot's true motion, lays it on the
-edges scan by scan as it does with the truth itself, and adds up how much better the rays fit at
-the truth. Until the sum is beyond doubt for all rivals, and stays so, nobody could know; a claim
-of certain before that is unfounded.
+The oracle knows the truth. It follows each rival along the robot's true motion and lays it on the
+edges scan by scan, as it does with the truth itself. It adds up how much better the rays fit at
+the truth. Until the sum is beyond doubt for all rivals, and stays so, nobody could know the true
+place; a claim of certain before that is unfounded.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from robot.localization.ray_evidence import RayEvidence
 from robot.localization.setup import Setup
 
 REACH, SD = 1.0, 0.01
-"""The oracle's own: range [m] and its spread [m]."""
+"""The largest range of the oracle's sensor, and the standard deviation of its ranges [m]."""
 WORTH, MOST = 4.5, 3.0
-"""Independent rays that a scan is worth, and what one scan may say at most."""
+"""Independent rays that a scan is worth, and the largest log-likelihood ratio of one scan."""
 DECIDED = 3.0
-"""Log-likelihood ratio from which on one place is told from another."""
+"""Log-likelihood ratio above which one place is told from another."""
 SETTLED = 20.0
-"""From which on it is followed no more."""
+"""Log-likelihood ratio above which a rival is no longer followed."""
 NUDGE_XY, NUDGE_THETA = 0.04, math.radians(6)
-"""So far a scan may lay a rival beside where motion has it [m], [rad]."""
+"""Largest move of a rival when it is laid on the edges of one scan [m], [rad]."""
 
 
 def decided_stamp(
     trial: TrialDrive, claims: Claims, config: Config, start: str, believed: Field | None = None
 ) -> float:
-    """Stamp [s] from which on the field has decided; inf if it never does.
+    """Return the stamp [s] from which on the field has decided; inf if it never does.
 
     Args:
-        trial: the drive; after a carry only what comes then counts.
-        claims: what the filter made of it: places that it claimed are rivals.
-        config: how places are looked for.
-        start: what was known at the start. Known, it is decided from the beginning.
-        believed: the field that the robot takes it for, if it is not the true one.
+        trial: the drive; if the robot is carried off, only the part after that counts.
+        claims: the filter's claims on the drive: places that it claimed are rivals.
+        config: settings of the search for places.
+        start: what was known at the start; a known start is decided from the beginning.
+        believed: the field that the filter assumes; by default the true one.
     """
     if start == "known":
         return float(claims.stamps[0])
@@ -63,15 +63,17 @@ def decided_stamp(
 
 
 def field_decides(drive: Drive, since: float, config: Config | None = None) -> float:
-    """The same without a filter: rivals are turned fields, and what a search finds.
+    """Return when the field has decided, without a filter.
+
+    Rivals are the quarter turns of the true pose and the places that a search finds.
 
     Args:
         drive: what the robot saw and where it was.
-        since: when it began to know nothing [s].
-        config: how places are looked for.
+        since: the stamp from which on nothing was known [s].
+        config: settings of the search for places.
 
     Returns:
-        The stamp [s]; inf if it never decides.
+        The stamp [s]; inf if the field never decides.
     """
     way = Way.since(drive, since)
     setup = setup_over(drive.field, config or Config())
@@ -79,13 +81,13 @@ def field_decides(drive: Drive, since: float, config: Config | None = None) -> f
 
 
 def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) -> float:
-    """Stamp [s] from which on the truth is told from all rivals; inf if it never is.
+    """Return the stamp [s] from which on scans tell the truth from all rivals; inf if never.
 
     Args:
         way: the scans and the truth.
         rivals: poses at the first scan.
-        evidence: weighs poses by rays.
-        setup: lays rays on edges.
+        evidence: weighs poses by their rays.
+        setup: its matcher lays rays on edges.
     """
     last_doubt = 0
     current = [
@@ -103,7 +105,7 @@ def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) 
 def _last_doubt(
     way: Way, rival: Pose2, current: list[float], evidence: RayEvidence, setup: Setup
 ) -> int:
-    """The place in the way from which on a rival is out; 0 if it turns out to be the truth."""
+    """Return the index of the scan from which on a rival is out; 0 if it becomes the truth."""
     total, out = 0.0, 0
     for place, truth in enumerate(way.truths):
         rival = rival @ way.step(place)
@@ -124,17 +126,17 @@ def _last_doubt(
 
 
 def _laid(pose: Pose2, rays: Array, setup: Setup) -> Pose2:
-    """A pose laid on the edges, if that is where it was supposed."""
+    """Lay a pose on the edges; return it unchanged if that would move it too far."""
     laid = setup.fine_matcher.match(pose, rays).pose
     near = laid.distance_to(pose) < NUDGE_XY and abs(laid.turn_to(pose)) < NUDGE_THETA
     return laid if near else pose
 
 
 def decision_measures(claims: Claims, stamp: float) -> dict[str, Any]:
-    """When the field decided, and what was claimed before and after; shares of pictures.
+    """Return when the field decided, and what was claimed before and after, as shares of pictures.
 
     Args:
-        claims: of one robot; after a carry what comes then counts.
+        claims: of one robot; if it is carried off, only the part after that counts.
         stamp: when the field decided [s]; inf if it never did.
     """
     since = -math.inf if claims.carry_stamp is None else claims.carry_stamp + 1e-6
@@ -153,7 +155,10 @@ def decision_measures(claims: Claims, stamp: float) -> dict[str, Any]:
 
 
 def _seconds_to_right(claims: Claims, after: Mask) -> float | None:
-    """From the decision until it is right for good; 0 if it was so before, none if never."""
+    """Return the time [s] from the decision until the estimate stays right.
+
+    0 if it is right from the decision on; None if it is wrong at the end.
+    """
     is_right, stamps = right(claims)[after], claims.stamps[after]
     if not len(stamps) or not is_right[-1]:
         return None

@@ -1,4 +1,4 @@
-"""Places that could be mistaken for the true one, by where they are at the first scan of a way."""
+"""Find rivals: poses at the first scan of a way that could be mistaken for the true pose."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from robot.localization.setup import Setup
 from robot.scan import Scan
 
 BEAMS = 60
-"""Rays of a scan."""
+"""Number of rays used of each scan."""
 SEARCHES = (1.0, 3.0)
-"""So long after the first scan the field is searched for what looks like the way [s]."""
+"""Times after the first scan when the field is searched for places that fit the scans [s]."""
 APART_XY, APART_THETA = 0.08, math.radians(12)
-"""Rivals that are closer are one [m], [rad]."""
+"""Rivals closer than this are the same rival [m], [rad]."""
 MOST_CLAIMED = 20
-"""Of the places that were claimed, those that were claimed longest count."""
+"""Largest number of rivals from the filter's claims; those claimed longest count."""
 
 
 @dataclass(frozen=True)
 class Way:
-    """A part of a drive as the oracle sees it: every second scan, as neighbours err together."""
+    """A part of a drive for the oracle: every second scan, as errors of neighbours correlate."""
 
     stamps: Array
     """(m,) [s]"""
@@ -42,29 +42,29 @@ class Way:
 
     @classmethod
     def since(cls, drive: Drive, stamp: float) -> Way:
-        """From a stamp [s] on to the end."""
+        """Return the part of a drive from a stamp [s] to the end."""
         scans = [tick.scan for tick in drive.ticks if tick.scan is not None]
         some = [scan for scan in scans if scan.stamp > stamp + 1e-6][::2]
         truths = tuple(drive.truth_at(scan.stamp) for scan in some)
         return cls(np.array([scan.stamp for scan in some]), truths, tuple(some))
 
     def rays(self, place: int) -> Array:
-        """Of a scan (n, 7), as ``rays_of`` makes them."""
+        """Return the rays of a scan (n, 7), as ``rays_of`` makes them."""
         return rays_of(self.scans[place], BEAMS)
 
     def step(self, place: int) -> Pose2:
-        """How the robot truly moved to a scan from the one before."""
+        """Return the robot's true motion from the previous scan to a scan."""
         if place == 0:
             return Pose2()
         return self.truths[place - 1].inverse() @ self.truths[place]
 
     def at_first(self, pose: Pose2, truth: Pose2) -> Pose2:
-        """A pose that was supposed where the robot truly was elsewhere, at the first scan."""
+        """Take a pose, supposed while the robot was at ``truth``, back to the first scan."""
         return pose @ (truth.inverse() @ self.truths[0])
 
 
 def setup_over(field: Field, config: Config) -> Setup:
-    """The models by which the program looks for places."""
+    """Return the models that the program uses to search for places."""
     parameters, entries = config.localization, entries_over(field, config)
     sensor = sensor_model(parameters.sensor, entries, field.edges)
     return Setup.of(field, entries, parameters.motion.model(), sensor, parameters)
@@ -73,14 +73,15 @@ def setup_over(field: Field, config: Config) -> Setup:
 def rivals_of(
     way: Way, claims: Claims, start: str, before: Pose2 | None, setup: Setup
 ) -> list[Pose2]:
-    """All rivals at the first scan of a way, each once, none at the true place.
+    """Return all rivals at the first scan of a way, each once, none at the true place.
 
     Args:
-        way: from the start or the carry on.
-        claims: what the filter made of the drive.
-        start: what was known. Told a place, be it wrong, only what is near can be meant.
-        before: where the robot was before it was carried off.
-        setup: how places are looked for.
+        way: the part of the drive after the start or the carry.
+        claims: the filter's claims on the drive.
+        start: what the filter is told. With a wrong start pose only near places are possible: the
+            rivals are this pose and those that the filter claimed.
+        before: the pose before the robot was carried off.
+        setup: the models of the search.
     """
     current = way.truths[0]
     claimed = _claimed(way, claims)
@@ -95,13 +96,13 @@ def rivals_of(
 
 
 def lookalikes(way: Way, setup: Setup) -> list[Pose2]:
-    """Rivals that the field itself has, whatever a filter claims: turned and searched ones."""
+    """Return the rivals from the field alone: turned true poses, and what a search finds."""
     current = way.truths[0]
     return distinct([*_turned(current, setup.field), *_searched(way, setup)], current)
 
 
 def distinct(rivals: list[Pose2], pose2: Pose2) -> list[Pose2]:
-    """The rivals, each once, and none that is the true place."""
+    """Return the rivals, each once, without those at the true pose."""
     kept: list[Pose2] = []
     for rival in rivals:
         if not any(_alike(rival, other) for other in (pose2, *kept)):
@@ -114,7 +115,7 @@ def _alike(pose2: Pose2, other: Pose2) -> bool:
 
 
 def _turned(pose: Pose2, field: Field) -> list[Pose2]:
-    """By quarters about the middle of the tape."""
+    """Turn a pose by one, two and three quarter turns about the middle of the tape."""
     points = field.edges.reshape(-1, 2)
     middle = Pose2(*((points.min(axis=0) + points.max(axis=0)) / 2).tolist())
     seen = middle.inverse() @ pose
@@ -122,7 +123,7 @@ def _turned(pose: Pose2, field: Field) -> list[Pose2]:
 
 
 def _searched(way: Way, setup: Setup) -> list[Pose2]:
-    """What a search over the whole field finds for the way so far, at some moments of it."""
+    """Search the whole field at some moments, each time for poses that fit the way so far."""
     local = LocalMap.of(setup.hypotheses)
     left = [way.stamps[0] + seconds for seconds in SEARCHES]
     pose2s: list[Pose2] = []
@@ -140,7 +141,7 @@ def _searched(way: Way, setup: Setup) -> list[Pose2]:
 
 
 def _claimed(way: Way, claims: Claims) -> list[Pose2]:
-    """Where the filter ever held the robot to be on the way, though wrongly, longest first."""
+    """Return the wrong estimates of the filter on the way; those held longest come first."""
     some = np.flatnonzero((claims.stamps >= way.stamps[0]) & ~right(claims))
     some = some[np.isfinite(claims.poses[some]).all(axis=1)]
     groups: list[tuple[Pose2, int]] = []

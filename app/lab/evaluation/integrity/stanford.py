@@ -1,4 +1,4 @@
-"""Error against claimed bound, as Stanford diagrams show it: counted in logarithmic bins."""
+"""Count errors against claimed bounds in logarithmic bins, as in Stanford diagrams."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from robot.geometry import Array
 from robot.localization.integrity import State
 
 PLACE_BINS: Array = np.geomspace(1e-4, 10.0, 61)
-"""Of errors and of radii [m]."""
+"""Bin borders of errors and of radii [m]."""
 HEADING_BINS: Array = np.geomspace(1e-4, 3.2, 61)
-"""Of heading errors and bounds [rad]."""
+"""Bin borders of heading errors and of heading bounds [rad]."""
 
 
 @dataclass(frozen=True)
 class Stanford:
-    """How many pictures have which error at which bound."""
+    """Number of pictures by error and claimed bound."""
 
     place: Array
-    """(60, 60) by error and by radius; what is beyond the bins is counted in the last one."""
+    """(60, 60) by error and by radius; values beyond the bins count in the outermost bin."""
     heading: Array
-    """(60, 60) the same of the heading."""
+    """(60, 60) the same for the heading."""
     unavailable: int
-    """Pictures for which no bound is claimed."""
+    """Pictures without a claimed bound."""
 
     @classmethod
     def empty(cls) -> Stanford:
-        """Nothing counted yet."""
+        """Return zero counts."""
         bins = (len(PLACE_BINS) - 1, len(HEADING_BINS) - 1)
         return cls(np.zeros((bins[0], bins[0])), np.zeros((bins[1], bins[1])), 0)
 
@@ -43,11 +43,13 @@ class Stanford:
 
 
 def trade(stanford: Stanford, pictures: int) -> tuple[Array, Array]:
-    """What a narrower limit on the radius costs and saves, for each of its bins' upper borders.
+    """Return what a limit on the claimed radius costs and saves.
+
+    The limit takes the value of each upper border of the radius bins.
 
     Returns:
-        Share of all pictures (60,) that claim a radius below it, and of those whose error is in a
-        bin above that of the radius.
+        Two shares of all pictures (60,): those that claim a radius below the limit, and those of
+        them whose error is in a bin above that of the radius.
     """
     claimed = stanford.place.sum(axis=0)
     outside = np.tril(stanford.place, -1).sum(axis=0)
@@ -55,7 +57,7 @@ def trade(stanford: Stanford, pictures: int) -> tuple[Array, Array]:
 
 
 def counted(claims: Claims) -> Stanford:
-    """One robot's pictures: those that claim one place, with a finite bound."""
+    """Count one robot's pictures that claim one place with a finite bound."""
     approximate = np.array([state is State.APPROXIMATE for state in claims.states], dtype=bool)
     shown = (certain(claims) | approximate) & np.isfinite(claims.radius)
     return Stanford(

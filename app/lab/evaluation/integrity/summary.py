@@ -1,4 +1,4 @@
-"""What all robots say together, by condition and start."""
+"""Summary of all robots, by condition and start."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ EXPECTED: dict[str, tuple[Cause, ...]] = {
     "as-real": (Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SLIP),
     "hand-built": (Cause.CAMERA_ASKEW, Cause.PICTURES_LATE, Cause.WHEEL_SIZE),
 }  # fmt: skip
-"""Reasons for doubt that are right, by condition; elsewhere every one is a false alarm."""
+"""The correct causes of each condition; in other conditions every named cause is a false alarm."""
 
 NO_ALERT = "none"
 
 
 def summary_of(rows: Sequence[Row]) -> dict[str, Any]:
-    """The part ``summary`` of ``results.json``."""
+    """Return the part ``summary`` of ``results.json``."""
     groups = grouped(rows, ("condition", "start"))
     conditions = grouped(rows, ("condition",))
     return {
@@ -46,7 +46,7 @@ def summary_of(rows: Sequence[Row]) -> dict[str, Any]:
 
 
 def grouped(rows: Iterable[Row], names: tuple[str, ...]) -> dict[tuple[str, ...], list[Row]]:
-    """Rows by what they have in common."""
+    """Group rows by their values of the named columns."""
     result: defaultdict[tuple[str, ...], list[Row]] = defaultdict(list)
     for row in rows:
         result[tuple(row[name] for name in names)].append(row)
@@ -54,7 +54,7 @@ def grouped(rows: Iterable[Row], names: tuple[str, ...]) -> dict[tuple[str, ...]
 
 
 def group_summary(rows: Sequence[Row]) -> Row:
-    """Shares of pictures over all robots of a group, and of robots where it says drives."""
+    """Summarize a group: shares of the pictures of all robots, and statistics of its drives."""
     weights = np.array([row["pictures"] for row in rows], dtype=float)
 
     def over_pictures(name: str) -> float | None:
@@ -92,7 +92,7 @@ def group_summary(rows: Sequence[Row]) -> Row:
 
 
 def causes_of(condition: str, rows: Sequence[Row]) -> Row:
-    """Which cause was named first and most, in how many drives, and how soon."""
+    """Return which cause was named first and most, in how many drives, and how soon."""
     expected = EXPECTED.get(condition, ())
     names = [*map(str, Cause), NO_ALERT]
     first = [row["first_cause"] or NO_ALERT for row in rows]
@@ -112,7 +112,7 @@ def causes_of(condition: str, rows: Sequence[Row]) -> Row:
 
 
 def _among(named: list[str], expected: tuple[Cause, ...]) -> float | None:
-    """Share of drives with a right name; none where none is right."""
+    """Return the share of drives with a correct cause; None if no cause is correct."""
     return sum(name in expected for name in named) / len(named) if expected else None
 
 

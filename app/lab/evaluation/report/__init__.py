@@ -1,1 +1,1 @@
-"""The report of the experiment: a page with figures."""
+"""The report of the experiment: an HTML page with figures."""

@@ -1,4 +1,4 @@
-"""The figures of a report, as SVG: readable in print, and by the colour-blind."""
+"""The figures of a report, as SVG: readable in print and for colour-blind people."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from robot.geometry import Array
 
 
 class Stroke(NamedTuple):
-    """How a trajectory is drawn: by colour, dashes and order, so that one of them is enough."""
+    """How a trajectory is drawn: its colour or its dashes alone are enough to recognize it."""
 
     label: str
     colour: str
@@ -35,17 +35,17 @@ STROKES = {
     "odometry": Stroke("odometry", "#d55e00", "--", 1.2),
     "amcl": Stroke("AMCL", "#56b4e9", "-", 1.1),
 }
-"""Colours of Okabe and Ito, which the colour-blind tell apart."""
+"""Colours of Okabe and Ito, which colour-blind people can distinguish."""
 
 LEAST_MM = 0.02
-"""Smaller errors are not drawn: odometry begins with none."""
+"""Smaller errors are not drawn: the error of odometry begins at zero."""
 FLOOR_PX = 400
-"""Of the floor's picture, at most."""
+"""Longest side of the floor's picture [px]."""
 STYLE: Any = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "svg.hashsalt": "brickpose",  # the same figure is the same file
+    "svg.hashsalt": "brickpose",  # equal figures give equal files
     "svg.fonttype": "none",
     "axes.titlesize": 9,
 }
@@ -53,7 +53,7 @@ STYLE: Any = {
 
 @contextmanager
 def drawn(width: float, height: float, into: list[str]) -> Iterator[Figure]:
-    """A figure [inch] to draw on; its SVG is appended when that is done."""
+    """Give a figure [inch] to draw on; its SVG is appended to ``into`` at the end."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
@@ -63,7 +63,7 @@ def drawn(width: float, height: float, into: list[str]) -> Iterator[Figure]:
 
 
 def paths(field: Field, panels: dict[str, Run]) -> str:
-    """Truth, odometry and estimate over the tape, a panel for each run by its title (Fig. 3)."""
+    """Draw truth, odometry and estimate over the tape, one titled panel for each run (Fig. 3)."""
     done: list[str] = []
     columns = min(len(panels), 2)
     rows = -(-len(panels) // columns)
@@ -88,7 +88,7 @@ def paths(field: Field, panels: dict[str, Run]) -> str:
 
 
 def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
-    """Distance from the truth by time: median of the robots, and from the least to the largest."""
+    """Draw the distance from the truth over time: median and range (min to max) of the robots."""
     done: list[str] = []
     with drawn(7.2, 2.1 * len(conditions) + 0.5, done) as figure:
         grid: Any = figure.subplots(len(conditions), 1, squeeze=False, sharex=True)
@@ -119,7 +119,7 @@ def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
 
 
 def boxes(conditions: dict[str, dict[str, Sequence[float]]], label: str) -> str:
-    """A box and a point for each robot [mm], by condition and method; logarithmic."""
+    """Draw boxes by condition and method, with a point for each robot [mm]; logarithmic."""
     done: list[str] = []
     with drawn(7.2, 2.9, done) as figure:
         axes = figure.add_subplot()
@@ -144,7 +144,7 @@ def boxes(conditions: dict[str, dict[str, Sequence[float]]], label: str) -> str:
 
 
 def _floor(axes: Axes, field: Field) -> None:
-    """The floor's picture, pale enough to draw on."""
+    """Draw the floor's picture, pale enough for lines on top of it."""
     image = field.floor.image
     shrink = min(1.0, FLOOR_PX / max(image.shape))
     small = cv2.resize(image, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
@@ -155,7 +155,7 @@ def _floor(axes: Axes, field: Field) -> None:
 
 
 def recorded_paths(truth: Trajectory, estimate: Trajectory, aligned: Trajectory) -> str:
-    """A recording from above: truth, the estimate as it is, and after it was aligned."""
+    """Draw a recording from above: truth, and the estimate before and after alignment."""
     done: list[str] = []
     strokes = (
         (truth, STROKES["truth"]),
@@ -173,7 +173,7 @@ def recorded_paths(truth: Trajectory, estimate: Trajectory, aligned: Trajectory)
 
 
 def recorded_errors(stamps: Array, errors: dict[str, Array]) -> str:
-    """Distances [m] from the truth by time [s], a line for each name."""
+    """Draw distances [m] from the truth over time [s], one line for each name."""
     done: list[str] = []
     with drawn(7.2, 2.4, done) as figure:
         axes = figure.add_subplot()

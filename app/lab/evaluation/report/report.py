@@ -1,4 +1,4 @@
-"""The report: one page that opens without a network, with all its figures inside."""
+"""The report: one page with all figures embedded, so that it opens without a network."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ FOLDERS = (
     Path(__file__).parents[1] / "integrity" / "report",
     Path(__file__).parents[2] / "model_fits" / "report",
 )
-"""With templates."""
+"""Folders that hold templates."""
 NOTHING = 1e-6
-"""What is less, in millimetres or milliradians, is rounding."""
+"""A smaller value, in millimetres or milliradians, is a rounding error."""
 TOLD = {"known": "start known", "offset": "start told wrong"}
 
 PAPER = {
@@ -34,22 +34,22 @@ PAPER = {
     ("sim", "known", "odometry"): "above 50 mm",
     ("sim", "offset", "amcl"): "recovers",
 }
-"""What "ROS with LEGO Spike" reports, by world, start and method."""
+"""Results that "ROS with LEGO Spike" reports, by world, start and method."""
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """All that a report tells of."""
+    """Everything that a report shows."""
 
     experiment: Experiment
     field: Field
     conditions: dict[tuple[str, str], list[Run]]
-    """Runs by world and by how the pose was told, in the order of the seeds."""
+    """Runs by world and start ("known" or "offset"), in the order of the seeds."""
     results: dict[str, Any]
 
 
 def figure3(evaluation: Evaluation) -> str:
-    """The paper's figure 3, of the first robot, as SVG."""
+    """Draw the paper's figure 3 for the first robot, as SVG."""
     seed = evaluation.experiment.first_seed
     panels = {
         f"{_title(*key)} (seed {seed})": runs[0] for key, runs in evaluation.conditions.items()
@@ -58,7 +58,7 @@ def figure3(evaluation: Evaluation) -> str:
 
 
 def report(evaluation: Evaluation) -> str:
-    """The page."""
+    """Return the report as HTML."""
     tables = dict(zip(evaluation.conditions, evaluation.results["conditions"], strict=True))
     titled = {_title(*key): table for key, table in tables.items()}
     ate = {
@@ -80,7 +80,7 @@ def report(evaluation: Evaluation) -> str:
 
 
 def page(template: str, **values: Any) -> str:
-    """A page of a template."""
+    """Render the page of a template."""
     environment = Environment(
         loader=FileSystemLoader(FOLDERS),
         autoescape=True,
@@ -93,27 +93,27 @@ def page(template: str, **values: Any) -> str:
 
 
 def embedded(svg: str) -> str:
-    """An SVG as the address of an image, so that its names do not meet those of another."""
+    """Return an SVG as a data URL, so that its ids do not collide with those of another SVG."""
     return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
 
 
 def millimetres(value: float | None) -> str:
-    """A length [m] to three digits, for people."""
+    """Format a length [m] in millimetres, with three digits."""
     return "-" if value is None else f"{_digits(1e3 * value)} mm"
 
 
 def milliradians(value: float | None) -> str:
-    """An angle [rad] to three digits, for people."""
+    """Format an angle [rad] in milliradians, with three digits."""
     return "-" if value is None else f"{_digits(1e3 * value)} mrad"
 
 
 def seconds(value: float | None) -> str:
-    """A time [s], for people."""
+    """Format a time [s] with two decimals."""
     return "-" if value is None else f"{value:.2f} s"
 
 
 def share(value: float) -> str:
-    """A share of one as a percentage."""
+    """Format a share (0 to 1) as a percentage."""
     return f"{100 * value:.0f} %"
 
 

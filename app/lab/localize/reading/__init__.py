@@ -1,1 +1,1 @@
-"""From a bag to scans, each with the odometry of its stamp."""
+"""Read a bag as scans, each with the odometry at its stamp."""

@@ -1,7 +1,7 @@
-"""A ROS 1 bag, a ROS 2 bag or an MCAP file: its topics, and their messages one by one.
+"""Read a ROS 1 bag, a ROS 2 bag or an MCAP file: its topics, and their messages one by one.
 
-Only messages that are asked for are decoded, with the definitions that all of ROS has in common:
-so what else a bag holds, and how its types are defined, does not matter.
+Only requested messages are decoded, with the definitions that all of ROS has in common. So the
+other messages of a bag, and its own type definitions, do not matter.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
 OLD_NAMES = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
-"""Types that were renamed, in the same form."""
+"""Types that were renamed without any change in content."""
 STORAGE = (".mcap", ".db3")
 ENDINGS = (".bag", *STORAGE)
 
 
 class BagError(ValueError):
-    """A bag that cannot be used; the message says what it has and what would be valid."""
+    """The bag cannot be used; the message says what it has and what would be valid."""
 
 
 def message_types(*, ros1: bool) -> Typestore:
-    """The messages that all robots have in common."""
+    """Return the message types that all robots have in common."""
     store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
-    if ros1:  # the one that is missing there
+    if ros1:  # the store lacks this type
         name = "tf2_msgs/msg/TFMessage"
         store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", name))
     return store
@@ -45,9 +45,9 @@ class Topic:
 
     name: str
     type: str
-    """As ``sensor_msgs/msg/LaserScan``."""
+    """Such as ``sensor_msgs/msg/LaserScan``."""
     count: int
-    """Messages."""
+    """Number of messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,17 +58,17 @@ class Message:
     logged: float
     """When it was recorded [s]."""
     content: Any
-    """Has the fields of its type."""
+    """An object with the fields of the message type."""
 
 
 class Bag:
     """An open bag; a context manager."""
 
     def __init__(self, path: Path) -> None:
-        """Open it.
+        """Open a bag.
 
         Raises:
-            BagError: there is no such file, it is something else, damaged or cut short.
+            BagError: there is no such file, or it is not a bag, damaged or cut short.
         """
         self.path = path
         self._stack = ExitStack()
@@ -81,7 +81,7 @@ class Bag:
             self._readers = [self._stack.enter_context(self._open(file)) for file in _files(path)]
         except BagError:
             raise
-        except Exception as error:  # whatever a foreign file makes the library stumble over
+        except Exception as error:  # a foreign file may cause any error in the library
             raise BagError(f"{path} cannot be read: {_told(error)}. {_cure(path)}") from error
         self.topics = self._topics()
 
@@ -103,18 +103,18 @@ class Bag:
         return tuple(Topic(name, kind, count) for (name, kind), count in sorted(counts.items()))
 
     def of_type(self, kind: str) -> list[Topic]:
-        """The topics of a type that have messages, by name."""
+        """Return the topics of a type that have messages, by name."""
         return [topic for topic in self.topics if topic.type == kind and topic.count]
 
     def count(self, names: Collection[str]) -> int:
-        """How many messages some topics have."""
+        """Return the number of messages of some topics."""
         return sum(topic.count for topic in self.topics if topic.name in names)
 
     def messages(self, names: Collection[str]) -> Iterator[Message]:
-        """Messages of some topics as they were recorded, one in memory at a time.
+        """Yield the messages of some topics in recorded order, with one in memory at a time.
 
         Raises:
-            BagError: the bag is damaged there.
+            BagError: the bag is damaged.
         """
         try:
             parts = [self._of_reader(reader, names) for reader in self._readers]
@@ -135,7 +135,7 @@ class Bag:
 
 
 def _files(path: Path) -> list[Path]:
-    """What of a path readers take: itself, or the files of a folder without metadata."""
+    """Return the paths to open: the path itself, or the files of a folder without metadata."""
     if not path.exists():
         raise BagError(
             f"there is no {path}; valid is a .bag, .mcap or .db3 file, or a bag's folder"
@@ -156,7 +156,7 @@ def _files(path: Path) -> list[Path]:
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
-    """Sorts part 10 behind part 9."""
+    """Return a sort key that puts part 10 after part 9."""
     return [(int(part or 0), word) for word, part in re.findall(r"(\D*)(\d*)", path.stem)]
 
 
@@ -166,7 +166,7 @@ def _told(error: Exception) -> str:
 
 
 def _cure(path: Path) -> str:
-    """What mends a bag whose writer was killed."""
+    """Return how to repair a bag whose writer was killed."""
     if path.suffix == ".bag":
         return "If it was not finished, `rosbag reindex` mends it"
     if path.suffix == ".mcap" or (path.is_dir() and any(path.glob("*.mcap"))):

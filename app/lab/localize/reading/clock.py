@@ -1,25 +1,25 @@
-"""Whether a topic's stamps go on as the recorder's clock does."""
+"""Check that a topic's stamps advance with the recorder's clock."""
 
 from __future__ import annotations
 
 JUMP_S = 10.0
-"""A stamp that is off by more is a mistake: no message is under way for so long [s]."""
+"""A stamp is wrong if its offset jumps by more: no message is under way for so long [s]."""
 
 SET = 10
-"""So many mistakes in a row, all alike, are a clock that was set."""
+"""After this many successive wrong stamps with about the same offset, the clock was set."""
 
 
 class Clock:
-    """Of one topic. A single stamp from elsewhere must not make all that follow seem old."""
+    """The clock of one topic. A single wrong stamp must not make all later stamps seem old."""
 
     def __init__(self) -> None:
         self._ahead: float | None = None
-        """Of the recorder's clock, at the last stamp that fitted [s]."""
+        """Stamp minus the recorder's time, at the last stamp that fitted [s]."""
         self._elsewhere = 0.0
         self._mistakes = 0
 
     def fits(self, stamp: float, logged: float) -> bool:
-        """Whether a stamp [s] can be that of a message recorded then [s]."""
+        """Whether a stamp [s] fits the time at which the message was recorded [s]."""
         ahead = stamp - logged
         if self._ahead is None or abs(ahead - self._ahead) <= JUMP_S:
             self._ahead, self._mistakes = ahead, 0

@@ -1,4 +1,4 @@
-"""A sensor_msgs/LaserScan as a scan in the plane of the robot."""
+"""Convert a sensor_msgs/LaserScan to a scan in the plane of the robot."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from robot.geometry import Array, Pose2
 from robot.scan import Scan
 
 STEEPEST = math.radians(30)
-"""A laser that looks farther up or down does not see the map's walls."""
+"""Largest tilt: a laser that looks farther up or down does not see the map's walls."""
 
 LARGEST_ANGLE = 100.0
-"""Angles beyond this [rad] are no laser's: 16 turns."""
+"""Angles beyond this [rad], 16 turns, cannot come from a laser."""
 
 
 class ScanReader:
-    """Makes scans of one laser's messages."""
+    """Makes scans from the messages of one laser."""
 
     def __init__(self, base_from_laser: Rigid3) -> None:
-        """For a laser mounted so; also turned, tilted a little, or upside down.
+        """Prepare for a mounting, which may be turned, tilted a little or upside down.
 
         Raises:
-            BagError: it is tilted by more than 30 degrees.
+            BagError: the laser is tilted by more than 30 degrees.
         """
         tilt = math.acos(min(abs(float(base_from_laser.rotation[2, 2])), 1.0))
         if tilt > STEEPEST:
@@ -43,15 +43,15 @@ class ScanReader:
         self._shares: Array = np.zeros(0)
 
     def scan(self, message: Any, stamp: float) -> Scan | None:
-        """The scan in the base's plane; None if its angles or ranges say nothing.
+        """Return the scan in the base's plane; None if its angles or ranges are unusable.
 
-        By REP-117 a range is one that is finite and within range_min and range_max. All else
-        (nan, +-inf, 0, and range_max itself) is no return.
+        By REP-117 a range is valid if it is finite and within range_min and range_max. All else
+        (nan, +-inf, 0, and range_max itself) counts as no return.
         """
         ranges = np.asarray(message.ranges, dtype=np.float64)
         form = (message.angle_min, _increment(message, len(ranges)), len(ranges))
         reach = abs(form[0]) + abs(form[1]) * len(ranges)
-        if not (len(ranges) and reach < LARGEST_ANGLE):  # nan is not, either
+        if not (len(ranges) and reach < LARGEST_ANGLE):  # nan fails, too
             return None
         if form != self._form:
             self._look_along(*form)
@@ -62,7 +62,7 @@ class ScanReader:
         )
 
     def _look_along(self, first: float, step: float, count: int) -> None:
-        """Bearings in the base's plane, and which share of a ray's length lies in it."""
+        """Set the bearings in the base's plane, and the share of a ray's length that lies in it."""
         angles = first + step * np.arange(count)
         along = np.stack([np.cos(angles), np.sin(angles), np.zeros(count)])
         x, y, _ = self._rotation @ along
@@ -70,7 +70,7 @@ class ScanReader:
 
 
 def _increment(message: Any, count: int) -> float:
-    """Some drivers leave it out; then it is the first and the last angle that tell."""
+    """Return the angle between rays; if the driver left it out, by the first and last angle."""
     if message.angle_increment or count < 2:
         return float(message.angle_increment)
     return float(message.angle_max - message.angle_min) / (count - 1) or math.nan
@@ -79,4 +79,4 @@ def _increment(message: Any, count: int) -> float:
 def _returned(ranges: Array, low: float, high: float) -> NDArray[np.bool_]:
     least = low if math.isfinite(low) and low > 0 else 0.0
     most = high if math.isfinite(high) and high > least else math.inf
-    return (ranges >= least) & (ranges > 0) & (ranges < most)  # nan is neither
+    return (ranges >= least) & (ranges > 0) & (ranges < most)  # nan fails all comparisons

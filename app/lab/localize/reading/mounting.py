@@ -1,4 +1,4 @@
-"""Where the laser sits, and which frames are the robot's: found before it is followed."""
+"""Find the laser's mounting and the robot's frames, before the robot is followed."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from app.lab.localize.reading.transforms import Frames, Rigid3, frame_name
 from robot.geometry import Pose2
 
 ROBOT_FRAMES = ("base_footprint", "base_link")
-"""What a robot's own frame is called by custom (REP-105, REP-120)."""
+"""Usual names of the robot's own frame (REP-105, REP-120)."""
 ODOM = "odom"
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What is known of the robot before it is followed."""
+    """The laser's mounting and the frames of the robot."""
 
     base_from_laser: Rigid3
     told_by: str
-    """In words, where that comes from."""
+    """Where the mounting comes from, in words."""
     base_frame: str
     odom_frame: str
-    """Whose transform to the base is odometry, where there is no topic of it."""
+    """The frame whose transform to the base is the odometry, if there is no odometry topic."""
     assumed: bool = False
-    """Whether nothing said where the laser sits."""
+    """Whether the mounting is assumed, because nothing gives it."""
 
 
 def find_layout(bag: Bag, chosen: Chosen, laser_pose: Pose2 | None) -> Layout:
-    """Look where the laser sits: as given, else by the bag's transforms.
+    """Find the laser's mounting: as given, else by the bag's transforms.
 
-    If nothing tells, it is taken to sit at the robot's middle and to look ahead.
+    If neither gives it, the laser is assumed to sit at the robot's middle and to look ahead.
 
     Raises:
-        BagError: odometry is to come from the transforms, and they have none.
+        BagError: odometry must come from the transforms, and they have none.
     """
     laser = frame_name(_first(bag, chosen.scan).header.frame_id)
     if chosen.odometry is None:
@@ -68,7 +68,7 @@ def _first(bag: Bag, topic: str) -> Any:
 
 
 def _growing(bag: Bag, chosen: Chosen) -> Iterator[Frames]:
-    """What is known of the frames, message by message."""
+    """Yield the frames known so far, after each message."""
     frames = Frames()
     yield frames
     if chosen.transforms:
@@ -86,7 +86,7 @@ def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -
         result = frames.between(bases[0], laser)
         if result is not None:
             return Layout(result, f"the transform {bases[0]} to {laser}", bases[0], ODOM)
-    for other in bases[1:]:  # the robot's frame by another name
+    for other in bases[1:]:  # the robot's frame may have another name
         result = frames.between(other, laser) if other != laser else _identity()
         if result is not None:
             return Layout(result, f"the transform {other} to {laser}", bases[0], ODOM)
@@ -95,7 +95,7 @@ def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -
 
 
 def _by_transforms(bag: Bag, chosen: Chosen, laser: str) -> Layout:
-    """The laser's ancestor that moves in the odom frame is the robot."""
+    """Find the robot's frame: the ancestor of the laser's frame whose parent is the odom frame."""
     seen: list[str] = []
     for frames in _growing(bag, chosen):
         line = frames.lineage(laser)

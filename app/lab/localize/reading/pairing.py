@@ -1,4 +1,4 @@
-"""Scans, each with the odometry of its stamp, in the order of their stamps."""
+"""Pair scans with the odometry at their stamps, in the order of the stamps."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from robot.scan import Scan
 
 CLOCKS = ("header", "log")
 MOST_WAITING = 200
-"""Scans that wait for odometry; more, and there is none for the first of them."""
+"""Largest number of scans that wait for odometry; beyond it, the first is left out."""
 
 
 class Measurement(NamedTuple):
-    """One scan and where odometry has the robot then."""
+    """One scan, and the robot's pose by odometry at its stamp."""
 
     odom_from_robot: Pose2
     scan: Scan
@@ -32,18 +32,18 @@ class Measurement(NamedTuple):
 
 @dataclass
 class LeftOut:
-    """What of a bag could not be used, counted."""
+    """Numbers of scans and poses in a bag that could not be used."""
 
     unusable_scans: int = 0
-    """Without ranges, or with angles that are no numbers."""
+    """Scans without ranges or with invalid angles."""
     out_of_order: int = 0
-    """Scans whose stamp is not after the one before, or far from when they were recorded."""
+    """Scans whose stamp is not after the previous one, or does not fit the time of recording."""
     without_odometry: int = 0
     odometry: int = 0
     """Poses that were not finite, or whose stamps do not rise."""
 
     def lines(self) -> list[str]:
-        """What to tell; nothing of what did not happen."""
+        """Return a message for each count that is not zero."""
         given = {
             "scans without usable angles or ranges": self.unusable_scans,
             "scans whose stamps do not rise": self.out_of_order,
@@ -57,7 +57,7 @@ class Pairing:
     """Reads a bag once, from its beginning."""
 
     def __init__(self, bag: Bag, chosen: Chosen, layout: Layout, clock: str = "header") -> None:
-        """Take stamps from the messages' headers, or (``log``) from when they were recorded."""
+        """Take stamps from the messages' headers, or (``log``) the times of recording."""
         self._bag, self._chosen, self._layout = bag, chosen, layout
         self._by_log = clock == "log"
         self._scans = ScanReader(layout.base_from_laser)
@@ -66,15 +66,15 @@ class Pairing:
         self._newest = -math.inf
         self._clocks = {name: Clock() for name in chosen.names}
         self.names = chosen.names
-        """Topics that are read."""
+        """The topics that are read."""
         self.left_out = LeftOut()
         self.messages = 0
-        """Read so far."""
+        """Number of messages read so far."""
         self.clocks: dict[str, tuple[float, float]] = {}
         """First and last stamp [s] of scans and of odometry."""
 
     def measurements(self) -> Iterator[Measurement]:
-        """All scans that can be used.
+        """Yield all scans that can be used.
 
         Raises:
             BagError: the bag is damaged.
@@ -134,7 +134,7 @@ class Pairing:
         return self._by_log or self._clocks[message.topic].fits(stamp, message.logged)
 
     def _stamp(self, header: Any, logged: float) -> float:
-        """Of a message whose header has none it is when it was recorded."""
+        """Return the stamp of a header; if it has none, the time of recording."""
         stamp: float = header.stamp.sec + 1e-9 * header.stamp.nanosec
         return logged if self._by_log or stamp <= 0 else stamp
 

@@ -1,4 +1,4 @@
-"""Odometry as poses by stamp, asked for in between."""
+"""Odometry as poses by stamp, interpolated between them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from collections import deque
 from robot.geometry import Pose2, interpolate
 
 KEPT = 2000
-"""Poses that are remembered: 10 s at 200 Hz."""
+"""Number of poses that are remembered: 10 s at 200 Hz."""
 WIDEST = 2.0
-"""Between poses farther apart in time nothing is known [s]."""
+"""Longest time between two poses over which to interpolate [s]."""
 PAST_END = 0.1
-"""So long before the first pose, or after the last, the robot is taken to stand there [s]."""
+"""For this long before the first pose and after the last, the robot is taken to stand there [s]."""
 
 
 class PoseTrack:
@@ -23,7 +23,7 @@ class PoseTrack:
         self._stamps: deque[float] = deque(maxlen=KEPT)
         self._poses: deque[Pose2] = deque(maxlen=KEPT)
         self.refused = 0
-        """Poses that were not finite, or not after the one before."""
+        """Number of poses that were not finite, or not after the previous one."""
 
     @property
     def last(self) -> float:
@@ -31,7 +31,7 @@ class PoseTrack:
         return self._stamps[-1] if self._stamps else -math.inf
 
     def add(self, stamp: float, pose: Pose2 | None) -> None:
-        """Take a pose; those that cannot be used are counted."""
+        """Add a pose; an unusable pose is only counted."""
         if pose is None or not pose.is_finite() or not stamp > self.last:
             self.refused += 1
             return
@@ -39,7 +39,7 @@ class PoseTrack:
         self._poses.append(pose)
 
     def at(self, stamp: float) -> Pose2 | None:
-        """The pose at a stamp, interpolated; None where that is not known."""
+        """Return the pose at a stamp, interpolated; None if it is not known."""
         after = bisect_left(self._stamps, stamp)
         if after < len(self._stamps) and self._stamps[after] == stamp:
             return self._poses[after]

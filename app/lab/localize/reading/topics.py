@@ -1,4 +1,4 @@
-"""Which of a bag's topics are the laser, the odometry and the transforms."""
+"""Choose the topics of the laser, the odometry and the transforms in a bag."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ LASER_SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 USUAL = "/odom"
-"""Of several odometries, the wheels' own by custom."""
+"""Usual topic of wheel odometry, preferred if a bag has several odometries."""
 
 
 @dataclass(frozen=True, slots=True)
 class Chosen:
-    """What is read of a bag."""
+    """The topics that are read from a bag."""
 
     scan: str
     odometry: str | None
-    """None: odometry is in the transforms."""
+    """None if odometry comes from the transforms."""
     transforms: tuple[str, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Topics that are read while the robot is followed."""
+        """The topics that are read while the robot is followed."""
         return (self.scan, self.odometry) if self.odometry else (self.scan, *self.transforms)
 
 
 def choose(bag: Bag, scan: str | None = None, odometry: str | None = None) -> Chosen:
-    """Choose topics: those that are named, or the only ones of their type.
+    """Choose topics: the named ones, or the only ones of their type.
 
     Raises:
-        SettingError: a topic that was named is not there or of another type, or there are several
-            to choose from; lists them.
-        BagError: there is none; lists what the bag has.
+        SettingError: a named topic is missing or of another type, or there are several to choose
+            from; lists them.
+        BagError: there is no topic of a type; lists what the bag has.
     """
     transforms = tuple(topic.name for topic in bag.of_type(TRANSFORMS))
     laser = _one(bag, LASER_SCAN, scan, "--scan-topic")

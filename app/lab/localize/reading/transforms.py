@@ -1,4 +1,4 @@
-"""Frames and how they lie to each other (tf)."""
+"""Frames and the transforms between them (tf)."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from scipy.spatial.transform import Rotation
 from robot.geometry import Array, Pose2
 
 MOST = 50
-"""Frames from one to another; more is a ring."""
+"""Largest number of frames from one to another; more mean a loop."""
 SHORTEST = 1e-3
-"""A quaternion shorter than this says no direction."""
+"""A quaternion shorter than this has no direction."""
 
 
 def frame_name(name: str) -> str:
-    """A frame's name without the slash that ROS 1 let stand before it."""
+    """Return a frame's name without the leading slash that ROS 1 allowed."""
     return name.strip().lstrip("/")
 
 
@@ -32,7 +32,7 @@ class Rigid3:
 
     @classmethod
     def of(cls, translation: Any, rotation: Any) -> Rigid3 | None:
-        """From a message's vector and quaternion; None if they say nothing."""
+        """Make a transform from a message's vector and quaternion; None if they are invalid."""
         t = np.array([translation.x, translation.y, translation.z], dtype=np.float64)
         q = np.array([rotation.x, rotation.y, rotation.z, rotation.w], dtype=np.float64)
         length = float(np.linalg.norm(q))
@@ -42,7 +42,7 @@ class Rigid3:
 
     @classmethod
     def flat(cls, pose: Pose2) -> Rigid3:
-        """A planar pose in space."""
+        """Make a transform from a planar pose."""
         c, s = np.cos(pose.theta), np.sin(pose.theta)
         turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         return cls(turn, np.array([pose.x, pose.y, 0.0]))
@@ -53,11 +53,11 @@ class Rigid3:
         return Rigid3(self.rotation @ other.rotation, moved)
 
     def inverse(self) -> Rigid3:
-        """Swap the two frames."""
+        """Return ``b_from_a``."""
         return Rigid3(self.rotation.T, -self.rotation.T @ self.translation)
 
     def planar(self) -> Pose2:
-        """Seen from above: where it is, and where its x axis points."""
+        """Return the pose seen from above: the position, and the heading of the x axis."""
         x, y, _ = self.translation
         return Pose2(
             float(x), float(y), float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
@@ -71,7 +71,7 @@ class Frames:
         self._parents: dict[str, tuple[str, Rigid3]] = {}
 
     def add(self, message: Any) -> None:
-        """Take a TFMessage; what says nothing is left out."""
+        """Add the transforms of a TFMessage; invalid ones are left out."""
         for transform in message.transforms:
             rigid3 = Rigid3.of(transform.transform.translation, transform.transform.rotation)
             child, parent = (
@@ -82,7 +82,7 @@ class Frames:
                 self._parents[child] = parent, rigid3
 
     def lineage(self, frame: str) -> list[tuple[str, Rigid3]]:
-        """A frame, its parent and so on, each with ``it_from_frame``."""
+        """Return a frame, its parent and so on, each with ``it_from_frame``."""
         result = [(frame, Rigid3(np.eye(3), np.zeros(3)))]
         while result[-1][0] in self._parents and len(result) <= MOST:
             name, from_frame = result[-1]
@@ -91,7 +91,7 @@ class Frames:
         return result
 
     def between(self, base: str, frame: str) -> Rigid3 | None:
-        """``base_from_frame``; None if nothing is known to connect them."""
+        """Return ``base_from_frame``; None if no known transforms connect them."""
         ancestors = dict(self.lineage(base))
         for name, from_frame in self.lineage(frame):
             if name in ancestors:

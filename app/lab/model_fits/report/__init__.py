@@ -1,1 +1,1 @@
-"""The report of the statistics of the models: a page with figures."""
+"""The report of the models' statistics: an HTML page with figures."""

@@ -19,7 +19,7 @@ from app.settings.provenance import settings_of
 from robot.geometry import Array
 
 AS_SET, FITTED = "#d55e00", "#0072b2"
-"""Colours of Okabe and Ito; dashed and full besides."""
+"""Colours of Okabe and Ito; the lines also differ: dashed and solid."""
 MM = 1e3
 
 
@@ -29,7 +29,7 @@ def models_report(
     sensor: SensorStatistics | None,
     config: Config,
 ) -> str:
-    """The page."""
+    """Return the page as HTML."""
     default = settings_of(config)
     return page(
         "models.html.jinja",
@@ -44,7 +44,7 @@ def models_report(
 
 
 def _motion_ends(ends: Sequence[tuple[EndSpread, EndSpread]]) -> str:
-    """True ends seen from odometry's, along and across, and where the model says that they are."""
+    """Draw the true ends seen from odometry's, along and across, with the model's ellipses."""
     svg: list[str] = []
     columns = 4
     rows = -(-len(ends) // columns)
@@ -72,7 +72,7 @@ def _motion_ends(ends: Sequence[tuple[EndSpread, EndSpread]]) -> str:
 
 
 def _range_errors(sensor: SensorStatistics) -> str:
-    """Bias and spread, misses and false returns by distance; correlation by lag."""
+    """Draw bias and spread, misses and false returns by distance, and correlation by lag."""
     svg: list[str] = []
     with drawn(9.2, 2.8, svg) as figure:
         spread, shares, lags = figure.subplots(1, 3)
@@ -97,7 +97,7 @@ def _range_errors(sensor: SensorStatistics) -> str:
 
 
 def _regions_held(held: Sequence[Held]) -> str:
-    """What the 95 % regions held of drives that they were not fitted to."""
+    """Draw the shares that the 95 % regions held of drives that they were not fitted to."""
     svg: list[str] = []
     with drawn(4.6, 2.8, svg) as figure:
         axes = figure.add_subplot()
@@ -115,7 +115,7 @@ def _regions_held(held: Sequence[Held]) -> str:
 
 
 def _ellipse(covariance: Array, colour: str, dashes: str) -> Ellipse:
-    """What holds 95 % of a normal distribution in the plane."""
+    """Return the ellipse that holds 95 % of a normal distribution in the plane."""
     values, axes = np.linalg.eigh(covariance)
     width, height = 2 * np.sqrt(np.maximum(values, 0) * chi2.ppf(0.95, 2))
     angle = float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))

@@ -1,1 +1,1 @@
-"""Files of trajectories: TUM text, tables with a header, Motive's CSV, MRCLAM."""
+"""Files of trajectories: TUM text, tables with a header, Motive's CSV and MRCLAM."""

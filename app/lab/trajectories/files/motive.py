@@ -1,10 +1,10 @@
-"""The CSV that OptiTrack's Motive exports: poses of a rigid body by time.
+"""Read the CSV that OptiTrack's Motive exports: poses of a rigid body by time.
 
-The first line holds pairs of key and value (``Format Version,1.23,Take Name,...``). Above the data
-stand rows of Type, Name, ID, in newer versions Parent, and of Rotation or Position; the last one
-begins with ``Frame,Time (Seconds)`` and names the axes. Columns of markers, of skeletons and of
-the mean marker error stand between those of rigid bodies. Where a body was lost its cells are
-empty.
+The first line holds pairs of key and value (``Format Version,1.23,Take Name,...``). The header
+above the data has rows of Type, Name, ID, in newer versions Parent, and of Rotation or Position;
+its last row begins with ``Frame,Time (Seconds)`` and names the axes. Columns of markers, of
+skeletons and of the mean marker error lie between those of rigid bodies. Where a body was lost,
+its cells are empty.
 """
 
 from __future__ import annotations
@@ -30,46 +30,47 @@ UNITS = {
 }
 ORDERS = ("XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 CLIMBS, CLEARLY = 0.02, 5.0
-"""A robot that spreads so far along y [m], and so many times as far as along z, does not climb: z
-is up."""
+"""If positions spread by more than the first along y [m], and by more than the second times the
+spread along z, then z is up: a robot does not climb."""
 LONGEST_HEADER = 30
-"""So many rows may stand above the data."""
+"""Largest number of rows above the data."""
 Z_UP_FROM_Y_UP = Rotation.from_euler("x", 90, degrees=True)
 """Takes (x, y, z) to (x, -z, y)."""
 
 Row = tuple[int, list[str]]
-"""Number of the line, and its cells."""
+"""Line number and cells."""
 
 
 @dataclass(frozen=True)
 class _Body:
-    """Where the cells of a rigid body stand: columns by axis."""
+    """The columns of a rigid body, by axis."""
 
     rotation: tuple[int, ...]
     position: tuple[int, ...]
 
 
 def is_motive(text: str) -> bool:
-    """Whether a text is Motive's, by its first words."""
+    """Whether a text is from Motive, by its first words."""
     return text.lstrip().lstrip('"').startswith("Format Version")
 
 
 def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:
-    """Read the text of a file, with z up.
+    """Read the text of a file; the trajectory has z up.
 
-    Motive's y axis is up unless it was told otherwise, which is seen from a path that spreads along
-    y and hardly along z: a robot does not climb. From y up (x, y, z) becomes (x, -z, y), for the
-    world's axes and the body's.
+    Motive's y axis is up unless the user changed that. If the path spreads along y and hardly along
+    z, then z is up already, as a robot does not climb. Else (x, y, z) becomes (x, -z, y), for the
+    axes of the world and of the body.
     Euler angles are turns [deg] about the body's own axes, one after the other, as in OptiTrack's
     NatNet samples ("relative").
 
     Args:
         text: of the file.
         source: its name for messages.
-        body: which rigid body; needed where there are several.
+        body: which rigid body; needed if there are several.
 
     Raises:
-        TrajectoryError: it is damaged, or has not this rigid body; names line, and what is there.
+        TrajectoryError: the file is damaged or lacks this rigid body; names the line and what the
+            file has.
     """
     rows = _rows(text, source)
     settings = _settings(rows[0][1])
@@ -80,7 +81,7 @@ def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:
     lines, table = _table(rows[rows.index(header[-1]) + 1 :], columns, source)
     if not lines:
         raise TrajectoryError(f"{source}: the rigid body is in no row; valid are poses in rows")
-    # Checked as they stand, before they are turned.
+    # Check the poses as the file has them, before they are turned.
     count = len(columns.rotation)
     raw = table[:, 1 : count + 1] if order is None else _turns(table[:, 1 : count + 1], order)
     checked = Trajectory(table[:, 0], table[:, count + 1 :] * scale, raw, source, lines=lines)
@@ -88,7 +89,7 @@ def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:
 
 
 def _rows(text: str, source: str) -> list[Row]:
-    """Rows that hold something."""
+    """Return the rows that are not empty."""
     reader = csv.reader(io.StringIO(text))
     try:
         cells = ((reader.line_num, [cell.strip() for cell in row]) for row in reader)
@@ -102,7 +103,7 @@ def _settings(cells: Sequence[str]) -> dict[str, str]:
 
 
 def _header(rows: list[Row], source: str) -> list[Row]:
-    """The rows of the header: types first, names second, properties and axes last."""
+    """Return the rows of the header: types first, names second, properties and axes last."""
     for index, (_, row) in enumerate(rows[:LONGEST_HEADER]):
         if row[0] == "Frame" and len(row) > 1 and row[1].startswith("Time"):
             if index < 4:
@@ -124,7 +125,7 @@ def _scale(settings: dict[str, str], source: str) -> float:
 
 
 def _order(settings: dict[str, str], source: str) -> str | None:
-    """Of which axes Euler angles are; None for quaternions."""
+    """Return the order of the axes of Euler angles; None for quaternions."""
     rotation = settings.get("Rotation Type", "")
     if rotation == "Quaternion":
         return None
@@ -137,7 +138,7 @@ def _order(settings: dict[str, str], source: str) -> str | None:
 
 
 def _bodies(header: list[Row]) -> dict[str, list[int]]:
-    """Columns of each rigid body."""
+    """Return the columns of each rigid body."""
     types, names = header[0][1], header[1][1]
     result: dict[str, list[int]] = {}
     for column, kind in enumerate(types[: len(names)]):
@@ -147,7 +148,7 @@ def _bodies(header: list[Row]) -> dict[str, list[int]]:
 
 
 def _chosen(header: list[Row], body: str | None, source: str) -> str:
-    """Which rigid body is asked for."""
+    """Return the name of the requested rigid body."""
     bodies = list(_bodies(header))
     line = header[1][0]
     if not bodies:
@@ -161,7 +162,7 @@ def _chosen(header: list[Row], body: str | None, source: str) -> str:
 
 
 def _columns(header: list[Row], body: str, order: str | None, source: str) -> _Body:
-    """Where rotation and position of a rigid body stand."""
+    """Return the columns of a rigid body's rotation and position."""
     (line, properties), (_, axes) = header[-2], header[-1]
     width = min(len(properties), len(axes))
     at = {(properties[item], axes[item]): item for item in _bodies(header)[body] if item < width}
@@ -174,7 +175,11 @@ def _columns(header: list[Row], body: str, order: str | None, source: str) -> _B
 
 
 def _table(rows: list[Row], body: _Body, source: str) -> tuple[list[int], Array]:
-    """Line numbers (n,) and time, rotation and position (n, 1 + r + 3) where the body was seen."""
+    """Read the rows where the body was seen.
+
+    Returns:
+        Line numbers (n,), and time, rotation and position (n, 1 + r + 3).
+    """
     lines, table = [], []
     columns = (*body.rotation, *body.position)
     for line, row in rows:
@@ -189,7 +194,7 @@ def _table(rows: list[Row], body: _Body, source: str) -> tuple[list[int], Array]
 
 
 def _turns(degrees: Array, order: str) -> Array:
-    """Quaternions (n, 4) of Euler angles (n, 3) [deg], which stand in the given order of axes."""
+    """Return the quaternions (n, 4) of Euler angles (n, 3) [deg] in the given order of axes."""
     quaternions = np.full((len(degrees), 4), np.nan)
     finite = np.isfinite(degrees).all(axis=1)
     if finite.any():
@@ -198,7 +203,7 @@ def _turns(degrees: Array, order: str) -> Array:
 
 
 def _upright(trajectory: Trajectory, notes: tuple[str, ...]) -> Trajectory:
-    """With z up; notes tell what was up."""
+    """Return the trajectory with z up; a note says which axis was up in the file."""
     _, y, z = np.std(trajectory.positions, axis=0)
     if y > CLIMBS and y > CLEARLY * z:
         return replace(trajectory, notes=(*notes, "up: z"), lines=None)

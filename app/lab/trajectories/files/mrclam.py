@@ -1,7 +1,7 @@
-"""Text files of the UTIAS multi-robot data set (MRCLAM): truth and wheel odometry of a robot.
+"""Read text files of the UTIAS multi-robot data set (MRCLAM): truth or wheel odometry of a robot.
 
 Leung, Halpern, Barfoot, Liu, The UTIAS Multi-Robot Cooperative Localization and Mapping Dataset,
-IJRR 2011. The comments at the top tell which of the two a file is.
+IJRR 2011. The comments at the top say which of the two a file holds.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array, heading_vectors
 
 FASTEST = 1e6
-"""A velocity beyond this [m/s, rad/s] is none."""
+"""A velocity beyond this [m/s, rad/s] is invalid."""
 
 
 class Content(Enum):
@@ -26,7 +26,7 @@ class Content(Enum):
 
 
 def content_of(text: str) -> Content | None:
-    """What the comments at the top of a file say that it holds; None for another kind of file."""
+    """Return what a file holds, by the comments at its top; None for another kind of file."""
     for _, line in numbered(text):
         if not line.startswith("#"):
             return None
@@ -41,12 +41,12 @@ def content_of(text: str) -> Content | None:
 def parse_mrclam(text: str, source: str) -> Trajectory:
     """Read the text of a file of truth or of odometry.
 
-    Odometry is a velocity forward [m/s] and one of turning [rad/s] that hold until the next line;
-    it is followed from (0, 0, 0) exactly, an arc of a circle from line to line. Real files repeat
-    a stamp now and then: of such lines the last one counts, as the others held for no time.
+    Odometry consists of a forward velocity [m/s] and a turn rate [rad/s] that hold until the next
+    line. It is integrated exactly from (0, 0, 0): from line to line the path is an arc. Real files
+    sometimes repeat a stamp: the last of such lines counts, as the others hold for no time.
 
     Raises:
-        TrajectoryError: it is neither, or no trajectory; names file and line.
+        TrajectoryError: the text is neither, or not a trajectory; names file and line.
     """
     content = content_of(text)
     if content is None:
@@ -60,7 +60,7 @@ def parse_mrclam(text: str, source: str) -> Trajectory:
 
 
 def _followed(table: Array, source: str, notes: tuple[str, ...], lines: list[int]) -> Trajectory:
-    """The way of a robot that was told velocities."""
+    """Return the path of a robot with the given velocities."""
     wild = ~(np.abs(table[:, 1:]) <= FASTEST).all(axis=1)
     if wild.any():
         line = lines[int(np.argmax(wild))]
@@ -74,10 +74,11 @@ def _followed(table: Array, source: str, notes: tuple[str, ...], lines: list[int
 
 
 def integrated(stamps: Array, forward: Array, turning: Array) -> Array:
-    """Poses (n, 3) [m, m, rad] from (0, 0, 0) on; velocities (n,) hold until the next stamp.
+    """Integrate velocities (n,) to poses (n, 3) [m, m, rad] from (0, 0, 0).
 
-    Each step is an arc (Probabilistic Robotics, Table 5.3): a chord of length
-    v dt sin(a) / a along the heading in its middle, with a half the angle turned.
+    A velocity holds until the next stamp, so each step is an arc (Probabilistic Robotics, Table
+    5.3). Its chord has the length v dt sin(a) / a and the direction of the heading in its middle,
+    with a half the angle turned.
     """
     durations = np.diff(stamps)
     half_turns = turning[:-1] * durations / 2

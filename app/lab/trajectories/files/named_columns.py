@@ -1,8 +1,8 @@
-"""Tables whose header names the columns, as EuRoC's CSV; read by these names, in any order.
+"""Read tables whose header names the columns, in any order, such as EuRoC's CSV.
 
 EuRoC's ground truth begins ``#timestamp [ns], p_RS_R_x [m], ..., q_RS_w [], q_RS_x [], ...``
 (Burri et al., The EuRoC micro aerial vehicle datasets, IJRR 2016); others write ``stamp,x,y,z`` and
-``q_w,q_x,q_y,q_z`` or ``qx,qy,qz,qw``. Columns with other names are left aside.
+``q_w,q_x,q_y,q_z`` or ``qx,qy,qz,qw``. Columns with other names are ignored.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ VALID = (
     "timestamp [ns], p_x [m], p_y, p_z, q_w, q_x, q_y, q_z"
 )
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
-"""So many of a unit are a second."""
+"""Number of each unit in one second."""
 METRES = {"m": 1.0, "cm": 1e2, "mm": 1e3}
 NANOSECONDS_FROM = 1e16
-"""Stamps without a unit from here on are nanoseconds: in seconds they are no date."""
+"""Stamps without a unit are nanoseconds if all are at least this: no date is so late in seconds."""
 ENOUGH = 4
-"""A comment with fewer names of quantities is a remark."""
+"""A comment with fewer names of quantities is not a header."""
 
 _UNIT = re.compile(r"\s*[\[(]([^\])]*)[\])]")
 _SUFFIX = re.compile(r"_(ns|us|ms|s|sec|m|cm|mm)$")
@@ -41,17 +41,18 @@ class Header:
     """The row that names the columns."""
 
     line: int
-    """Its number."""
+    """Line number."""
     cells: tuple[str, ...]
     commas: bool
-    """Whether cells stand apart by commas; else by spaces."""
+    """Whether commas separate the cells; else spaces do."""
 
 
 def header_of(text: str) -> Header | None:
-    """The header of a table; None where no row names columns.
+    """Return the header of a table; None if no row names columns.
 
-    A row that begins with no number, above all rows of numbers. A comment is one if it has as many
-    cells as the first row of numbers, and either both have commas or several names are known.
+    The header is a row above all rows of numbers that does not begin with a number. A comment is a
+    header if it has as many cells as the first row of numbers, and if it has commas or at least
+    ENOUGH of its names are known.
     """
     headers: list[Header] = []
     for line, row in numbered(text):
@@ -69,7 +70,7 @@ def parse_named(text: str, source: str, header: Header) -> Trajectory:
     """Read the rows below the header.
 
     Raises:
-        TrajectoryError: a quantity has no column or several, or has an unknown unit, or a row has
+        TrajectoryError: a quantity has no column, several columns or an unknown unit, or a row has
             another number of cells or no numbers; names file and line, and what is valid.
     """
     columns = _columns(header, source)
@@ -101,7 +102,7 @@ def parse_named(text: str, source: str, header: Header) -> Trajectory:
 
 
 def _columns(header: Header, source: str) -> Mapping[str, int]:
-    """Where each quantity stands."""
+    """Return the column of each quantity."""
     known = _known(header)
     wrong = [name for name in QUANTITIES if len(known.get(name, ())) != 1]
     if wrong:
@@ -116,7 +117,7 @@ def _columns(header: Header, source: str) -> Mapping[str, int]:
 
 
 def _known(header: Header) -> dict[str, list[int]]:
-    """Columns by the quantity that their names say."""
+    """Return the columns by the quantity that they name."""
     result: dict[str, list[int]] = {}
     for column, cell in enumerate(header.cells):
         quantity = _quantity(_SUFFIX.sub("", _UNIT.sub("", cell).strip().lower()))
@@ -134,7 +135,7 @@ def _quantity(name: str) -> str | None:
 
 
 def _unit(header: Header, column: int, source: str) -> float | None:
-    """How many of a column's unit are a second or a metre; None where it names none."""
+    """Return how many of a column's unit are a second or a metre; None if it names no unit."""
     cell = header.cells[column].lower()
     units = SECONDS if column == _known(header)["stamp"][0] else METRES
     given = _UNIT.search(cell) or _SUFFIX.search(cell)
@@ -150,7 +151,7 @@ def _unit(header: Header, column: int, source: str) -> float | None:
 
 
 def _fits(header: Header, row: str) -> bool:
-    """Whether a comment is the header of a first row of numbers."""
+    """Whether a comment is the header above the first row of numbers."""
     if len(header.cells) != len(_cells(row, header.commas)):
         return False
     return (header.commas and len(header.cells) > 1) or len(_known(header)) >= ENOUGH

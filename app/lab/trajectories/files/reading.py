@@ -1,4 +1,4 @@
-"""Read a trajectory from a file of any form that is known; its content tells which."""
+"""Read a trajectory from a file of any known format, which is recognized by the content."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ VALID = (
 
 
 def read_trajectory(path: Path | str, body: str | None = None) -> Trajectory:
-    """Read a file of TUM or MRCLAM text, of Motive or EuRoC, which may be compressed by gzip.
+    """Read a file of TUM or MRCLAM text, of Motive or EuRoC; it may be compressed by gzip.
 
     Args:
         path: of the file.
-        body: which rigid body of a file of Motive; needed where it has several.
+        body: which rigid body of a Motive file; needed if it has several.
 
     Raises:
-        TrajectoryError: it cannot be read or is no trajectory; names file and line.
+        TrajectoryError: the file cannot be read or is not a trajectory; names file and line.
     """
     return parse_trajectory(read_text(Path(path)), str(path), body)
 
@@ -46,7 +46,7 @@ def parse_trajectory(text: str, source: str, body: str | None = None) -> Traject
 
 
 def _check_numeric(text: str, source: str) -> None:
-    """A text whose first row does not even begin with a number is of no known form."""
+    """Refuse a text of no known format: its first row does not begin with a number."""
     for line, row in numbered(text):
         if row.startswith("#"):
             continue

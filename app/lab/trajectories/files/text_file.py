@@ -1,4 +1,4 @@
-"""A text file of numbers, read whole, with words for all that may be wrong with it."""
+"""Read a text file of numbers, with a clear message for every fault."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import Path
 from app.lab.trajectories.trajectory import TrajectoryError
 
 LARGEST = 2**28
-"""A larger file is no trajectory [bytes]."""
+"""A larger file is not a trajectory [bytes]."""
 GZIP = b"\x1f\x8b"
 
 
 def read_text(path: Path) -> str:
-    """The text of a file, which may be compressed by gzip, with "\\n" between lines.
+    """Return the text of a file, which may be compressed by gzip, with "\\n" between lines.
 
     Raises:
-        TrajectoryError: it is missing, a folder, empty, too large or no text.
+        TrajectoryError: the file is missing, a folder, empty, too large or not text.
     """
     data = _read_bytes(path)
     if len(data) > LARGEST:
@@ -55,28 +55,28 @@ def _read_bytes(path: Path) -> bytes:
 
 
 def numbered(text: str) -> list[tuple[int, str]]:
-    """The lines that are not blank, with their numbers, from 1 on."""
+    """Return the lines that are not blank, with their numbers, which start at 1."""
     stripped = ((number, line.strip()) for number, line in enumerate(text.split("\n"), 1))
     return [(number, line) for number, line in stripped if line]
 
 
 def comments(text: str) -> tuple[str, ...]:
-    """What stands behind "#" on lines of their own."""
+    """Return the texts of the lines that begin with "#"."""
     return tuple(line.lstrip("#").strip() for _, line in numbered(text) if line.startswith("#"))
 
 
 def rows_of_numbers(text: str, source: str, columns: str) -> tuple[list[int], list[list[float]]]:
-    """Line numbers (n,) and numbers (n, k) of a table with "#" comments.
+    """Return line numbers (n,) and numbers (n, k) of a table with "#" comments.
 
-    Numbers stand apart by spaces, tabs or commas.
+    Spaces, tabs or commas separate the numbers.
 
     Args:
         text: the table.
         source: the file's name for messages.
-        columns: names of the k columns, apart by spaces.
+        columns: names of the k columns, separated by spaces.
 
     Raises:
-        TrajectoryError: a row has another number of columns, or a cell is no number.
+        TrajectoryError: a row has another number of columns, or a cell is not a number.
     """
     lines, rows, expected = [], [], len(columns.split())
     for number, line in numbered(text):
@@ -93,10 +93,10 @@ def rows_of_numbers(text: str, source: str, columns: str) -> tuple[list[int], li
 
 
 def as_numbers(cells: Sequence[str], source: str, line: int) -> list[float]:
-    """Cells of one line as numbers.
+    """Return the cells of one line as numbers; NaN and infinities are accepted.
 
     Raises:
-        TrajectoryError: one is none; NaN and infinities are the caller's to judge.
+        TrajectoryError: a cell is not a number.
     """
     try:
         return [number_from(cell) for cell in cells]
@@ -105,10 +105,10 @@ def as_numbers(cells: Sequence[str], source: str, line: int) -> list[float]:
 
 
 def number_from(cell: str) -> float:
-    """A number as other programs write it; Python's underscores are none.
+    """Parse a number; Python's underscores are refused, as other programs do not write them.
 
     Raises:
-        ValueError: it is no number.
+        ValueError: the cell is not a number.
     """
     try:
         if "_" in cell:

@@ -1,7 +1,7 @@
-"""Trajectories as text in the form of the TUM RGB-D benchmark.
+"""Read and write trajectories as text in the format of the TUM RGB-D benchmark.
 
-A line is ``stamp x y z qx qy qz qw`` [s, m, unit quaternion], "#" begins a comment (Sturm et al.,
-A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012).
+A line is ``stamp x y z qx qy qz qw`` [s, m, unit quaternion], and "#" begins a comment (Sturm et
+al., A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FORMATS = ["%.9f"] + ["%.12f"] * 7
 
 
 def parse_tum(text: str, source: str) -> Trajectory:
-    """Read the text of a file; several poses may bear one stamp, which all count, as in evo."""
+    """Read the text of a file; several poses may have the same stamp and all count, as in evo."""
     lines, rows = rows_of_numbers(text, source, COLUMNS)
     values = np.array(rows, dtype=np.float64).reshape(-1, 8)
     return Trajectory(
@@ -29,16 +29,16 @@ def parse_tum(text: str, source: str) -> Trajectory:
 
 
 def write_tum(path: Path | str, trajectory: Trajectory, notes: Iterable[str] = ()) -> None:
-    """Write a file, so that at any moment it is a whole one or none.
+    """Write a file; at any moment it is either complete or not there.
 
     Args:
         path: of the file.
         trajectory: what to write: stamps with 9 decimals, the rest with 12.
-        notes: comment lines to begin with.
+        notes: comment lines at the top.
 
     Raises:
-        TrajectoryError: two stamps that differ would be written alike.
-        OSError: it cannot be written.
+        TrajectoryError: two different stamps would be written alike.
+        OSError: the file cannot be written.
     """
     stamps = trajectory.stamps
     if ((np.diff(np.round(stamps, 9)) <= 0) & (np.diff(stamps) > 0)).any():

@@ -1,1 +1,1 @@
-"""The report on integrity: a page with Stanford diagrams."""
+"""The report on integrity: an HTML page with Stanford diagrams."""

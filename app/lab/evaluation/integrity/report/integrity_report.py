@@ -1,4 +1,4 @@
-"""The page on integrity: opens without a network, with all its figures inside."""
+"""The page on integrity, with all figures embedded, so that it opens without a network."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from robot.localization.integrity import Cause, State
 
 TEMPLATE = "integrity.html.jinja"
 WORST = 12
-"""Runs that are listed as the worst; of half of them there is a plot."""
+"""Number of runs that are listed as the worst; half of them have a plot."""
 
 
 @dataclass(frozen=True)
 class IntegrityResults:
-    """All that the report tells of."""
+    """Everything that the report shows."""
 
     experiment: IntegrityExperiment
     results: dict[str, Any]
     diagrams: dict[str, Stanford]
     """By condition."""
     folder: Path
-    """With the runs."""
+    """The folder of the runs."""
 
 
 def report(shown: IntegrityResults) -> str:
-    """The page."""
+    """Return the page as HTML."""
     results = shown.results
     whole = sum(shown.diagrams.values(), Stanford.empty())
     conditions = shown.experiment.conditions
@@ -63,12 +63,16 @@ def report(shown: IntegrityResults) -> str:
 
 
 def percent(value: float | None, digits: int = 1) -> str:
-    """A share for people, with so many digits behind the point."""
+    """Format a share as a percentage with some digits behind the point."""
     return "-" if value is None else f"{100 * value:.{digits}f} %"
 
 
 def worst_runs(rows: list[Row]) -> list[Row]:
-    """What to look at first: misleading for long, lost again, never right, then far off."""
+    """Return the runs to look at first.
+
+    They are sorted by the longest misleading time, then lost again, not right to the end and the
+    share of misleading pictures; runs without any of these follow by error.
+    """
     bad = [row for row in rows if _badness(row) > (0.0, 0, 0, 0.0)]
     far = [row for row in rows if row["ate_rmse_m"] is not None]
     far.sort(key=lambda row: -row["ate_rmse_m"])

@@ -1,4 +1,4 @@
-"""Stanford diagrams, and drives over time, as SVG."""
+"""Stanford diagrams, and plots of drives over time, as SVG."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from robot.geometry import Array
 from robot.localization.monitoring.claims import NARROW
 
 MISLEADING, NAVY, ORANGE = "#d55e00", "#0072b2", "#e69f00"
-"""Okabe and Ito."""
+"""Colours of Okabe and Ito."""
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 COLUMNS = 3
-"""Of small diagrams."""
+"""Number of columns of small diagrams."""
 
 
 def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, what: str) -> str:
-    """Error against bound of all pictures that claim one place; logarithmic.
+    """Draw error against bound of all pictures that claim one place; logarithmic.
 
     Args:
         counts: (k, k) pictures by error and bound.
-        bins: (k + 1,) their borders.
-        unit: that is shown.
-        scale: from the bins' unit to that one.
-        what: is off.
+        bins: (k + 1,) borders of the bins.
+        unit: the unit that is shown.
+        scale: factor from the bins' unit to the unit that is shown.
+        what: whose error it is: "place" or "heading".
     """
     done: list[str] = []
     with drawn(4.8, 4.4, done) as figure:
@@ -45,7 +45,7 @@ def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, what: 
 
 
 def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
-    """A small diagram of the place for each condition."""
+    """Draw a small diagram of the position for each condition."""
     done: list[str] = []
     rows = math.ceil(len(diagrams) / COLUMNS)
     with drawn(2.5 * COLUMNS, 2.3 * rows + 0.4, done) as figure:
@@ -61,7 +61,7 @@ def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
 
 
 def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
-    """Pictures that claim a radius below a limit, against those of them that it does not hold."""
+    """Draw the pictures that claim a radius below a limit, against those outside their radius."""
     done: list[str] = []
     with drawn(5.6, 3.2, done) as figure:
         axes = figure.add_subplot()
@@ -81,17 +81,17 @@ def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
 
 
 def place_diagram(stanford: Stanford) -> str:
-    """Of places [mm]."""
+    """Draw the diagram of positions [mm]."""
     return stanford_diagram(stanford.place, PLACE_BINS, "mm", 1e3, "place")
 
 
 def heading_diagram(stanford: Stanford) -> str:
-    """Of headings [degree]."""
+    """Draw the diagram of headings [degree]."""
     return stanford_diagram(stanford.heading, HEADING_BINS, "degrees", math.degrees(1.0), "heading")
 
 
 def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float | None) -> str:
-    """Error and bound of one drive over time; where it is misleading is marked."""
+    """Draw error and bound of one drive over time, and mark where it is misleading."""
     offset = 1e3 * np.hypot(numbers["x"] - numbers["true_x"], numbers["y"] - numbers["true_y"])
     bound = 1e3 * np.where(np.isfinite(numbers["radius"]), numbers["radius"], np.nan)
     stamps = numbers["stamp"]
@@ -115,7 +115,7 @@ def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float |
 
 
 def _diagram(axes: Axes, counts: Array, borders: Array, is_place: bool) -> Any:
-    """Counts in colours over the diagonal; None if there are none."""
+    """Draw the counts in colours over the diagonal; return None if there are no counts."""
     low, high = float(borders[0]), float(borders[-1])
     axes.fill_between([low, high], [low, low], [low, high], color=MISLEADING, alpha=0.12, lw=0)
     axes.plot([low, high], [low, high], color=MISLEADING, lw=1)
