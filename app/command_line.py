@@ -18,7 +18,7 @@ from app.lab.trajectories.trajectory import TrajectoryError
 from app.options import add_camera, add_condition, add_config, add_map, add_serial_port, config_from
 from app.recordings.options import add_record
 from app.ros2.export.options import add_export
-from app.settings.conditions import require_effect
+from app.settings.conditions import check_supported
 from app.settings.config import ROBOTS, ROOT, Config
 from app.tools.doctor.options import add_doctor
 from app.tools.hat_emulator.options import add_emulate_hat
@@ -173,12 +173,12 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is refused at once.
-    from app.engine.build import build_program, settle_robot  # noqa: PLC0415
+    from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
     from app.page.address import address_of  # noqa: PLC0415
     from app.page.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
-    config, missing = settle_robot(wanted)
+    config, missing = resolve_robot(wanted)
     _refuse_without_effect(parsed, config)
     with listen(config.host, config.port) as listening:
         if missing:
@@ -200,7 +200,7 @@ def _refuse_without_effect(parsed: argparse.Namespace, config: Config) -> None:
             "--condition has no effect with --robot buildhat; valid are sim, kinematic"
         )
     if "condition" in parsed:
-        require_effect(config.robot, parsed.condition)
+        check_supported(config.robot, parsed.condition)
 
 
 def _bench(parsed: argparse.Namespace) -> int:

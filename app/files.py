@@ -19,7 +19,7 @@ RESULTS = "results.json"
 
 
 @contextmanager
-def written_whole(folder: Path) -> Iterator[Path]:
+def atomic_folder(folder: Path) -> Iterator[Path]:
     """Yield a temporary folder to write to; when the block ends, move its content to ``folder``.
 
     The new content replaces files and folders of the same names. If the block raises an error, the
@@ -47,7 +47,7 @@ def written_whole(folder: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def file_written_whole(path: Path) -> Iterator[Path]:
+def atomic_file(path: Path) -> Iterator[Path]:
     """Yield a temporary path to write to; when the block ends, move that file to ``path``.
 
     If the block raises an error, ``path`` stays as it was. At any moment, even after a power cut,

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.settings.conditions import condition_names, in_condition
+from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
 
 OPTIONS = ("robot", "host", "port", "seed", "sensor_model", "motion_model", "models")
@@ -96,7 +96,7 @@ def config_from(parsed: argparse.Namespace) -> Config:
         config = replace(config, recording=recording)
     routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}
     config = replace(config, ros2=replace(config.ros2, **routes))
-    return in_condition(config, given["condition"]) if "condition" in given else config
+    return apply_condition(config, given["condition"]) if "condition" in given else config
 
 
 def config_of(given: dict[str, Any]) -> Config:

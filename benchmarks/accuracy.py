@@ -17,14 +17,14 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.lab.evaluation.drives import Drive, on_eight, record
+from app.lab.evaluation.drives import Drive, random_pose_on_eight, record
 from app.lab.evaluation.integrity.oracle import field_decides
 from app.lab.trajectories.metrics import rms
 from app.settings.config import Config
 from benchmarks.result import Result
 from benchmarks.trials import (
     Calibration,
-    Shown,
+    PictureResult,
     is_right,
     right_for_good,
     setup_of,
@@ -126,7 +126,7 @@ class Found:
     """How many of the four poses that look alike on the square are among the hypotheses."""
     even: bool
     """Whether the weights of these four are within a factor of two."""
-    shown: list[Shown]
+    shown: list[PictureResult]
 
 
 Runs = list[tuple[float, dict[str, Found]]]
@@ -137,7 +137,7 @@ def lap(of: str, seed: int) -> Drive:
     """Record one lap from a random pose."""
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
-    start = on_eight(rng, elapsed)
+    start = random_pose_on_eight(rng, elapsed)
     return record(Config(robot="sim", seed=seed, map=of), LAP, start=start, elapsed=elapsed)
 
 
@@ -162,7 +162,10 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
     of, seed = map_and_seed
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
-    start, elsewhere = on_eight(rng, elapsed), on_eight(rng, elapsed + CARRIED_AT)
+    start, elsewhere = (
+        random_pose_on_eight(rng, elapsed),
+        random_pose_on_eight(rng, elapsed + CARRIED_AT),
+    )
     drive = record(
         Config(robot="sim", seed=seed, map=of),
         CARRIED_AT + CARRIED_FOR,
@@ -177,7 +180,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
     }
 
 
-def judged(shown: list[Shown], since: float) -> Found:
+def judged(shown: list[PictureResult], since: float) -> Found:
     """Return the result of a filter from a stamp [s] on."""
     last = shown[-1]
     turned = [Pose2(theta=quarter * math.pi / 2) @ last.truth for quarter in range(4)]

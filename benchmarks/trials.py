@@ -34,7 +34,7 @@ CERTAIN = 0.95
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class PictureResult:
     """The hypotheses at one picture, and the truth at that moment."""
 
     stamp: float
@@ -77,7 +77,7 @@ def try_filter(
     told: Pose2 | None = None,
     covariance: Array | None = None,
     setup: Setup | None = None,
-) -> list[Shown]:
+) -> list[PictureResult]:
     """Run a filter over a drive.
 
     Args:
@@ -100,7 +100,7 @@ def try_filter(
         localizer.scatter()
     else:
         localizer.set_pose(told, covariance)
-    shown: list[Shown] = []
+    shown: list[PictureResult] = []
     last: tuple[Estimate, Pose2] | None = None
     for tick in drive.ticks:
         if tick.scan is None or tick.odometry_at_scan is None:
@@ -111,7 +111,7 @@ def try_filter(
         if estimate is not None:
             last = estimate, tick.odometry_at_scan
         found = carried(*last, tick.odometry_at_scan) if last else ()
-        shown.append(Shown(tick.scan.stamp, drive.truth_at(tick.scan.stamp), found, took))
+        shown.append(PictureResult(tick.scan.stamp, drive.truth_at(tick.scan.stamp), found, took))
     return shown
 
 
@@ -146,7 +146,7 @@ def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
     )
 
 
-def right_for_good(shown: list[Shown], since: float) -> float:
+def right_for_good(shown: list[PictureResult], since: float) -> float:
     """Return the stamp [s] from which on the filter is right to the end; inf if it ends wrong."""
     stamp = math.inf
     for one in reversed(shown):
@@ -156,7 +156,7 @@ def right_for_good(shown: list[Shown], since: float) -> float:
     return stamp
 
 
-def wrong_first_claim(shown: list[Shown]) -> bool:
+def wrong_first_claim(shown: list[PictureResult]) -> bool:
     """Whether the first claim to be certain was wrong."""
     claims = [one.right for one in shown if one.claim > CERTAIN]
     return bool(claims) and not claims[0]
@@ -172,7 +172,7 @@ class Calibration:
     def __add__(self, other: Calibration) -> Calibration:
         return Calibration(self.claimed + other.claimed, self.right + other.right)
 
-    def add(self, shown: list[Shown]) -> None:
+    def add(self, shown: list[PictureResult]) -> None:
         """Add every hypothesis of every picture."""
         for one in shown:
             for hypothesis in one.hypotheses:

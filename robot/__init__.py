@@ -1,5 +1,5 @@
 """The robot: its description, hardware, driving, cameras, scans, fields and localization."""
 
-from robot.compiled_code import keep_compiled_code
+from robot.compiled_code import set_compile_cache
 
-keep_compiled_code()
+set_compile_cache()

@@ -22,7 +22,7 @@ KEPT_S = 7 * 24 * 3600.0
 IMPORTS = re.compile(rb"^from ([\w.]+) import", re.MULTILINE)
 
 
-def keep_compiled_code(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim")) -> Path | None:
+def set_compile_cache(packages: tuple[Path, ...] = (HERE, HERE.parent / "sim")) -> Path | None:
     """Set the folder where numba keeps compiled code, and return it.
 
     If the folder cannot be made, leave the choice to numba and return None.

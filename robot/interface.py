@@ -84,7 +84,7 @@ class Robot(Protocol):
 
 
 @runtime_checkable
-class Placeable(Protocol):
+class RepositionableRobot(Protocol):
     """A robot that can be put at any pose of the map; only a simulator can do this."""
 
     def place(self, pose: Pose2) -> None:

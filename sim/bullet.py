@@ -159,7 +159,7 @@ class BulletWorld:
     def step_torques(self, torques: Sequence[float]) -> None:
         """Advance one step with motor torques at the joints (j,) [N m] and ``hold``'s friction."""
         client = self._open()
-        self._unburden(client)
+        self._cancel_rotor_reaction(client)
         self._bullet.setJointMotorControlArray(
             self._robot,
             self._joints,
@@ -170,7 +170,7 @@ class BulletWorld:
         self._bullet.stepSimulation(physicsClientId=client)
         self._seen = None
 
-    def _unburden(self, client: int) -> None:
+    def _cancel_rotor_reaction(self, client: int) -> None:
         """Cancel the rotors' reaction torque on the robot's body.
 
         A rotor spins much faster than its wheel. So its angular momentum is much smaller than its

@@ -150,7 +150,7 @@ CLUTTER: dict[str, Callable[[_Painter], None]] = {
 KINDS = ("none", *CLUTTER, "all")
 
 
-def cluttered(floor: FloorPicture, kind: str, rng: np.random.Generator) -> FloorPicture:
+def add_clutter(floor: FloorPicture, kind: str, rng: np.random.Generator) -> FloorPicture:
     """Return a floor with clutter on it.
 
     Args:

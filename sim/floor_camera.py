@@ -21,8 +21,8 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.clutter import KINDS, cluttered
-from sim.lighting import lit_unevenly, with_glare
+from sim.clutter import KINDS, add_clutter
+from sim.lighting import add_glare, add_uneven_light
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows whose pixels cover more floor use more."""
@@ -106,9 +106,9 @@ class FloorCamera:
     ) -> None:
         # Separate streams: noise is the same with and without clutter.
         for_clutter, for_light, for_glare = rng.spawn(3)
-        littered = cluttered(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
-        lit = lit_unevenly(littered, settings.uneven_light, for_light)
-        self._floor = with_glare(lit, settings.glare, for_glare)
+        littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
+        lit = add_uneven_light(littered, settings.uneven_light, for_light)
+        self._floor = add_glare(lit, settings.glare, for_glare)
         self._settings = settings
         self._rng = rng
         self._bands = _bands(view)

@@ -13,7 +13,7 @@ REFLECTION_SD = 0.06
 """Size of a lamp's reflection on the floor: standard deviation of its brightness [m]."""
 
 
-def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> FloorPicture:
+def add_uneven_light(floor: FloorPicture, lost: float, rng: np.random.Generator) -> FloorPicture:
     """Return a floor that is lit by one lamp above it.
 
     The loss of light grows with the square of the distance from the point below the lamp.
@@ -33,7 +33,7 @@ def lit_unevenly(floor: FloorPicture, lost: float, rng: np.random.Generator) -> 
     return replace(floor, image=np.rint(floor.image * light).astype(np.uint8))
 
 
-def with_glare(floor: FloorPicture, added: float, rng: np.random.Generator) -> FloorPicture:
+def add_glare(floor: FloorPicture, added: float, rng: np.random.Generator) -> FloorPicture:
     """Return a floor with reflections of lamps, on the tape as well.
 
     The reflections stay in place while the robot moves, as if the lamps were far above the camera.

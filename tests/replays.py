@@ -34,4 +34,4 @@ def go(timeline, seconds):
     log_ns = timeline.robot.start_ns + round(seconds * 1e9)
     timeline.go_near(log_ns)
     *_, shown = (None, *timeline.ticks_up_to(log_ns))
-    return shown or timeline.linger(())
+    return shown or timeline.apply_between_ticks(())

@@ -7,9 +7,9 @@ import pytest
 from camera_sources import Emulator, lens, until
 
 from robot.cameras import choice
+from robot.cameras.auto_camera import AutoCamera
 from robot.cameras.camera import PictureError
 from robot.cameras.choice import open_camera
-from robot.cameras.first_found import FirstFound
 from robot.cameras.settings import CameraSourceSettings
 from robot.interface import Frame
 
@@ -113,7 +113,7 @@ def test_the_first_that_delivers_is_taken_and_the_others_are_left_closed():
         Candidate("good", frame(1.0), frame(2.0)),
         Candidate("spare", frame(9.0)),
     ]
-    search = FirstFound(lambda: candidates)
+    search = AutoCamera(lambda: candidates)
     search.open()
     assert search.name == "good"
     assert [one.is_open for one in candidates] == [False, False, False, True, False]
@@ -129,13 +129,13 @@ def test_if_none_delivers_the_reason_of_each_is_told():
         Candidate("silent"),
     ]
     with pytest.raises(PictureError, match=r"plug it in; broken failed: by .*; silent sends no"):
-        FirstFound(lambda: candidates).open()
+        AutoCamera(lambda: candidates).open()
     assert not any(one.is_open for one in candidates)
 
 
 def test_cameras_are_listed_anew_at_each_attempt():
     lists = [[], [Candidate("plugged meanwhile", frame(1.0))]]
-    search = FirstFound(lambda: lists.pop(0))
+    search = AutoCamera(lambda: lists.pop(0))
     with pytest.raises(PictureError, match="there is none"):
         search.open()
     search.open()

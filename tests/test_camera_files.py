@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.cameras.choice import open_camera
-from robot.cameras.files import PacedPictures
+from robot.cameras.files import FileCamera
 from robot.cameras.settings import CameraSourceSettings
 
 LENS = lens()
@@ -47,7 +47,7 @@ def clock():
 
 @pytest.fixture
 def numbers(clock):
-    return PacedPictures(Numbers(), LENS, RATE, 0, clock)
+    return FileCamera(Numbers(), LENS, RATE, 0, clock)
 
 
 def number(frame):
@@ -88,7 +88,7 @@ def test_after_a_long_pause_nothing_is_skipped_and_the_pace_starts_anew(numbers,
 @given(pauses=st.lists(st.floats(0.0, 3.0), max_size=30), rate=st.floats(1, 120))
 def test_stamps_rise_are_never_ahead_and_no_picture_comes_twice(pauses, rate):
     clock = Clock()
-    camera = PacedPictures(Numbers(), LENS, rate, 0, clock)
+    camera = FileCamera(Numbers(), LENS, rate, 0, clock)
     frames = []
     for pause in pauses:
         clock.now += pause
@@ -101,7 +101,7 @@ def test_stamps_rise_are_never_ahead_and_no_picture_comes_twice(pauses, rate):
 
 def test_closing_closes_the_file(clock):
     pictures = Numbers()
-    PacedPictures(pictures, LENS, RATE, 0, clock).close()
+    FileCamera(pictures, LENS, RATE, 0, clock).close()
     assert pictures.closed
 
 

@@ -30,7 +30,7 @@ def findings(stamp: float, **found: Any) -> Findings:
         found.get("returned", 60),
         found.get("spread", 0.5),
         found.get("width", 0.002),
-        found.get("pulled", 0.0),
+        found.get("fit_change", 0.0),
     )
 
 
@@ -47,7 +47,7 @@ CASES: list[tuple[Cause, str, dict[str, Any]]] = [
     (Cause.MAP, "map", {"rest": (3.0, 1.0, 1.0)}),
     (Cause.WHEEL_SIZE, "+5 %", {"forward": 0.05}),
     (Cause.WHEEL_SIZE, "-29° a metre", {"turn_by_way": -0.5}),
-    (Cause.MODEL, "do not fit", {"pulled": -2.5}),
+    (Cause.MODEL, "do not fit", {"fit_change": -2.5}),
     (Cause.MODEL, "alike", {"spread": 1.0, "width": 0.05}),
 ]
 
@@ -71,7 +71,7 @@ def test_each_pattern_has_its_reason_with_its_size(
         {"forward": 0.02},
         {"spread": 1.0, "width": 0.05, "returned": FLAT_RAYS - 1},
         {"spread": 1.0, "width": 0.002},
-        {"pulled": -1.5},
+        {"fit_change": -1.5},
     ],
     ids=str,
 )

@@ -19,8 +19,8 @@ from robot.localization.monitoring.claims import (
     NARROW,
     PLACE_QUANTILE,
     bounds,
-    carried_on,
     claim,
+    propagate_claim,
 )
 from robot.localization.monitoring.monitor import NO_DOUBT
 
@@ -113,8 +113,8 @@ def test_no_bound_is_narrower_than_the_scanner_errs() -> None:
 
 def test_between_pictures_the_bound_grows_with_the_way() -> None:
     claimed = claim(places(1.0), Standing.CONFIRMED, NO_DOUBT)
-    assert carried_on(claimed, Pose2()) == claimed
-    steps = [carried_on(claimed, Pose2(way, 0.0, 2 * way)) for way in (0.005, 0.05, 0.1, 0.5)]
+    assert propagate_claim(claimed, Pose2()) == claimed
+    steps = [propagate_claim(claimed, Pose2(way, 0.0, 2 * way)) for way in (0.005, 0.05, 0.1, 0.5)]
     radii = [claimed.radius, *(each.radius for each in steps)]
     assert radii == sorted(radii) and radii[1] < claimed.radius + 0.001
     assert [each.state for each in steps[1:]] == [State.CERTAIN, State.CERTAIN, State.APPROXIMATE]
@@ -124,4 +124,4 @@ def test_between_pictures_the_bound_grows_with_the_way() -> None:
 def test_what_has_no_bound_stays_as_it_is() -> None:
     for standing in (Standing.LOST, Standing.UNCONFIRMED):
         claimed = claim(places(1.0), standing, NO_DOUBT)
-        assert carried_on(claimed, Pose2(1, 0, 1)) is claimed
+        assert propagate_claim(claimed, Pose2(1, 0, 1)) is claimed

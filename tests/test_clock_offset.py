@@ -134,7 +134,7 @@ def test_in_space_neither_frame_matters():
 
 def test_gaps_of_the_truth_are_left_out():
     truth = truth_of(random_path(3), 0, 40)
-    holed = truth.picked(np.abs(truth.stamps - 15) > 4)
+    holed = truth.selected(np.abs(truth.stamps - 15) > 4)
     estimate = estimate_of(random_path(3), 1, 39, 30, np.random.default_rng(0), clock=50.0)
     found = estimate_clock_offset(holed, estimate)
     assert found.seconds == pytest.approx(-50, abs=limit(30, 30))

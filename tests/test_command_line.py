@@ -50,8 +50,8 @@ WRONG = [
 HELP = ("run", "--help")
 WITHOUT_PYBULLET = """
 import sys; sys.modules['pybullet'] = None
-from app.engine.build import settle_robot; from app.settings.config import Config
-config, why = settle_robot(Config()); print(config.robot, why)
+from app.engine.build import resolve_robot; from app.settings.config import Config
+config, why = resolve_robot(Config()); print(config.robot, why)
 """
 PHYSICS_WITHOUT_PYBULLET = """
 import sys; sys.modules['pybullet'] = None

@@ -11,7 +11,7 @@ import numba  # noqa: F401 (there to be taken away)
 import pytest
 
 from robot import compiled_code
-from robot.compiled_code import keep_compiled_code
+from robot.compiled_code import set_compile_cache
 
 CALLER = "from numba import njit\nfrom robot.callee import f\n@njit\ndef g(): return f()\n"
 
@@ -32,7 +32,7 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def kept(package: Path) -> Path | None:
     os.environ["NUMBA_CACHE_DIR"] = str(package.parent / "kept")
-    return keep_compiled_code((package,))
+    return set_compile_cache((package,))
 
 
 @pytest.mark.parametrize(
@@ -49,9 +49,9 @@ def test_another_folder_is_used_once_what_it_is_made_of_changes(
 
 
 def test_a_program_that_is_started_by_another_uses_the_same_folder(package: Path) -> None:
-    first = keep_compiled_code((package,))
+    first = set_compile_cache((package,))
     assert os.environ["NUMBA_CACHE_DIR"] == str(first)
-    assert keep_compiled_code((package,)) == first
+    assert set_compile_cache((package,)) == first
 
 
 def test_folders_of_long_ago_are_removed_and_others_kept(package: Path) -> None:
@@ -77,7 +77,7 @@ def test_a_compiled_function_sees_that_one_it_calls_has_changed(tmp_path: Path) 
     source = Path(compiled_code.__file__).read_text()
     (folder / "compiled_code.py").write_text(source)
     (folder / "__init__.py").write_text(
-        "from robot.compiled_code import keep_compiled_code\nkeep_compiled_code()\n"
+        "from robot.compiled_code import set_compile_cache\nset_compile_cache()\n"
     )
     cached = "from numba import njit\nfrom robot.callee import f\n@njit(cache=True)\n"
     (folder / "caller.py").write_text(cached + "def g(): return f()\n")

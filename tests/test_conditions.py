@@ -11,7 +11,7 @@ from app.lab.evaluation.worlds import WORLDS, in_world
 from app.lab.sweep.points import points_of
 from app.lab.sweep.sweep_file import load_sweep
 from app.options import config_from
-from app.settings.conditions import CONDITIONS, in_condition
+from app.settings.conditions import CONDITIONS, apply_condition
 from app.settings.config import MAPS, Config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
@@ -32,7 +32,7 @@ NAMES = [
 def test_all_conditions_are_there_and_each_but_the_default_changes_something():
     assert list(CONDITIONS) == NAMES
     for name in NAMES:
-        assert (in_condition(Config(), name) == Config()) == (name == "default")
+        assert (apply_condition(Config(), name) == Config()) == (name == "default")
 
 
 def test_a_condition_does_not_make_better_what_is_worse_already():
@@ -44,21 +44,21 @@ def test_a_condition_does_not_make_better_what_is_worse_already():
         ),
     )
     for name in NAMES:
-        camera = in_condition(bad, name).sim.camera
+        camera = apply_condition(bad, name).sim.camera
         assert (camera.noise, camera.light, camera.frame_rate) == (50, 0.1, 2)
         assert camera.clutter == "shoes"
-        assert in_condition(bad, name).sim.imperfections.slip_sd == 0.3
+        assert apply_condition(bad, name).sim.imperfections.slip_sd == 0.3
 
 
 def test_an_unknown_condition_lists_the_known_ones():
     with pytest.raises(SettingError, match=re.escape(", ".join(NAMES))):
-        in_condition(Config(), "wet")
+        apply_condition(Config(), "wet")
 
 
 def test_worlds_are_conditions_of_a_kind_of_robot():
     for name, (robot, condition) in WORLDS.items():
         config = in_world(Config(), name)
-        assert config == replace(in_condition(Config(), condition), robot=robot)
+        assert config == replace(apply_condition(Config(), condition), robot=robot)
 
 
 def test_run_takes_a_condition():
@@ -177,5 +177,5 @@ def test_a_floor_that_is_larger_than_its_drawing_is_seen_farther_off():
 
 def test_a_robot_that_is_as_drawn_refuses_conditions_of_wheels_and_mounting():
     with pytest.raises(SettingError, match=r"worn .* valid are default, noisy"):
-        in_condition(Config(robot="kinematic"), "worn")
-    assert in_condition(Config(robot="kinematic"), "late").sim.camera.stamp_error == 0.03
+        apply_condition(Config(robot="kinematic"), "worn")
+    assert apply_condition(Config(robot="kinematic"), "late").sim.camera.stamp_error == 0.03

@@ -9,7 +9,7 @@ import pytest
 from in_process import Here
 
 from app.engine.build import build_program
-from app.files import written_whole
+from app.files import atomic_folder
 from app.lab.evaluation.convergence import settled, time_to_converge
 from app.lab.evaluation.drives import EvaluationError, record
 from app.lab.evaluation.evaluate import evaluate
@@ -173,7 +173,7 @@ def test_a_run_that_fails_leaves_the_old_results_as_they_were(done):
 
 def test_files_of_a_former_run_do_not_stay(tmp_path):
     for runs in (("0", "1"), ("0",)):
-        with written_whole(tmp_path) as new:
+        with atomic_folder(tmp_path) as new:
             for run in runs:
                 (new / "runs" / run).mkdir(parents=True)
             (new / "results.json").write_text(str(len(runs)))
@@ -182,7 +182,7 @@ def test_files_of_a_former_run_do_not_stay(tmp_path):
 
 
 def test_what_is_interrupted_leaves_nothing(tmp_path):
-    with pytest.raises(KeyboardInterrupt), written_whole(tmp_path) as new:
+    with pytest.raises(KeyboardInterrupt), atomic_folder(tmp_path) as new:
         (new / "results.json").write_text("half")
         raise KeyboardInterrupt
     assert list(tmp_path.iterdir()) == []

@@ -9,7 +9,7 @@ from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import carried_drive, lap_drive
 from app.lab.evaluation.integrity.measures import longest, misleading, right
 from app.messages.commands import FigureEightCommand
-from app.settings.conditions import in_condition
+from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.localization.integrity import State
 
@@ -17,7 +17,7 @@ STOOD = 3.0
 
 
 def claims_of(name: str, condition: str, start: str, seed: int, laps: float = 1.0) -> Claims:
-    config = in_condition(Config(robot="sim", map=name, seed=seed), condition)
+    config = apply_condition(Config(robot="sim", map=name, seed=seed), condition)
     drive = carried_drive(config) if start == "carried" else lap_drive(config, laps)
     return follow_claims(drive, config, start)
 

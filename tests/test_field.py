@@ -145,11 +145,11 @@ def test_where_tape_encloses_nothing_a_robot_is_beside_it(tmp_path):
         '<path d="M -700 0 H 700" stroke="black" stroke-width="50"/></svg>'
     )
     line = load_field(str(path), MAPS)
-    assert line.roamed == line.extent == (-1.0, -0.5, 1.0, 0.5)
+    assert line.drive_area == line.extent == (-1.0, -0.5, 1.0, 0.5)
     poses = line.free_poses(np.random.default_rng(4), 2000)
     assert poses[:, :2].min(axis=0) == pytest.approx([-1, -0.5], abs=0.02)
     assert poses[:, :2].max(axis=0) == pytest.approx([1, 0.5], abs=0.02)
-    assert load_field("square", MAPS).roamed == (-0.525, -0.525, 0.525, 0.525)
+    assert load_field("square", MAPS).drive_area == (-0.525, -0.525, 0.525, 0.525)
 
 
 def test_a_drawing_that_is_all_tape_is_refused(tmp_path):

@@ -12,7 +12,7 @@ from stub_drive import Drive, check_sound, follow, near
 from robot.geometry import Pose2, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.filters import MAKERS, going_on
+from robot.localization.filters import MAKERS, transfer_belief
 
 HERE, THERE = Pose2(0.2, 0.1, 0.5), Pose2(-0.2, -0.1, 0.7)
 WIDE = np.diag(np.square([0.1, 0.08, 0.2]))
@@ -51,7 +51,7 @@ def test_another_filter_goes_on_at_the_place_where_one_was(before: str, after: s
     old.set_pose(drive.true, np.diag(np.square([0.02, 0.02, 0.05])))
     for _ in follow(old, drive, 0.5):
         pass
-    new = going_on(made(after, seed=1), old)
+    new = transfer_belief(made(after, seed=1), old)
     check_sound(new)
     assert near(new.hypotheses[0].pose, drive.true, 0.01, 0.02)
     assert new.hypotheses[0].weight > 0.9
@@ -62,7 +62,7 @@ def test_another_filter_goes_on_at_the_place_where_one_was(before: str, after: s
 def test_another_filter_is_as_unsure_as_the_one_before(after: str) -> None:
     old = made("kalman")
     old.set_pose(HERE, WIDE)
-    cloud = going_on(made(after, seed=1), old).cloud
+    cloud = transfer_belief(made(after, seed=1), old).cloud
     mean = mean_pose(cloud.poses, cloud.weights)
     assert near(mean, HERE, 0.02, 0.03)
     spread = np.sqrt(np.diag(pose_covariance(cloud.poses, cloud.weights, mean)))

@@ -86,7 +86,7 @@ def test_a_stop_is_for_all_ports_unless_told_otherwise():
 
 def test_quiet_ends_reports_traces_and_echo_of_all_ports():
     selects = [c for port in range(4) for c in (["port", port], ["select"])]
-    assert read(commands.echo_off_and_quiet()) == [*selects, ["echo", 0], ["debug", 0]]
+    assert read(commands.silence()) == [*selects, ["echo", 0], ["debug", 0]]
 
 
 @pytest.mark.parametrize(

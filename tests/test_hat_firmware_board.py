@@ -37,7 +37,7 @@ def test_time_passes_only_by_advancing_and_parts_of_a_millisecond_add_up() -> No
 
 def test_bytes_leave_at_115200_baud() -> None:
     bench = Bench(motors=0)
-    bench.board.interject("x" * 2000)
+    bench.board.print_text("x" * 2000)
     assert len(bench.board.advance(0.1)) == pytest.approx(1152, abs=1)
     assert len(bench.board.advance(0.1)) == 2000 - 1152
 
@@ -63,7 +63,7 @@ def test_a_bad_wire_spoils_bytes_the_same_way_for_the_same_seed() -> None:
     for seed in (1, 1, 2):
         bench = Bench(motors=0, seed=seed)
         bench.board.garble = 0.05
-        bench.board.interject("abc" * 1000)
+        bench.board.print_text("abc" * 1000)
         heard.append(bench.board.advance(0.5))
     assert heard[0] == heard[1] != heard[2]
     assert b"\0" in heard[0]

@@ -163,11 +163,11 @@ def test_reports_wait_while_the_ring_is_half_full(waiting: int, missed: float) -
     """Until less than 4096 of the waiting bytes are left."""
     bench = Bench()
     bench.say("port 0;select 4;selrate 10", 0.2)
-    bench.board.interject("x" * waiting)
+    bench.board.print_text("x" * waiting)
     assert bench.board.advance(1.0).count(b"P0M4") == pytest.approx(100 - missed, abs=1.5)
 
 
 def test_what_does_not_fit_into_the_ring_is_lost() -> None:
     bench = Bench(motors=0)
-    bench.board.interject("x" * 10_000)
+    bench.board.print_text("x" * 10_000)
     assert bench.board.advance(2.0) == b"x" * 8191

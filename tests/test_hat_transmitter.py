@@ -76,11 +76,11 @@ def test_there_is_room_again_for_what_has_left() -> None:
 def test_reports_wait_while_half_of_the_ring_is_taken() -> None:
     line = Transmitter()
     line.put(bytes(RING // 2 - 1))
-    before = line.more_than_half_full
+    before = line.at_least_half_full
     line.put(b"a")
-    full = line.more_than_half_full
+    full = line.at_least_half_full
     line.advance(BYTE)
-    assert (before, full, line.more_than_half_full) == (False, True, False)
+    assert (before, full, line.at_least_half_full) == (False, True, False)
 
 
 def test_the_receiver_lets_the_host_write_as_much_as_it_likes() -> None:

@@ -13,7 +13,7 @@ from told_filters import at_places
 from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import (
     LEAST_SHARE,
-    REMEMBERED,
+    PRIOR_MAP_LENGTHS,
     MultiHypothesisFilter,
 )
 from robot.localization.hypotheses.prior import log_prior
@@ -174,7 +174,7 @@ def test_what_was_told_of_the_start_moves_with_odometry() -> None:
 def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None:
     """What was seen since then says more, and a place found now has not been held against it."""
     f = at_places((Pose2(), 0.0))
-    f._scans = REMEMBERED * DEFAULTS.hypotheses.map_scans - 1
+    f._scans = PRIOR_MAP_LENGTHS * DEFAULTS.hypotheses.map_scans - 1
     drive = Drive()
     f._local.add(drive.scan())
     for moved, scan in drive.eight(0.2):

@@ -141,7 +141,7 @@ def test_sixty_thousand_poses_take_less_than_a_second_a_metric():
         lambda: ate_rmse(truth, estimate, aligned=True),
         lambda: relative_errors(truth, estimate, 1.0, "s"),
         lambda: relative_errors(truth, estimate, 0.5, "m"),
-        lambda: associate(truth, estimate.picked(np.arange(0, 60_000, 2))),
+        lambda: associate(truth, estimate.selected(np.arange(0, 60_000, 2))),
     ):
         assert processor_seconds(work) < 1
 
@@ -180,7 +180,7 @@ def test_along_one_line_the_alignment_turns_least(towards):
 def test_unequal_lengths_and_a_delta_out_of_reach_are_refused():
     truth = walk("planar", np.random.default_rng(0))
     with pytest.raises(TrajectoryError, match="60 poses and the trajectory 59; valid are pairs"):
-        ate_rmse(truth, truth.picked(np.arange(59)))
+        ate_rmse(truth, truth.selected(np.arange(59)))
     with pytest.raises(TrajectoryError, match="no two poses 1000 s apart, within 10%"):
         relative_errors(truth, truth, 1000, "s")
     with pytest.raises(ValueError, match="valid are positive"):

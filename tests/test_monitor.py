@@ -9,7 +9,7 @@ import pytest
 
 from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import lap_drive
-from app.settings.conditions import in_condition
+from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.driving.figure_eight import FigureEight
 from robot.localization.integrity import Cause, State
@@ -21,7 +21,7 @@ BROUGHT_IN = 1.0
 
 def claims_of(condition: str, seed: int) -> Claims:
     """Of most of a lap of a robot in a condition, its start known."""
-    config = in_condition(replace(PLAIN, seed=seed), condition)
+    config = apply_condition(replace(PLAIN, seed=seed), condition)
     return follow_claims(lap_drive(config, 0.9), config, "known")
 
 

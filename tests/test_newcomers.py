@@ -34,12 +34,12 @@ class Done:
     whole: bool = True
     since: Pose2 = field(default_factory=Pose2)
     scans: int = 8
-    scans_lived: int = 8
+    scans_replayed: int = 8
     _parameters = HypothesisParameters()
 
-    life_at = PlaceSearch.life_at
-    found_beside = PlaceSearch.found_beside
-    best_life = PlaceSearch.best_life
+    rescored_at = PlaceSearch.rescored_at
+    places_apart_from = PlaceSearch.places_apart_from
+    best_rescored = PlaceSearch.best_rescored
 
 
 def weights(f: MultiHypothesisFilter) -> dict[Pose2, float]:
@@ -58,7 +58,7 @@ def followed(
 
 def test_from_the_start_on_a_place_counts_as_if_it_had_been_found_at_once() -> None:
     f = followed(OLD)
-    f._bear(Done([life(NEW, 2.0)], [life(OLD, 2.0)]))  # type: ignore[arg-type]
+    f._add_places(Done([life(NEW, 2.0)], [life(OLD, 2.0)]))  # type: ignore[arg-type]
     assert weights(f) == {OLD: 0.0, NEW: pytest.approx(0.0)}
 
 
@@ -67,21 +67,21 @@ def test_later_or_where_another_start_was_told_it_begins_as_a_kidnapping(
     whole: bool, told: bool
 ) -> None:
     f = followed(OLD, told=told)
-    f._bear(Done([life(NEW, 2.0)], [life(OLD, 2.0)], whole))  # type: ignore[arg-type]
+    f._add_places(Done([life(NEW, 2.0)], [life(OLD, 2.0)], whole))  # type: ignore[arg-type]
     assert weights(f)[NEW] == pytest.approx(KIDNAPPED, abs=0.01)
 
 
 def test_it_is_measured_by_a_place_that_is_still_followed() -> None:
     """The heaviest when the search began fitted badly, and has been given up."""
     f = followed(OLD)
-    f._bear(Done([life(OLD, 3.0), life(NEW, 2.9)], [life(OTHER, 1.0)]))  # type: ignore[arg-type]
+    f._add_places(Done([life(OLD, 3.0), life(NEW, 2.9)], [life(OTHER, 1.0)]))  # type: ignore[arg-type]
     assert weights(f)[NEW] == pytest.approx(-0.1 * 8 * WORTH)
 
 
 def test_no_place_is_likelier_than_all_elsewhere_together() -> None:
     f = followed(OLD, elsewhere=2.0)
     f._lost_at = 5
-    f._bear(Done([life(NEW, 3.0)], [life(OLD, 0.0)]))  # type: ignore[arg-type]
+    f._add_places(Done([life(NEW, 3.0)], [life(OLD, 0.0)]))  # type: ignore[arg-type]
     assert weights(f)[NEW] - weights(f)[OLD] == pytest.approx(2.0)
 
 
@@ -89,7 +89,7 @@ def test_where_an_old_track_has_come_to_is_a_place_that_was_found_like_others() 
     f = followed(OLD)
     f._lost_at = 5
     f._tracks[0].born = 6
-    f._bear(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
+    f._add_places(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
     assert weights(f)[NEW] == pytest.approx(0.0)
     assert f._elsewhere.log_weight > math.log(0.05), "and it may be at neither of them"
 
@@ -97,5 +97,5 @@ def test_where_an_old_track_has_come_to_is_a_place_that_was_found_like_others() 
 def test_a_place_that_was_held_before_and_fits_again_was_not_lost() -> None:
     f = followed(OLD)
     f._lost_at = 5
-    f._bear(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
+    f._add_places(Done([life(NEW, 2.5)], [life(OLD, 2.5)]))  # type: ignore[arg-type]
     assert weights(f)[NEW] == pytest.approx(f.setup.hypotheses.log_kidnapped)

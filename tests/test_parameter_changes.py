@@ -5,7 +5,7 @@ import math
 import pytest
 
 from app.engine.own_models.own_models import OwnChoice
-from app.engine.parameter_changes import changed, changed_with_own
+from app.engine.parameter_changes import changed, with_values_and_models
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
@@ -52,6 +52,6 @@ def test_a_wrong_name_or_value_is_refused_by_its_name(values, message):
 def test_a_model_of_the_users_own_is_a_choice_and_no_parameter():
     offer = OwnChoice(sensors=("mine.py:Mine",))
     values = {"laser_model_type": "mine.py:Mine", "max_particles": 700}
-    result, choice = changed_with_own(DEFAULT, offer, values)
+    result, choice = with_values_and_models(DEFAULT, offer, values)
     assert choice.sensor == "mine.py:Mine"
     assert result == changed(DEFAULT, {"max_particles": 700})

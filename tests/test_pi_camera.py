@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from robot.cameras.camera import PictureError
 from robot.cameras.pi_camera import PiCamera
 from robot.cameras.settings import CameraSourceSettings
-from robot.cameras.stamps import middle_of_exposure, on_monotonic, time_asleep
+from robot.cameras.stamps import middle_of_exposure, on_monotonic, suspend_time
 
 NOW = AtRest.NOW
 
@@ -75,7 +75,7 @@ def test_the_middle_lies_between_the_first_light_and_the_last(stamp, exposure, r
 
 
 def test_the_time_asleep_is_not_negative():
-    assert time_asleep() > -0.01
+    assert suspend_time() > -0.01
     assert time.monotonic() > 0
 
 

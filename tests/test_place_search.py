@@ -17,11 +17,11 @@ from robot.localization.hypotheses import place_search
 from robot.localization.hypotheses.coarse_grid import CoarseGrid
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import (
-    FITS_A_PIECE,
-    LIVED_SCANS,
-    LIVES_A_PIECE,
+    FITS_PER_PIECE,
     PEAKS,
-    POSES_A_PIECE,
+    POSES_PER_PIECE,
+    REPLAYED_SCANS,
+    REPLAYS_PER_PIECE,
     PlaceSearch,
 )
 from robot.localization.hypotheses.rescoring import Rescored
@@ -150,10 +150,10 @@ def test_it_finds_what_the_map_held_when_it_began() -> None:
 
 def test_a_life_has_as_many_scans_as_are_lived() -> None:
     search, _ = searched(Pose2())
-    assert search.scans > LIVED_SCANS == search.scans_lived
-    assert {len(life.fits) for life in done(search).found} == {LIVED_SCANS}
+    assert search.scans > REPLAYED_SCANS == search.scans_replayed
+    assert {len(life.fits) for life in done(search).found} == {REPLAYED_SCANS}
     short, _ = searched(Pose2(), seconds=0.2)
-    assert short.scans == short.scans_lived < LIVED_SCANS
+    assert short.scans == short.scans_replayed < REPLAYED_SCANS
 
 
 def test_rays_that_returned_nothing_are_no_ends() -> None:
@@ -170,7 +170,7 @@ def test_rays_that_returned_nothing_are_no_ends() -> None:
 
 def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
     work = {"poses": 0, "fits": 0, "lives": 0}
-    score, fit, live = CoarseGrid.score, PlaceSearch._match, PlaceSearch._live
+    score, fit, live = CoarseGrid.score, PlaceSearch._match, PlaceSearch._replayed
 
     def scored(
         self: CoarseGrid,
@@ -193,19 +193,19 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(CoarseGrid, "score", scored)
     monkeypatch.setattr(PlaceSearch, "_match", fitted)
-    monkeypatch.setattr(PlaceSearch, "_live", lived)
+    monkeypatch.setattr(PlaceSearch, "_replayed", lived)
     search, end = searched(drawn(2), alive=[Pose2()])
     pieces = []
     while not search.advance():
         pieces.append(dict(work))
         work.update(poses=0, fits=0, lives=0)
     pieces.append(dict(work))
-    assert 0 < max(piece["poses"] for piece in pieces) <= POSES_A_PIECE
-    assert max(piece["fits"] for piece in pieces) <= FITS_A_PIECE
-    assert max(piece["lives"] for piece in pieces) <= LIVES_A_PIECE
+    assert 0 < max(piece["poses"] for piece in pieces) <= POSES_PER_PIECE
+    assert max(piece["fits"] for piece in pieces) <= FITS_PER_PIECE
+    assert max(piece["lives"] for piece in pieces) <= REPLAYS_PER_PIECE
     assert all(sum(count > 0 for count in piece.values()) <= 1 for piece in pieces[:-1])
     grid = CoarseGrid.over(
-        STUB.roamed, DEFAULTS.hypotheses.search_step_xy, DEFAULTS.hypotheses.search_step_theta
+        STUB.drive_area, DEFAULTS.hypotheses.search_step_xy, DEFAULTS.hypotheses.search_step_theta
     )
     assert sum(piece["poses"] for piece in pieces) == math.prod(grid.shape)
     assert sum(piece["fits"] for piece in pieces) <= PEAKS + 1
@@ -216,7 +216,7 @@ def test_no_piece_of_the_work_is_large(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_also_where_one_heading_is_more_than_a_piece_it_goes_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(place_search, "POSES_A_PIECE", 10)
+    monkeypatch.setattr(place_search, "POSES_PER_PIECE", 10)
     search, end = searched(drawn(3))
     pieces = 1
     while not search.advance():

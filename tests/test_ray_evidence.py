@@ -23,7 +23,7 @@ from robot.localization.ray_evidence import (
     NEAR,
     SEEN,
     STRAY,
-    SURPRISE,
+    UNEXPECTED_SHARE,
     RayEvidence,
 )
 from robot.localization.rays import rays_of
@@ -71,7 +71,7 @@ def seen_from(true: Pose2, of: Field = STUB, robot_from_scan: Pose2 = Pose2()) -
         (AT_SIDE, 0.51, math.log(SEEN / (SD * math.sqrt(2 * math.pi)) * math.exp(-0.5) + STRAY)),
         (AT_SIDE, 0.3, math.log(STRAY)),
         (AT_SIDE, math.inf, math.log(MISSED)),
-        (Pose2(0.7, 0.7, 0.8), 0.3, math.log(SURPRISE)),
+        (Pose2(0.7, 0.7, 0.8), 0.3, math.log(UNEXPECTED_SHARE)),
         (Pose2(0.7, 0.7, 0.8), math.inf, 0.0),
     ],
     ids=["as due", "one sd off", "stray", "missed", "surprise", "nothing, as due"],
@@ -85,7 +85,7 @@ def test_returns_count_alike_however_far_rays_reach() -> None:
     far = RayEvidence.of(STUB, 4.0, SD)
     assert far.log_likelihood(AT_SIDE, ray(0.3)) == pytest.approx(math.log(STRAY / 4))
     assert far.log_likelihood(Pose2(0.7, 0.7, 0.8), ray(0.3)) == pytest.approx(
-        math.log(SURPRISE / 4)
+        math.log(UNEXPECTED_SHARE / 4)
     )
 
 

@@ -14,7 +14,7 @@ from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.recordings.replay.recorded.position import ReadPosition
 from app.ros2.message_types import new
 from robot.driving.differential_drive import DifferentialDrive
-from robot.interface import Placeable, Robot, RobotError
+from robot.interface import RepositionableRobot, Robot, RobotError
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def eight(tmp_path_factory):
 def test_it_is_a_robot_that_cannot_be_placed(eight):
     robot, _ = eight
     assert isinstance(robot, Robot)
-    assert not isinstance(robot, Placeable)
+    assert not isinstance(robot, RepositionableRobot)
 
 
 def test_it_reads_what_was_read_then(eight):

@@ -128,8 +128,8 @@ def test_own_models_are_used_for_the_whole_replay_and_taken_anew_when_saved(
     assert gist(shown) != {one.stamp: gist(one) for one in straight}[shown.stamp]
     checkpoints = len(timeline.checkpoints)
     save(flat.replace("np.zeros(len(poses))", "-100 * np.abs(poses[:, 0])"))
-    timeline.linger(())
-    timeline.linger(())
+    timeline.apply_between_ticks(())
+    timeline.apply_between_ticks(())
     assert checkpoints and not len(timeline.checkpoints), "they were of the model before"
     assert gist(go(timeline, 4.0)) != gist(shown)
 

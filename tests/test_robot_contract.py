@@ -9,7 +9,7 @@ from app.settings.config import Config
 from robot.cameras.choice import open_camera
 from robot.cameras.settings import CameraSourceSettings
 from robot.geometry import Pose2
-from robot.interface import Placeable, Robot
+from robot.interface import RepositionableRobot, Robot
 from sim.hat.bricks import Bricks
 
 PERIOD = 0.02
@@ -140,7 +140,7 @@ def test_close_stops_it_and_may_be_called_twice(robot):
 
 
 def test_what_can_be_placed_stands_where_it_is_placed(robot):
-    if not isinstance(robot, Placeable):
+    if not isinstance(robot, RepositionableRobot):
         pytest.skip("this robot can only be moved by hand")
     robot.write(np.full(2, 5.0))
     before = readings(robot, 0.5)[-1]

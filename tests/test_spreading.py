@@ -23,7 +23,7 @@ def all_of(poses: Array) -> Array:
     return np.arange(len(poses))
 
 
-def clusters_of(poses: Array) -> Clusters:
+def find_start_clusters(poses: Array) -> Clusters:
     return find_clusters(poses, np.full(len(poses), 1 / len(poses)), Cells(0.05, 36))
 
 
@@ -95,7 +95,7 @@ def test_each_cluster_is_spread_by_its_own_width() -> None:
     wide, narrow = rng().normal(0, 0.03, (500, 3)), rng(1).normal(0, 0.001, (400, 3))
     narrow[:, 0] += 2
     poses = np.vstack([narrow, wide])
-    found = clusters_of(poses)
+    found = find_start_clusters(poses)
     spread = regularize(poses, found, all_of(poses), 1.0, rng())
     far = spread[:, 0] > 1
     assert far.sum() == 400
@@ -122,7 +122,7 @@ def test_the_given_poses_stay_as_they_were() -> None:
     poses = rng().normal([0, 0, math.pi], [0.01, 0.01, 0.3], (300, 3))
     poses[:, 2] = (poses[:, 2] + math.pi) % (2 * math.pi) - math.pi
     before = poses.copy()
-    found = clusters_of(poses)
+    found = find_start_clusters(poses)
     spread = regularize(poses, found, all_of(poses), 1.0, rng())
     assert ((spread[:, 2] >= -math.pi) & (spread[:, 2] < math.pi)).all()
     np.testing.assert_array_equal(poses, before)

@@ -238,7 +238,7 @@ def test_ros_time_keeps_distances_and_follows_a_clock_that_was_set(program, monk
     now += 3600 * 10**9
     follow(5.3, 100.0)
     assert clock.ns(5.3) == now - 3600 * 10**9 + 100_000_000
-    clock.let_go()
+    clock.release()
     follow(5.4, 100.0)
     assert clock.ns(5.4) == now
 
@@ -251,7 +251,7 @@ def test_a_clock_that_was_set_between_two_recordings_is_seen_by_the_second(progr
     monkeypatch.setattr("app.ros2.clock.time.monotonic", lambda: here)
     clock.hold()
     clock.follow(replace(snapshot, stamp=5.0, published=here))
-    clock.let_go()
+    clock.release()
     now, here = now + 3600 * 10**9, here + 60  # nobody listens meanwhile
     clock.hold()
     clock.follow(replace(snapshot, stamp=65.0, published=here))

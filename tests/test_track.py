@@ -66,7 +66,7 @@ def test_surer_than_it_should_be_it_begins_anew_where_scans_fit() -> None:
     track = track_at(off)
     for scans in range(1, STUCK + 1):
         track.fit(RAYS, SETUP)
-        track.come_unstuck()
+        track.restart_if_stuck()
         held = track.pose.distance_to(off) < 0.003
         assert held == (scans < STUCK)
     assert track.pose.distance_to(TRUE) < 0.5 * off.distance_to(TRUE)
@@ -78,7 +78,7 @@ def test_one_scan_that_fits_elsewhere_does_not_move_it() -> None:
     here = rays_of(Drive(off).scan(), 60)
     for rays in (RAYS, RAYS, here, RAYS, RAYS):
         track.fit(rays, SETUP)
-        track.come_unstuck()
+        track.restart_if_stuck()
     assert track.pose.distance_to(off) < 0.003
 
 

@@ -50,7 +50,7 @@ def test_what_leaves_its_plane_is_not_planar():
 def test_from_above_height_and_tilt_are_not_seen():
     tilted = UPRIGHT + np.array([0.01, -0.02, 0.3, 0])
     trajectory = Trajectory(STAMPS, np.arange(9.0).reshape(3, 3), tilted, "take.csv", ("a",))
-    flat = trajectory.from_above()
+    flat = trajectory.to_planar()
     assert flat.planar
     assert (flat.source, flat.notes) == ("take.csv", ("a",))
     np.testing.assert_allclose(flat.poses, trajectory.poses)
@@ -74,8 +74,8 @@ def test_arrays_are_its_own_and_read_only():
 
 def test_poses_are_picked_by_index_and_by_mask():
     trajectory = Trajectory.of_poses(STAMPS, POSES, "drive.tum")
-    np.testing.assert_array_equal(trajectory.picked(np.array([0, 2])).stamps, [0, 2])
-    picked = trajectory.picked(np.array([False, True, True]))
+    np.testing.assert_array_equal(trajectory.selected(np.array([0, 2])).stamps, [0, 2])
+    picked = trajectory.selected(np.array([False, True, True]))
     np.testing.assert_allclose(picked.poses, POSES[1:])
     assert picked.source == "drive.tum"
     np.testing.assert_array_equal(trajectory.shifted(3.0).stamps, STAMPS + 3)

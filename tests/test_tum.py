@@ -87,7 +87,7 @@ def test_other_line_ends_a_mark_of_utf8_and_gzip_are_read(tmp_path):
 def test_poses_that_bear_one_stamp_are_all_read_and_written(tmp_path):
     trajectory = parse_tum(ROW + ROW.replace("3", "4") + NEXT, "desk.txt")
     np.testing.assert_array_equal(trajectory.stamps, [1.5, 1.5, 2.5])
-    np.testing.assert_array_equal(trajectory.one_a_stamp().positions[:, 2], [4, 3])
+    np.testing.assert_array_equal(trajectory.without_repeats().positions[:, 2], [4, 3])
     path = tmp_path / "again.tum"
     write_tum(path, trajectory)
     np.testing.assert_array_equal(read_trajectory(path).positions[:, 2], [3, 4, 3])

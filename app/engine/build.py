@@ -25,7 +25,7 @@ from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.hat.build_hat import BuildHat
-from robot.interface import Placeable, Robot
+from robot.interface import RepositionableRobot, Robot
 from robot.localization.models.entry_field import EntryField
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
@@ -74,7 +74,7 @@ def build_program(
         ValueError: the field or the robot's description cannot be used.
         BulletMissingError: the configuration names the simulator, which is not installed.
     """
-    config, _ = settle_robot(config)
+    config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
     spec = RobotSpec.load()
     scanner = scanner or LineScanner(spec.floor_view, config.scanner)
@@ -82,7 +82,7 @@ def build_program(
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)
     robot = robot or build_robot(config, spec, field, Streams.of(config.seed).robot, wait)
-    if begin.truth is not None and isinstance(robot, Placeable):
+    if begin.truth is not None and isinstance(robot, RepositionableRobot):
         robot.place(begin.truth)
     engine = build_engine(config, robot, field, scanner, own, begin, config.localization, entries)
     if begin.complaint is not None:
@@ -135,7 +135,7 @@ def build_engine(
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
     """Return the robot's pose at the start of dead reckoning, as far as it is known."""
-    if isinstance(robot, Placeable):
+    if isinstance(robot, RepositionableRobot):
         return begin.truth or field.start
     return begin.hypotheses[0].pose if begin.hypotheses else field.start
 
@@ -189,7 +189,7 @@ def build_simulated(
     )
 
 
-def settle_robot(config: Config) -> tuple[Config, str | None]:
+def resolve_robot(config: Config) -> tuple[Config, str | None]:
     """Replace the robot ``auto`` by an available one.
 
     Returns the configuration with that robot; and why the simulator with physics is not available,

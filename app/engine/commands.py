@@ -10,7 +10,7 @@ from typing import Any
 
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
-from app.engine.parameter_changes import changed_with_own
+from app.engine.parameter_changes import with_values_and_models
 from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
@@ -37,7 +37,7 @@ from robot.covariance import CovarianceError
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
-from robot.interface import Placeable
+from robot.interface import RepositionableRobot
 
 MOST_WAITING = 1000
 """Most commands that may wait: if the engine hangs, a flood of them must not fill the memory."""
@@ -161,7 +161,7 @@ def _place(command: PlaceCommand, controls: Controls, odometry: OdometryState) -
 
 
 def _check_placeable(_command: PlaceCommand, program: Program) -> None:
-    if not isinstance(program.robot, Placeable):
+    if not isinstance(program.robot, RepositionableRobot):
         raise CommandError(f"{program.robot.name} can only be moved by hand")
 
 
@@ -208,7 +208,7 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
     latest = program.engine.latest.get()
     current = latest.parameters if latest else program.config.localization
     try:
-        changed_with_own(current, latest.own if latest else OwnChoice(), command.values)
+        with_values_and_models(current, latest.own if latest else OwnChoice(), command.values)
     except ValueError as error:
         raise CommandError(str(error)) from error
 

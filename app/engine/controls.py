@@ -8,13 +8,13 @@ import numpy as np
 
 from app.engine.driving import Driving
 from app.engine.localization import Localization
-from app.engine.parameter_changes import changed_with_own
+from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2
-from robot.interface import Frame, Placeable, Robot
+from robot.interface import Frame, RepositionableRobot, Robot
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
@@ -85,7 +85,7 @@ class Controls:
         """Halt the motors before work that may take long; the next step drives them again."""
         self.robot.write(np.zeros(len(self.robot.spec.joints)))
 
-    def stand_if_slow(self, wanted: LocalizationParameters) -> None:
+    def stop_if_slow(self, wanted: LocalizationParameters) -> None:
         """Stop the robot before a change of parameters that takes longer than a step."""
         if self.localization.is_slow_to_use(wanted):
             self.driving.stop()
@@ -97,7 +97,7 @@ class Controls:
             self.halt()
             self.localization.reload()
 
-    def stand_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
+    def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
         """Stop while the robot is not connected or a user's model is faulty; report all faults."""
         own = self.localization.own
         if not connected:
@@ -117,7 +117,7 @@ class Controls:
         localization = self.localization
         choice = localization.own.choice
         try:
-            wanted, own = changed_with_own(localization.parameters, choice, values)
+            wanted, own = with_values_and_models(localization.parameters, choice, values)
         except SettingError as error:
             # The change was valid when it was sent, but a model's file may have vanished since.
             self.report("settings", f"A change was not taken: {error}.")
@@ -125,18 +125,18 @@ class Controls:
         self.report("settings", None)
         if own != choice:
             self.halt()
-        self.stand_if_slow(wanted)
+        self.stop_if_slow(wanted)
         localization.choose(own, wanted)
 
     def reset(self) -> None:
         """Restore the configured parameters, and put the filter back to its start."""
-        self.stand_if_slow(self.localization.configured)
+        self.stop_if_slow(self.localization.configured)
         self.halt()
         self.localization.reset()
 
     def place(self, pose: Pose2, odometry: OdometryState) -> None:
         """Put the robot elsewhere; in a replay, the recorded robot was already put there."""
-        if isinstance(self.robot, Placeable):
+        if isinstance(self.robot, RepositionableRobot):
             self.driving.stop()
             self.robot.place(pose)
         # Dead reckoning continues from the new pose: the wheels did not turn on the way there.

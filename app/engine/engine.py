@@ -29,7 +29,7 @@ from robot.interface import Frame, Reading
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
 
-LOADED = 500
+WARM_UP_TICKS = 500
 """Ticks after which all compiled code is loaded: hundreds of thousands of objects that live as long
 as the program. The garbage collector takes 0.1 s to scan them, and the engine waits meanwhile."""
 
@@ -88,7 +88,7 @@ class Engine:
         """
         return self._advance(self.controls.robot.read(), commands)
 
-    def linger(self, commands: tuple[Command, ...]) -> Snapshot:
+    def apply_between_ticks(self, commands: tuple[Command, ...]) -> Snapshot:
         """Carry out commands between two ticks, while no time passes; needs a tick before."""
         assert self._applied is not None  # there was a tick
         reading, twist = self._applied
@@ -97,7 +97,7 @@ class Engine:
         self.controls.reload_own_models()
         odometry = self.controls.odometry.at(reading.stamp)
         self._take(commands, odometry)
-        self.controls.stand_while_faulty(connected=reading.connected, faults=reading.faults)
+        self.controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         return self._snapshot(reading, commands, odometry, twist)
 
     def publish(self, snapshot: Snapshot) -> None:
@@ -125,7 +125,7 @@ class Engine:
                 if stop.is_set():
                     break
                 self.step()
-                if count == LOADED:
+                if count == WARM_UP_TICKS:
                     gc.freeze()
         except Exception as error:
             LOG.exception("the engine stopped")
@@ -141,7 +141,7 @@ class Engine:
         controls.reload_own_models()
         self._take(commands, odometry)
         self._localize(reading)
-        controls.stand_while_faulty(connected=reading.connected, faults=reading.faults)
+        controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
         wheels = controls.robot.write(kinematics.wheels(driving.update(reading.stamp)))
         self._applied = reading, kinematics.twist(wheels)

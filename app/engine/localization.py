@@ -14,13 +14,13 @@ from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud
-from robot.localization.filters import going_on, make_filter
+from robot.localization.filters import make_filter, transfer_belief
 from robot.localization.integrity import Integrity
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
-from robot.localization.monitoring.claims import carried_on
+from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.mounting import Mounting
 from robot.localization.parameters import LocalizationParameters
@@ -105,7 +105,7 @@ class Localization:
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate carried forward: odometry adds its errors."""
-        return carried_on(
+        return propagate_claim(
             self.integrity, self.belief.moved(odom_from_robot) if self.belief else Pose2()
         )
 
@@ -216,7 +216,9 @@ class Localization:
         self.parameters = parameters
         setup = self._setup()
         if other:
-            self._localizer.filter = going_on(make_filter(setup, self._rng), self._localizer.filter)
+            self._localizer.filter = transfer_belief(
+                make_filter(setup, self._rng), self._localizer.filter
+            )
             # The new filter may know less than the old one, so drop the old estimate.
             self.belief = None
             self._localizer.force_update()

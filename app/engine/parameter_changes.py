@@ -12,7 +12,7 @@ from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError, describe
 
 
-def changed_with_own(
+def with_values_and_models(
     parameters: LocalizationParameters, choice: OwnChoice, values: Mapping[str, Any]
 ) -> tuple[LocalizationParameters, OwnChoice]:
     """Do as ``changed``, but accept the user's own models, too (``my_model.py:MyModel``).

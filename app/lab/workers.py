@@ -136,7 +136,7 @@ class ClusterWorkers:
             raise WorkerError(
                 "a cluster needs dask.distributed: pip install 'brickpose[cluster]'"
             ) from error
-        _knock(address)
+        _check_reachable(address)
         try:
             self._client: Any = Client(address, timeout=PATIENCE, set_as_default=False)
             self._client.wait_for_workers(1, timeout=PATIENCE)
@@ -218,7 +218,7 @@ def _cores() -> int:
     return os.cpu_count() or 1
 
 
-def _knock(address: str) -> None:
+def _check_reachable(address: str) -> None:
     """Check that a scheduler listens; a client would keep trying for a long time.
 
     Raises:

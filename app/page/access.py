@@ -46,7 +46,7 @@ class SameOriginOnly:
 
     def _complaint(self, headers: Headers) -> str | None:
         host = headers.get("host", "")
-        if not self._is_ours(host):
+        if not self._is_own_host(host):
             return f"This server does not go by the name {host!r}; open it by its address."
         origin = headers.get("origin")
         if origin is not None and origin.lower() in self._origins:
@@ -58,7 +58,7 @@ class SameOriginOnly:
             return "Pages of other sites may not show this robot's pictures."
         return None
 
-    def _is_ours(self, host: str) -> bool:
+    def _is_own_host(self, host: str) -> bool:
         try:
             name = urlsplit(f"//{host}").hostname or ""
         except ValueError:  # brackets without an IPv6 address

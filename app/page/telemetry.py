@@ -30,7 +30,7 @@ from app.page.belief import (
 from app.page.outlets import Outlets
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
-from robot.interface import Placeable, Robot
+from robot.interface import RepositionableRobot, Robot
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
@@ -63,7 +63,7 @@ class TelemetryWriter:
                 name=self._robot.name,
                 connected=snapshot.connected,
                 battery_v=snapshot.battery_v,
-                can_be_placed=isinstance(self._robot, Placeable),
+                can_be_placed=isinstance(self._robot, RepositionableRobot),
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
             filter=filter_message(snapshot),

@@ -14,8 +14,8 @@ from datetime import datetime
 from pathlib import Path
 
 from app.console import say
-from app.recordings.distant_robot import DistantRobot, DistantRobotError, Received
 from app.recordings.files.recording_file import RecordingFile, free_folder
+from app.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.ros2.message_types import MessageError, message_class
 from app.ros2.topic import Quality
 from app.ros2.topics import TOPICS
@@ -61,7 +61,7 @@ def record(
         SettingError: the address is invalid, or a topic does not exist; lists those that do.
         OSError: the file cannot be written; what was written before remains.
     """
-    with closing(DistantRobot(address)) as robot, _interrupts() as stop:
+    with closing(RemoteRobot(address)) as robot, _interrupts() as stop:
         kinds = _chosen(robot.topics(), names)
         contents = robot.contents()
         folder = _new_folder(out)
@@ -71,9 +71,9 @@ def record(
                 file.attach(attachment.name, attachment.data, attachment.media_type)
             say(f"Recording {robot.place} to {folder} (Ctrl-C ends it)")
             _record(robot, file, kinds, _Until(stop, seconds))
-        except DistantRobotError as error:
+        except RemoteRobotError as error:
             file.close()
-            raise DistantRobotError(f"{error}; {_kept(file)}") from error
+            raise RemoteRobotError(f"{error}; {_kept(file)}") from error
         except BaseException:
             file.abandon()
             raise
@@ -82,7 +82,7 @@ def record(
     return folder
 
 
-def _record(robot: DistantRobot, file: RecordingFile, kinds: Kinds, until: _Until) -> None:
+def _record(robot: RemoteRobot, file: RecordingFile, kinds: Kinds, until: _Until) -> None:
     for name, kind in kinds.items():
         robot.follow(name, kind.type, kind.period)
     progress = _Progress(file)

@@ -109,7 +109,7 @@ class RecordingRun(Route):
             self._end(str(error), full=False)
         finally:
             self._publisher.remove(self)
-            self._publisher.source.clock.let_go()
+            self._publisher.source.clock.release()
 
     def _record(self) -> None:
         contents = self._contents()

@@ -50,7 +50,7 @@ class RosClock:
         return (time.time_ns() - time_ns) / 1e9
 
     def hold(self) -> None:
-        """Keep the offset until ``let_go``, so that a recording has one time base.
+        """Keep the offset until ``release``, so that a recording has one time base.
 
         If nobody held the offset and it was not checked for ``OLD_S``, the next tick measures it
         again: the clock may have been set since the last recording.
@@ -60,7 +60,7 @@ class RosClock:
                 self._offset = None
             self._holders += 1
 
-    def let_go(self) -> None:
+    def release(self) -> None:
         """End one ``hold``; after the last one, the offset follows the clocks again."""
         with self._lock:
             self._holders -= 1

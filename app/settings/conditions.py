@@ -91,7 +91,7 @@ def require_condition(name: str) -> None:
         raise SettingError(f"no condition {name!r}; valid are {condition_names()}")
 
 
-def require_effect(robot: str, name: str) -> None:
+def check_supported(robot: str, name: str) -> None:
     """Refuse a condition of wheels or camera mounting for the kinematic robot, which is perfect.
 
     Raises:
@@ -109,7 +109,7 @@ def require_effect(robot: str, name: str) -> None:
         )
 
 
-def in_condition(config: Config, name: str) -> Config:
+def apply_condition(config: Config, name: str) -> Config:
     """Return a configuration with a condition applied.
 
     Raises:
@@ -117,7 +117,7 @@ def in_condition(config: Config, name: str) -> Config:
             names.
     """
     require_condition(name)
-    require_effect(config.robot, name)
+    check_supported(config.robot, name)
     preset, known = CONDITIONS[name], settings_of(config)
     return with_settings(config, {path: _worse(path, known[path], preset[path]) for path in preset})
 

@@ -125,13 +125,15 @@ def _judged(truth: Array, told: Array) -> Drive:
     offset = estimate_clock_offset(true, _planar(late)).seconds
     estimate, odometry = (_planar(told[:, [0, *columns]]).shifted(offset) for columns in POSES)
     where, known = at(true, estimate.stamps)
-    estimate, odometry = estimate.picked(known), odometry.picked(known)
+    estimate, odometry = estimate.selected(known), odometry.selected(known)
     apart = estimate.poses - where.poses
     seconds = time_to_converge(
         where.stamps, np.hypot(apart[:, 0], apart[:, 1]), np.array(wrap_angle(apart[:, 2]))
     )
     settled = where.stamps > where.stamps[0] + SETTLED_S
-    errors = [ate_rmse(where.picked(settled), one.picked(settled)) for one in (estimate, odometry)]
+    errors = [
+        ate_rmse(where.selected(settled), one.selected(settled)) for one in (estimate, odometry)
+    ]
     return Drive(seconds, *errors)
 
 

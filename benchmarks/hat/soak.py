@@ -36,7 +36,7 @@ TURNING = 100.0
 
 
 @dataclass(frozen=True)
-class Trouble:
+class Fault:
     """A fault of a board, with the commands that begin and end it."""
 
     name: str
@@ -47,19 +47,19 @@ class Trouble:
 
 
 TROUBLES = (
-    Trouble("left motor unplugged", "unplug A", "plug A"),
-    Trouble("right motor unplugged", "unplug B", "plug B"),
-    Trouble("wheel blocked", "stall B", "free B"),
-    Trouble("motor power fault", "fault motor on", "fault motor off"),
-    Trouble("port power fault", "fault port on", "fault port off"),
-    Trouble("low supply", "supply 5.6", "supply 8"),
-    Trouble("supply over 10 V", "supply 10.1", "supply 8", stops=False),
-    Trouble("silent board", "silent on", "silent off"),
-    Trouble("board restarts", "reset", None),
-    Trouble("noise from the board", "garble 0.003", "garble 0", stops=False),
-    Trouble("garbled bytes to the board", "garble-in 0.0005", "garble-in 0", stops=False),
-    Trouble("bytes lost to the board", "lose 0.001", "lose 0", stops=False),
-    Trouble("slow main loop", "late 20", None, stops=False),
+    Fault("left motor unplugged", "unplug A", "plug A"),
+    Fault("right motor unplugged", "unplug B", "plug B"),
+    Fault("wheel blocked", "stall B", "free B"),
+    Fault("motor power fault", "fault motor on", "fault motor off"),
+    Fault("port power fault", "fault port on", "fault port off"),
+    Fault("low supply", "supply 5.6", "supply 8"),
+    Fault("supply over 10 V", "supply 10.1", "supply 8", stops=False),
+    Fault("silent board", "silent on", "silent off"),
+    Fault("board restarts", "reset", None),
+    Fault("noise from the board", "garble 0.003", "garble 0", stops=False),
+    Fault("garbled bytes to the board", "garble-in 0.0005", "garble-in 0", stops=False),
+    Fault("bytes lost to the board", "lose 0.001", "lose 0", stops=False),
+    Fault("slow main loop", "late 20", None, stops=False),
 )
 
 
@@ -79,7 +79,7 @@ def soak(seconds: float) -> Result:
         until(live, estimated, START_S)
         _drive_until_turning(live, hat)
         before = program.threads(), program.descriptors()
-        stops, backs, counts = _trouble_it(live, hat, seconds)
+        stops, backs, counts = _inject_faults(live, hat, seconds)
         _drive_until_turning(live, hat)
         after = program.threads(), program.descriptors()
     return Result(
@@ -96,7 +96,7 @@ def soak(seconds: float) -> Result:
     )
 
 
-def _trouble_it(
+def _inject_faults(
     live: Connection, hat: EmulatedHat, seconds: float
 ) -> tuple[list[float], list[float], Counter[str]]:
     rng = np.random.default_rng(SEED)
@@ -120,7 +120,7 @@ def _trouble_it(
     return stops, backs, counts
 
 
-def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Trouble) -> float:
+def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Fault) -> float:
     """Return the time until both wheels stand, while the program is commanded to drive [s]."""
     while True:
         _drive(live)

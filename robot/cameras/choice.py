@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from robot.camera import Lens
+from robot.cameras.auto_camera import AutoCamera
 from robot.cameras.camera import Camera
-from robot.cameras.files import FolderPictures, PacedPictures, VideoPictures
-from robot.cameras.first_found import FirstFound
+from robot.cameras.files import FileCamera, FolderPictures, VideoPictures
 from robot.cameras.grabber import Device, Grabber
 from robot.cameras.pi_camera import PiCamera
 from robot.cameras.picture_socket import PictureSocket
@@ -44,11 +44,11 @@ def open_camera(
     path = Path(f"/dev/video{source}" if source.isdecimal() else source)
     if path.is_dir():
         folder = FolderPictures(path)
-        return PacedPictures(folder, lens, settings.frame_rate, settings.rotation, clock)
+        return FileCamera(folder, lens, settings.frame_rate, settings.rotation, clock)
     if path.is_file():
         video = VideoPictures(path)
         rate = video.frame_rate or settings.frame_rate
-        return PacedPictures(video, lens, rate, settings.rotation, clock)
+        return FileCamera(video, lens, rate, settings.rotation, clock)
     grabber = Grabber(_device(path, lens, settings, clock), lens, settings.frame_rate, clock)
     grabber.start()
     return grabber
@@ -59,7 +59,7 @@ def _device(
 ) -> Device:
     source = settings.source
     if source == "auto":
-        return FirstFound(lambda: _candidates(lens, settings, clock))
+        return AutoCamera(lambda: _candidates(lens, settings, clock))
     if source == "pi":
         return PiCamera(lens, settings, clock)
     if path.is_socket() or (not path.exists() and path.suffix in (".sock", ".socket")):

@@ -43,7 +43,7 @@ class Pictures(Protocol):
         ...
 
 
-class PacedPictures:
+class FileCamera:
     """A camera whose pictures are read from files when they are due."""
 
     def __init__(

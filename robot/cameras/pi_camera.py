@@ -16,7 +16,7 @@ from robot.camera import Lens
 from robot.cameras.camera import PictureError
 from robot.cameras.pictures import Picture, check_size
 from robot.cameras.settings import CameraSourceSettings
-from robot.cameras.stamps import middle_of_exposure, on_monotonic, time_asleep
+from robot.cameras.stamps import middle_of_exposure, on_monotonic, suspend_time
 from robot.interface import Frame
 
 BUFFERS = 4
@@ -33,7 +33,7 @@ class PiCamera:
         lens: Lens,
         settings: CameraSourceSettings,
         clock: Callable[[], float] = time.monotonic,
-        asleep: Callable[[], float] = time_asleep,
+        asleep: Callable[[], float] = suspend_time,
         load: Callable[[str], Any] = importlib.import_module,
     ) -> None:
         """``asleep`` returns how far CLOCK_BOOTTIME is ahead [s]; ``load`` imports a module."""

@@ -39,6 +39,6 @@ def on_monotonic(stamp: float, current: float, asleep: float) -> float | None:
     return None
 
 
-def time_asleep() -> float:
+def suspend_time() -> float:
     """Return how long the machine has been suspended since its start [s]."""
     return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()

@@ -144,7 +144,7 @@ class Field:
     def free_poses(self, rng: np.random.Generator, count: int) -> Array:
         """Draw poses (count, 3) uniformly from the free floor, with any heading.
 
-        The free floor is the light floor within ``roamed``, or the free cells of a ROS map.
+        The free floor is the light floor within ``drive_area``, or the free cells of a ROS map.
         """
         origin, side, cells = self._free_cells
         chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
@@ -152,7 +152,7 @@ class Field:
         return np.column_stack([places, rng.uniform(-math.pi, math.pi, count)])
 
     @cached_property
-    def roamed(self) -> Extent:
+    def drive_area(self) -> Extent:
         """The area where robots drive, as xmin, ymin, xmax, ymax [m]: the tape's bounding box.
 
         If the box holds almost nothing but tape, it is the whole floor: robots then drive beside a
@@ -172,7 +172,7 @@ class Field:
     @cached_property
     def _free_cells(self) -> tuple[Pose2, float, NDArray[np.float64]]:
         """The grid's origin, the side of a cell [m], and free cells (n, 2) as column and row."""
-        grid = self.grid or self._light_cells(self.roamed)
+        grid = self.grid or self._light_cells(self.drive_area)
         free = np.argwhere(grid.free)[:, ::-1].astype(np.float64)
         if not len(free):
             raise FieldError(f"the field {self.name} has no free floor")

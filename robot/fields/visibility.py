@@ -100,15 +100,19 @@ def _judge_parts(
             along = (part + 0.5) / count * length
             x = x0 + (x1 - x0) * along / length + away_x
             y = y0 + (y1 - y0) * along / length + away_y
-            left = _lay(edges, edge, along, -1, before, after, x, y, support, inward, chain)
-            right = _lay(edges, edge, along, 1, before, after, x, y, support, inward, chain)
+            left = _sample_outline(
+                edges, edge, along, -1, before, after, x, y, support, inward, chain
+            )
+            right = _sample_outline(
+                edges, edge, along, 1, before, after, x, y, support, inward, chain
+            )
             verdict, _ = judge_chain(chain, left, right, limits, curve)
             seen[starts[edge] + part] = verdict == _COUNTED
     return seen
 
 
 @njit(cache=True, nogil=True)
-def _lay(
+def _sample_outline(
     edges: Array,
     edge: int,
     along: float,

@@ -46,10 +46,10 @@ OLDEST_S = 0.05
 STOP_AGAIN_S = 0.3
 """How often the motors are told to stop while they rest or something is wrong [s]."""
 
-SOON_S = 1.0
+QUICK_START_S = 1.0
 """A start that takes no longer than this is not reported [s]."""
 
-MISHEARD_S = 0.1
+SETUP_ERROR_S = 0.1
 """A command error within this time after a set-up may be about the set-up [s]."""
 
 DUTY_STEPS = 255
@@ -75,7 +75,7 @@ class BoardState:
 
 
 class Board:
-    """Drives joints through a Build HAT; a ``Talker`` for the serial link."""
+    """Drives joints through a Build HAT; a ``PortDriver`` for the serial link."""
 
     def __init__(
         self, wirings: Sequence[Wiring], settings: BuildHatSettings, bring_up: BringUp
@@ -212,9 +212,9 @@ class Board:
                 return self._supply.fault("motor", current)
             case events.PortPowerFault():
                 return self._supply.fault("port", current)
-            case events.CommandError() if current - self._set_up_at < MISHEARD_S:
+            case events.CommandError() if current - self._set_up_at < SETUP_ERROR_S:
                 for motor in self.motors:
-                    motor.set_up_again()
+                    motor.invalidate_setup()
             case _:
                 self._take_from_port(event, current)
         return b""
@@ -262,7 +262,7 @@ class Board:
         if not self.bring_up.ready:
             if self.bring_up.trouble:
                 return [self.bring_up.trouble]
-            slow = current - self._begun > SOON_S
+            slow = current - self._begun > QUICK_START_S
             return [f"The Build HAT is starting: {self.bring_up.stage.value}."] if slow else []
         motors = [motor.fault(current) for motor in self.motors]
         return self._supply.complaints(current) + [fault for fault in motors if fault]

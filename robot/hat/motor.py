@@ -92,7 +92,7 @@ class Motor:
         self._loop.rest()
         return commands.set_up_motor(self.port, EACH_SAMPLE, self._settings.power_limit)
 
-    def set_up_again(self) -> None:
+    def invalidate_setup(self) -> None:
         """Request another set-up: the last one may not have been understood."""
         self._set_up = self._heard = -math.inf
 

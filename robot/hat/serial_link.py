@@ -26,7 +26,7 @@ FAREWELL_S = 0.5
 JOIN_S = 2.0
 
 
-class Talker(Protocol):
+class PortDriver(Protocol):
     """The driver behind the port; only the link's thread calls it. Times are by its clock [s]."""
 
     @property
@@ -72,7 +72,7 @@ class SerialLink:
     def __init__(
         self,
         device: str,
-        talker: Talker,
+        talker: PortDriver,
         reset: Callable[[], None] | None = None,
         period: float = 0.01,
         clock: Callable[[], float] = time.monotonic,

@@ -36,7 +36,7 @@ MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
     "grid": lambda setup, _: GridFilter.of(setup),
 }
 
-SAID = 0.9
+MIN_DESCRIBED_WEIGHT = 0.9
 """From this total weight on, the hypotheses alone describe a filter's belief."""
 
 
@@ -45,10 +45,10 @@ def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
     return MAKERS[setup.filter.filter](setup, rng)
 
 
-def going_on(new: Filter, old: Filter) -> Filter:
+def transfer_belief(new: Filter, old: Filter) -> Filter:
     """Give a new filter the belief of an old one, and return it."""
     said = old.hypotheses
-    if sum(item.weight for item in said) >= SAID:
+    if sum(item.weight for item in said) >= MIN_DESCRIBED_WEIGHT:
         new.set_hypotheses(said)
     else:
         new.set_cloud(old.cloud)

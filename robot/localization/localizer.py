@@ -119,7 +119,7 @@ class Localizer:
             spread = estimate.effective / max(len(self.filter.cloud.weights), 1)
             self.monitor.observe(heaviest, seen, odometry, spread)
             self.filter.loosen(self.monitor.looseness)
-            heaviest = self.monitor.caught_up(heaviest)
+            heaviest = self.monitor.compensate_lateness(heaviest)
             heaviest = replace(
                 heaviest, covariance=heaviest.covariance + self.monitor.doubt.covariance
             )
@@ -142,7 +142,7 @@ class Localizer:
         self.updates = 0
         self.integrity = SEARCHING
         if self.monitor is not None:
-            self.monitor.begin_anew()
+            self.monitor.restart()
         # The new belief is about the robot's current place: it already includes earlier motion.
         self._odometry = self.now
         self._forced = True

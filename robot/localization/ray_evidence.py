@@ -26,12 +26,12 @@ SEEN, STRAY, MISSED = 0.85, 0.12, 0.03
 """Shares of the rays with an expected edge that return it, something else, and nothing, in a clear
 picture. The scanner does better (1 % missed, hardly anything else); these values leave a margin for
 less clean floors. In noise and in the dark, the scan itself says how much less returns."""
-SURPRISE = 0.05
+UNEXPECTED_SHARE = 0.05
 """Share of the rays that return something where no edge is expected."""
 NEAR, FAR = 0.015, 0.06
 """An edge closer than this to the start or the end of a ray's sight [m] may be missed, because the
 scanner must see the whole width of the tape."""
-WORSE_ANYWHERE, MISSED_ANYWHERE = 1.8, 0.2
+BACKGROUND_LOSS, BACKGROUND_MISS_LOSS = 1.8, 0.2
 """Loss of a ray's log-likelihood at a place that fits badly. A ray that returned is compared with
 an exact fit (the loss is that of 1.9 standard deviations). A ray that did not return is compared
 with a place where no edge is expected."""
@@ -68,7 +68,7 @@ class RayEvidence:
         peaks: Array = np.log(SEEN / wide + STRAY / self.range_max)
         return peaks
 
-    def log_likelihood_anywhere(self, rays: Array) -> float:
+    def background_log_likelihood(self, rays: Array) -> float:
         """Return the mean log-likelihood of rays (n, 7) at a place that fits badly.
 
         It is 0 if no ray returns, because then any empty part of the floor fits.
@@ -77,7 +77,9 @@ class RayEvidence:
         returned = ranges[np.isfinite(ranges)]
         if not len(returned):
             return 0.0
-        worse = WORSE_ANYWHERE * len(returned) + MISSED_ANYWHERE * (len(ranges) - len(returned))
+        worse = BACKGROUND_LOSS * len(returned) + BACKGROUND_MISS_LOSS * (
+            len(ranges) - len(returned)
+        )
         return (float(self.log_peaks(returned).sum()) - worse) / len(ranges)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
@@ -143,7 +145,7 @@ def ray_log_likelihood(
         result = rays[i, 3] - rays[i, 4]
         if math.isfinite(result):
             wide = sd * (1 + slope * rays[i, 3] * rays[i, 3])
-            density = SURPRISE / range_max
+            density = UNEXPECTED_SHARE / range_max
             if math.isfinite(due):
                 density = _density(result - due, wide, range_max, rays[i, 6])
             if math.isfinite(behind):

@@ -36,7 +36,7 @@ between two places."""
 DRAWN = 4.0
 """Factor on the covariance of a cloud. Where scans say nothing, as along a single edge, clouds grow
 too narrow: by chance in resampling, and because the errors of scans are correlated."""
-LUCK = np.diag(np.square([1e-3, 1e-3, 3e-3]))
+MEAN_ERROR = np.diag(np.square([1e-3, 1e-3, 3e-3]))
 """Error of the filter's mean that its covariance does not include [m², m², rad²]."""
 INEXACT = np.diag(np.square([1e-4, 1e-4, 3e-4]))
 """Covariance that remains with any number of rays: a lens and a drawing have limited accuracy, and
@@ -70,12 +70,13 @@ class Refinement:
         """Return the hypothesis at the pose that fits both the scan and its prior best."""
         if np.sqrt(np.diag(hypothesis.covariance)[:2].max()) > WIDEST * self.matcher.gate / GATE:
             return hypothesis
-        known = inverse(hypothesis.covariance + LUCK)
+        known = inverse(hypothesis.covariance + MEAN_ERROR)
         match = self.matcher.match(hypothesis.pose, rays_of(scan, self.max_beams), known)
         # The information of the scan alone; the reliable part of the cloud's is added below.
         seen = self.believed * (match.information - known)
         return replace(
             hypothesis,
             pose=match.pose,
-            covariance=inverse(seen + inverse(DRAWN * hypothesis.covariance + LUCK)) + INEXACT,
+            covariance=inverse(seen + inverse(DRAWN * hypothesis.covariance + MEAN_ERROR))
+            + INEXACT,
         )

@@ -69,7 +69,7 @@ def judge_pairs(
     width_tolerance: float,
     support: float,
     straightness: float,
-    most_taper: float,
+    max_taper: float,
     bend_radius: float,
 ) -> tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]:
     """Decide which pairs are tape.
@@ -95,7 +95,7 @@ def judge_pairs(
     verdicts = np.full(rays, _NO_EDGE, dtype=np.int8)
     widths = np.full(rays, np.nan)
     curves = np.full((rays, 6), np.nan)
-    limits = (tape_width, width_tolerance, support, straightness, most_taper, bend_radius)
+    limits = (tape_width, width_tolerance, support, straightness, max_taper, bend_radius)
     chain = np.empty((2 * NEIGHBOURS + 1, 4))
     curve = np.empty(6)
     for ray in range(rays):
@@ -185,7 +185,7 @@ def judge_chain(
             most_taper, bend_radius [m].
         curve: (6,) the output.
     """
-    tape_width, width_tolerance, support, straightness, most_taper, _ = limits
+    tape_width, width_tolerance, support, straightness, max_taper, _ = limits
     middle = NEIGHBOURS
     verdict, across = _TOO_SHORT, np.nan
     curve[:] = np.nan
@@ -202,7 +202,7 @@ def judge_chain(
         if last - first < 2 or squared(chain[first], chain[last]) < (0.9 * support) ** 2:
             continue
         fit_line(chain, first, last, trial)
-        straight = trial[3] <= straightness and taper(chain, first, last, trial) <= most_taper
+        straight = trial[3] <= straightness and taper(chain, first, last, trial) <= max_taper
         if straight or trial[3] < curve[3]:
             curve[:] = trial
             verdict = _NOT_STRAIGHT
@@ -236,7 +236,7 @@ def _fit_bend(
     An arc fits more shapes than a line does, so its limits are ``STRICTER`` times tighter:
     otherwise cables and shoes would pass.
     """
-    tape_width, width_tolerance, _, straightness, most_taper, bend_radius = limits
+    tape_width, width_tolerance, _, straightness, max_taper, bend_radius = limits
     fit_line(chain, first, last, curve)
     fit_arc(chain, first, last, curve)
     # Comparisons with nan are false, so nan is rejected here.
@@ -245,7 +245,7 @@ def _fit_bend(
     across = width(chain, NEIGHBOURS, curve)
     if not abs(across - tape_width) <= width_tolerance / STRICTER:
         return -1.0
-    return across if taper(chain, first, last, curve) <= most_taper else -1.0
+    return across if taper(chain, first, last, curve) <= max_taper else -1.0
 
 
 @njit(cache=True, nogil=True)

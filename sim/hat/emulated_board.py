@@ -220,7 +220,7 @@ class EmulatedBoard:
             raise BoardError(f"a pass takes {milliseconds} ms; valid is 1 or more")
         self._processor.stall(milliseconds)
 
-    def interject(self, text: str) -> None:
+    def print_text(self, text: str) -> None:
         """Print a text at once, as the firmware does on an error of its inner bus."""
         self._transmitter.put(text.encode())
 

@@ -92,4 +92,4 @@ class Processor:
         self._transmitter.put(text.encode("utf-8", "surrogateescape"))
 
     def _has_room(self) -> bool:
-        return not self._transmitter.more_than_half_full
+        return not self._transmitter.at_least_half_full

@@ -51,7 +51,7 @@ class Transmitter(_Wire):
         super().put(data[: max(RING - 1 - len(self), 0)])
 
     @property
-    def more_than_half_full(self) -> bool:
+    def at_least_half_full(self) -> bool:
         """Whether the buffer is at least half full, so that reports have to wait."""
         return len(self) >= RING // 2
 

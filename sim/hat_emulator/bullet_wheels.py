@@ -75,7 +75,7 @@ class WheelMotor:
         self.speed = self._direction * math.degrees(velocity)
 
 
-def unwatched(current: float) -> None:
+def ignore_step(current: float) -> None:
     """Do nothing after a step."""
 
 
@@ -90,7 +90,7 @@ class BulletWheels:
         world: BulletWorld,
         spec: RobotSpec,
         figures: Mapping[int, MotorFigures] | None = None,
-        watch: Callable[[float], None] = unwatched,
+        watch: Callable[[float], None] = ignore_step,
     ) -> None:
         """Put motors on a world that was made from ``spec``.
 

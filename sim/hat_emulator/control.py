@@ -186,7 +186,7 @@ class Control:
     def _say(self, words: list[str]) -> str:
         """Print a text; errors of the inner bus, ``<like this>``, have no line end."""
         text = " ".join(words)
-        self._emulator.board.interject(text if text.endswith(">") else f"{text}\r\n")
+        self._emulator.board.print_text(text if text.endswith(">") else f"{text}\r\n")
         return "ok"
 
     def _firmware(self, words: list[str]) -> str:

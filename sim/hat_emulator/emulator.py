@@ -27,7 +27,7 @@ clocks are never equal, so the board's reports contain samples of every age."""
 
 
 @dataclass(frozen=True)
-class Beginning:
+class InitialState:
     """State in which the emulator starts."""
 
     warm: bool = True
@@ -46,12 +46,12 @@ class Emulator:
         surroundings: Surroundings,
         motors: Mapping[int, MotorFigures],
         terminal: PseudoTerminal,
-        beginning: Beginning | None = None,
+        beginning: InitialState | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Switch it on, with motors plugged in by port, 0 to 3."""
         self.surroundings = surroundings
-        self._beginning = beginning or Beginning()
+        self._beginning = beginning or InitialState()
         self._terminal = terminal
         rng = np.random.default_rng(self._beginning.seed)
         self._marks = rng.uniform(-180, 180, len(PORTS)).tolist()

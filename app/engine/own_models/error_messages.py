@@ -21,7 +21,7 @@ class OwnModelError(ValueError):
 
 
 @contextlib.contextmanager
-def blaming(path: Path, line: int | None = None) -> Iterator[None]:
+def errors_named_after(path: Path, line: int | None = None) -> Iterator[None]:
     """Turn an error in the block into a message about a file.
 
     Args:

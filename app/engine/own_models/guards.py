@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine.own_models.error_messages import OwnModelError, blaming, line_of
+from app.engine.own_models.error_messages import OwnModelError, errors_named_after, line_of
 from app.engine.own_models.model_file import ModelFile
 from robot.geometry import Array, Pose2, compose, wrap_angle
 from robot.localization.models.motion_models import sampled_moments
@@ -50,7 +50,7 @@ class Guard:
         self.passed_over = 0
         began = time.perf_counter()
         try:
-            with blaming(self._path, self._line):
+            with errors_named_after(self._path, self._line):
                 given = self._method(*arguments)
                 result = self._checked(given, shape)
         except OwnModelError as error:

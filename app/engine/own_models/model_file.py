@@ -17,7 +17,7 @@ from typing import Any
 from app.engine.own_models.error_messages import (
     MODULE_PREFIX,
     OwnModelError,
-    blaming,
+    errors_named_after,
     line_of,
     place,
 )
@@ -62,7 +62,7 @@ def load(model: ModelFile) -> Callable[..., Any]:
         OwnModelError: the file cannot be read or run, or has no such class.
     """
     path = model.path
-    with blaming(path):
+    with errors_named_after(path):
         source = path.read_bytes()
         module = types.ModuleType(MODULE_PREFIX + path.stem)
         module.__file__ = str(path)
@@ -88,7 +88,7 @@ def build(model: ModelFile, made: Callable[..., Any], offered: Mapping[str, obje
         OwnModelError: the class needs another argument, or fails.
     """
     line = line_of(getattr(made, "__init__", made), model.path)
-    with blaming(model.path, line):
+    with errors_named_after(model.path, line):
         arguments = {}
         for name, asked in inspect.signature(made).parameters.items():
             if name in offered:

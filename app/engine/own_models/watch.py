@@ -6,7 +6,7 @@ import ast
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.own_models.error_messages import OwnModelError, blaming
+from app.engine.own_models.error_messages import OwnModelError, errors_named_after
 from app.engine.own_models.model_file import ModelFile
 
 MOST_FILES = 100
@@ -86,7 +86,7 @@ class ModelFolder:
 def models_in(path: Path) -> ModelList:
     """Return the classes of a file that have a model's method, also by inheritance in the file."""
     try:
-        with blaming(path):
+        with errors_named_after(path):
             tree = ast.parse(path.read_bytes(), str(path))
     except OwnModelError as error:
         return ModelList(faults=(str(error),))

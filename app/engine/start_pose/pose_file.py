@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field as PydanticField
 from pydantic import ValidationError
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from app.messages.message import Message
 from app.messages.telemetry import HypothesisMessage, PoseMessage
 from robot.covariance import CovarianceError, covariance_from
@@ -71,7 +71,7 @@ def write(path: Path, saved: SavedPose) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    with file_written_whole(path) as new:
+    with atomic_file(path) as new:
         new.write_text(saved.model_dump_json(indent=1), encoding="utf-8")
 
 

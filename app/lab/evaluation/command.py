@@ -44,7 +44,7 @@ def evaluate_command(given: Given) -> int:
 ATE = {"ate_rmse_m": "unaligned", "ate_aligned_rmse_m": "aligned"}
 
 
-def worlds_of(given: Given) -> tuple[str, ...]:
+def worlds_from_options(given: Given) -> tuple[str, ...]:
     """Return the worlds of the command line, or the default ones that this machine can simulate."""
     named = tuple(dict.fromkeys(given.get("world", ())))
     if named:
@@ -57,7 +57,7 @@ def worlds_of(given: Given) -> tuple[str, ...]:
     return ("sim", "as-real")
 
 
-def crew_of(given: Given) -> Workers:
+def workers_from_options(given: Given) -> Workers:
     """Return the workers that the options ask for.
 
     Raises:
@@ -73,8 +73,8 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
     options: dict[str, Any] = {name: given[name] for name in named if name in given}
     if "offset" in given:
         options["offset"] = tuple(given["offset"])
-    experiment = Experiment(config_of(given), worlds_of(given), **options)
-    crew = crew_of(given)
+    experiment = Experiment(config_of(given), worlds_from_options(given), **options)
+    crew = workers_from_options(given)
     try:
         return evaluate(experiment, crew, folder)
     finally:

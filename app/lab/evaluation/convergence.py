@@ -15,7 +15,7 @@ RIGHT_XY, RIGHT_THETA = 0.02, 0.1
 """An estimate closer than this to the truth is right [m], [rad]."""
 PLACE_XY, PLACE_THETA = 0.05, math.radians(10)
 """An estimate farther than this from the truth is at another place [m], [rad]."""
-HELD = 1.0
+HOLD_SECONDS = 1.0
 """A condition counts only if it holds for this long [s]."""
 
 Mask = NDArray[np.bool_]
@@ -39,11 +39,11 @@ def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
         When that second begins; inf if the estimate is never right for a second.
     """
     right = (distances < RIGHT_XY) & (np.abs(turns) < RIGHT_THETA)
-    first = first_held(stamps, right)
+    first = first_sustained(stamps, right)
     return math.inf if first is None else float(stamps[first] - stamps[0])
 
 
-def first_held(stamps: Array, some: Mask) -> int | None:
+def first_sustained(stamps: Array, some: Mask) -> int | None:
     """Return the index of the first picture from which a condition holds for a second.
 
     Args:
@@ -54,7 +54,7 @@ def first_held(stamps: Array, some: Mask) -> int | None:
         None if the condition never holds for a second.
     """
     for first in np.flatnonzero(some & ~np.concatenate([[False], some[:-1]])):
-        until = int(np.searchsorted(stamps, stamps[first] + HELD - 1e-9))
+        until = int(np.searchsorted(stamps, stamps[first] + HOLD_SECONDS - 1e-9))
         if until < len(stamps) and some[first : until + 1].all():
             return int(first)
     return None
@@ -68,13 +68,13 @@ def in_place(distances: Array, turns: Array) -> Mask:
 
 def right_to_the_end(stamps: Array, right: Mask) -> bool:
     """Whether the estimate became right for a second and was right at all later pictures (n,)."""
-    first = first_held(stamps, right)
+    first = first_sustained(stamps, right)
     return first is not None and bool(right[first:].all())
 
 
 def lost_again(stamps: Array, right: Mask, certain: Mask) -> bool:
     """Whether it was right and certain for a second, and wrong at a later picture (n,)."""
-    first = first_held(stamps, right & certain)
+    first = first_sustained(stamps, right & certain)
     return first is not None and not right[first:].all()
 
 
@@ -90,5 +90,5 @@ def settled(run: Run) -> Array:
     No picture does if the estimate never becomes right.
     """
     seconds = time_to_converge(run.stamps, *errors(run, run.estimate))
-    late: Array = run.stamps >= run.stamps[0] + seconds + HELD
+    late: Array = run.stamps >= run.stamps[0] + seconds + HOLD_SECONDS
     return late

@@ -23,7 +23,7 @@ from robot.driving.figure_eight import FigureEight
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import Frame, Placeable, Reading, RobotError
+from robot.interface import Frame, Reading, RepositionableRobot, RobotError
 from robot.localization.models.entry_field import EntryField
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
@@ -80,7 +80,9 @@ class Drive:
         return interpolate(low.truth, high.truth, min(max(part, 0.0), 1.0))
 
 
-def on_eight(rng: np.random.Generator, elapsed: float, eight: FigureEight | None = None) -> Pose2:
+def random_pose_on_eight(
+    rng: np.random.Generator, elapsed: float, eight: FigureEight | None = None
+) -> Pose2:
     """Draw a pose at which a robot may be some time [s] after the start of a figure-eight.
 
     The path is turned at random about the origin, and the robot is a little off the path.
@@ -128,7 +130,7 @@ def record(
             engine.commands.put(FigureEightCommand(type="figure_eight"))
             ticks.append(_tick(engine.step()))
             if kidnap is not None and ticks[-1].stamp >= kidnap[0]:
-                assert isinstance(robot, Placeable)
+                assert isinstance(robot, RepositionableRobot)
                 robot.place(kidnap[1])
                 kidnap = None
     finally:
@@ -163,7 +165,7 @@ def _tick(snapshot: Snapshot) -> Tick:
     return Tick(stripped, odometry, snapshot.line_scan, snapshot.odom_from_scan)
 
 
-class DrivenAgain:
+class ReplayRobot:
     """A robot that replays the readings of a drive and ignores wheel commands."""
 
     def __init__(self, drive: Drive) -> None:
@@ -190,7 +192,7 @@ class DrivenAgain:
         """Do nothing: the robot holds no resources."""
 
 
-class KnownScans(LineScanner):
+class RecordedScanner(LineScanner):
     """A scanner that looks up the recorded line scans of a drive."""
 
     def __init__(self, drive: Drive, settings: LineScannerSettings) -> None:
@@ -206,7 +208,7 @@ class KnownScans(LineScanner):
         return self._scans[frame.stamp]
 
 
-def followed(
+def follow_drive(
     drive: Drive,
     config: Config,
     begin: Callable[[Localization], None],
@@ -230,9 +232,9 @@ def followed(
     """
     program = build_program(
         _for_lab(config),
-        robot=DrivenAgain(drive),
+        robot=ReplayRobot(drive),
         field=believed or drive.field,
-        scanner=KnownScans(drive, config.scanner),
+        scanner=RecordedScanner(drive, config.scanner),
         entries=entries,
     )
     engine = _silent(program.engine)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from app.files import RESULTS, write_json, written_whole
+from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.experiment import Experiment, run
 from app.lab.evaluation.recorded import RUN
 from app.lab.evaluation.report.report import Evaluation, figure3, report
@@ -37,7 +37,7 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
         OSError: the folder cannot be written.
     """
     field = load_field(experiment.config.map, MAPS)
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         conditions = {
             (world, given): [getattr(outcome, given) for outcome in outcomes]
             for world, outcomes in run(experiment, workers).items()

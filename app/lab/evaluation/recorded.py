@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.files import RESULTS, write_json, written_whole
+from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.report import figures
 from app.lab.evaluation.report.report import embedded, page
 from app.lab.evaluation.results import method_table
@@ -73,11 +73,11 @@ def read_recording(
     _check_sizes(true, estimate)
     if true.planar or estimate.planar:
         # A planar trajectory has no height and no tilt, so they do not count as errors.
-        true, estimate = true.from_above(), estimate.from_above()
+        true, estimate = true.to_planar(), estimate.to_planar()
     asked, clock = clock_of(clock_offset), None
     if asked is None:
         clock = require_same_run(true, estimate)
-        asked = clock.seconds if _matters(clock.seconds, true, estimate) else 0.0
+        asked = clock.seconds if _needs_correction(clock.seconds, true, estimate) else 0.0
     return Recording(*associate(true, estimate.shifted(asked), TOLERANCE), clock, asked)
 
 
@@ -91,7 +91,7 @@ def evaluate_recording(
         OSError: the folder cannot be written.
     """
     pairs = read_recording(recording, truth, body, clock_offset)
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         results = _results(pairs, recording, truth)
         aligned = align(pairs.truth, pairs.estimate).apply(pairs.estimate)
         figure = figures.recorded_paths(pairs.truth, pairs.estimate, aligned)
@@ -196,7 +196,7 @@ def _similarity(pairs: Recording) -> dict[str, Any] | None:
     return {"scale": fit.scale, "ate_rmse_m": fit.scaled, "is_free": fit.is_free}
 
 
-def _matters(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
+def _needs_correction(offset: float, true: Trajectory, estimate: Trajectory) -> bool:
     """Whether to correct a clock: it exceeds the tolerance, or the correction reduces the error."""
     if abs(offset) > TOLERANCE:
         return True

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.engine.localization import Localization
-from app.lab.evaluation.drives import Drive, EvaluationError, followed
+from app.lab.evaluation.drives import Drive, EvaluationError, follow_drive
 from app.settings.config import Config
 from robot.geometry import Array, Pose2
 from robot.localization.integrity import State
@@ -54,7 +54,7 @@ def follow(drive: Drive, config: Config, pose2: Pose2, covariance: Array | None 
 
     map_from_odom = drive.ticks[0].truth @ drive.ticks[0].odometry.inverse()
     rows: list[tuple[float, Pose2, Pose2, Pose2, Array, float, bool]] = []
-    for tick, odometry, localization in followed(drive, config, begin):
+    for tick, odometry, localization in follow_drive(drive, config, begin):
         belief, scan = localization.belief, tick.scan
         if belief is not None and scan is not None:
             rows.append(

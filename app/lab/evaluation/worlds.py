@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.settings.conditions import in_condition
+from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.settings import SettingError
 
@@ -35,4 +35,4 @@ def in_world(config: Config, name: str) -> Config:
     """
     require_world(name)
     robot, condition = WORLDS[name]
-    return in_condition(replace(config, robot=robot), condition)
+    return apply_condition(replace(config, robot=robot), condition)

@@ -16,7 +16,7 @@ from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan
 
-REMEMBERED = 15
+PRIOR_MAP_LENGTHS = 15
 """Number of updates in the running average of the fit."""
 SEARCHING = 0.5
 """Factor on the weight of scans in a search, whose cloud must not settle on one of several
@@ -63,7 +63,7 @@ class Candidate:
         """Number of successive updates at which it was sure."""
         self.confirmed = False
         """Whether its place was given, or survived a search over the whole floor."""
-        self.behind = 0.0
+        self.deficit = 0.0
         """By how much another place explains the scans better, summed over updates."""
         self._judged = 0
         self._way = 0.0
@@ -138,7 +138,7 @@ class Candidate:
             return
         self.latest = float(self._sensor.log_likelihood(poses, scan)[0]) / rays
         self._judged += 1
-        share = 1 / min(self._judged, REMEMBERED)
+        share = 1 / min(self._judged, PRIOR_MAP_LENGTHS)
         self.fit = self.latest if share == 1 else self.fit + share * (self.latest - self.fit)
 
     def places(self, most: int) -> list[Pose2]:
@@ -159,7 +159,7 @@ class Candidate:
                 break
         return pose2s
 
-    def is_where(self, other: Candidate) -> bool:
+    def same_place(self, other: Candidate) -> bool:
         """Whether another candidate is at the same place."""
         if self.estimate is None or other.estimate is None:
             return False

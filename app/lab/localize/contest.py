@@ -52,7 +52,7 @@ class Contest:
         self._search_twice = False
         self._searched_beside: Candidate | None = None
         """The leader when the last search began."""
-        self._patience = self._wait = FIRST_DOUBT
+        self._search_interval = self._wait = FIRST_DOUBT
 
     @property
     def alone(self) -> bool:
@@ -97,23 +97,23 @@ class Contest:
         """Update how far each place is behind, and drop the places that are too far behind."""
         leader = self.leader
         for one in self.others:
-            one.behind += _worse(one, leader)
-        best = min(each.behind for each in (leader, *self.others))
+            one.deficit += _worse(one, leader)
+        best = min(each.deficit for each in (leader, *self.others))
         for one in (leader, *self.others):
-            one.behind -= best
+            one.deficit -= best
         kept: list[Candidate] = []
         limit = self._laser.doubt_behind
-        if leader.behind <= limit:
+        if leader.deficit <= limit:
             kept.append(leader)
-        for one in sorted(self.others, key=lambda item: item.behind):
-            same = next((other for other in kept if one.is_where(other)), None)
-            if same is None and one.behind <= limit:
+        for one in sorted(self.others, key=lambda item: item.deficit):
+            same = next((other for other in kept if one.same_place(other)), None)
+            if same is None and one.deficit <= limit:
                 kept.append(one)
             elif same is leader:
-                leader.behind = min(leader.behind, one.behind)
+                leader.deficit = min(leader.deficit, one.deficit)
         if kept[0] is not leader:
             self.places_left += leader.confirmed
-            self._patience = self._wait = FIRST_DOUBT
+            self._search_interval = self._wait = FIRST_DOUBT
         self.leader, *self.others = kept
 
     def _divide(self, search: Candidate) -> None:
@@ -122,12 +122,12 @@ class Contest:
         result = [self._follow(place) for place in search.places(MOST)]
         if search is self.leader:
             self.leader = result.pop(0)
-        self.others += self._relive([item for item in result if not item.is_where(self.leader)])
+        self.others += self._replay([item for item in result if not item.same_place(self.leader)])
         if self._search_twice:
             self._search_twice = False
             self._begin_search()
 
-    def _relive(self, candidates: list[Candidate]) -> list[Candidate]:
+    def _replay(self, candidates: list[Candidate]) -> list[Candidate]:
         """Return the candidates that explain earlier scans about as well as the leader does."""
         leader = self._copy(self.leader)
         back = [(candidate, self._copy(candidate)) for candidate in candidates]
@@ -137,8 +137,8 @@ class Contest:
             leader.take_too(moment.odometry, moment.scan)
             for one, past in back:
                 past.take_too(moment.odometry, moment.scan)
-                one.behind += _worse(past, leader)
-            back = [(item, past) for item, past in back if item.behind <= self._laser.doubt_behind]
+                one.deficit += _worse(past, leader)
+            back = [(item, past) for item, past in back if item.deficit <= self._laser.doubt_behind]
         return [each for each, _ in back]
 
     def _copy(self, candidate: Candidate) -> Candidate:
@@ -168,8 +168,8 @@ class Contest:
             return
         self._wait -= 1
         if self._wait <= 0 and leader.fit < self._laser.doubt_below:
-            self._patience = min(2 * self._patience, LAST_DOUBT)
-            self._wait = self._patience
+            self._search_interval = min(2 * self._search_interval, LAST_DOUBT)
+            self._wait = self._search_interval
             self._begin_search()
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.lab.localize.candidate import REMEMBERED, Candidate
+from app.lab.localize.candidate import PRIOR_MAP_LENGTHS, Candidate
 from app.lab.localize.localized import ReportedPose
 from robot.geometry import Pose2
 from robot.scan import Scan
@@ -50,7 +50,7 @@ def withdraw(
         assert back.estimate is not None
         near.append(back.estimate.pose.distance_to(moment.place) < NEAR_M)
         better.append(moment.latest - back.latest)
-    around = np.ones(min(REMEMBERED, len(better)))
+    around = np.ones(min(PRIOR_MAP_LENGTHS, len(better)))
     mean = np.convolve(better, around, "same") / np.convolve(np.ones(len(better)), around, "same")
     stands = (np.array(near) | (mean > margin))[::-1]
     stamps = np.array([moment.scan.stamp for moment in moments])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from app.lab.localize.candidate import REMEMBERED, Candidate
+from app.lab.localize.candidate import PRIOR_MAP_LENGTHS, Candidate
 from app.lab.localize.contest import Contest
 from app.lab.localize.hindsight import withdraw
 from app.lab.localize.laser_map import LaserMap
@@ -80,14 +80,14 @@ class LaserFollower:
         """Decide whether the leader's pose is reported until the next update."""
         leader, laser = self._leader, self._settings.laser
         floor = laser.tell_above if self._telling else laser.doubt_below
-        given = leader.confirmed and leader.known and leader.behind <= laser.doubt_behind / 4
+        given = leader.confirmed and leader.known and leader.deficit <= laser.doubt_behind / 4
         self._telling = given and leader.explains(floor)
 
     def _withdraw(self) -> None:
         """Withdraw reported poses of the old place, after another place turned out to be better."""
         contest = self._contest
         self.found.places_left = contest.places_left
-        margin = self._settings.laser.doubt_behind / REMEMBERED
+        margin = self._settings.laser.doubt_behind / PRIOR_MAP_LENGTHS
         withdraw(self.found.told, contest.moments, contest.copy_of_leader(), margin)
 
     @property

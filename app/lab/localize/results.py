@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from app.files import RESULTS, write_json, written_whole
+from app.files import RESULTS, atomic_folder, write_json
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.picture import draw
 from app.lab.localize.reading.mounting import Layout
-from app.lab.localize.reading.pairing import LeftOut
+from app.lab.localize.reading.pairing import SkippedCounts
 from app.lab.localize.reading.topics import Chosen
 from app.lab.localize.settings import LocalizeSettings
 from app.lab.trajectories.files.tum import write_tum
@@ -47,7 +47,7 @@ def write_results(
     asked: LocalizeRequest,
     localized: Localized,
     laser_map: LaserMap,
-    left_out: LeftOut,
+    left_out: SkippedCounts,
 ) -> None:
     """Write all files; the folder gets all of them or stays as it was.
 
@@ -58,7 +58,7 @@ def write_results(
     notes = [f"{asked.bag.name} on {asked.map.name}, pose of {asked.layout.base_frame}"]
     wrong = [*notes, "told as certain, and withdrawn: the place turned out wrong"]
     ways = {PATH: (localized.standing, notes, 2), WITHDRAWN: (localized.withdrawn, wrong, 1)}
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         for name, (given, lines, least) in ways.items():
             if len(given) >= least:
                 write_tum(new / name, _trajectory(given), lines)
@@ -75,7 +75,9 @@ def _trajectory(tolds: Sequence[ReportedPose]) -> Trajectory:
     )
 
 
-def content(asked: LocalizeRequest, localized: Localized, left_out: LeftOut) -> dict[str, Any]:
+def content(
+    asked: LocalizeRequest, localized: Localized, left_out: SkippedCounts
+) -> dict[str, Any]:
     """Return the content of ``results.json``: metres, radians, seconds, map frame."""
     final = localized.final
     return {

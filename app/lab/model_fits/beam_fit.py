@@ -198,7 +198,7 @@ def _intervals(
             # Without short ranges, all values of lambda_short are equally good.
             places = [np.append(peak.place[:4], item) for item in rates if not peak.free[0]]
             peaks = [expansion(loss, item, peak.units, peak.free) for item in places]
-            none = min(max(item.none_seen(k, worth) for item in (peak, *peaks)), 1.0)
+            none = min(max(item.upper_bound_at_zero(k, worth) for item in (peak, *peaks)), 1.0)
             # If another share may be above 0, z_hit may be smaller by as much.
             intervals[name], low = (0.0, none), low * (1 - none)
         else:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console import say
-from app.lab.evaluation.command import Given, crew_of, worlds_of
+from app.lab.evaluation.command import Given, workers_from_options, worlds_from_options
 from app.lab.evaluation.recorded import clock_of
 from app.lab.evaluation.report.report import millimetres
 from app.lab.model_fits.models import FITTED, ModelsJob, evaluate_models, evaluate_recorded_models
@@ -57,7 +57,7 @@ def _simulated(given: Given, folder: Path) -> dict[str, Any]:
         if name in given and not low <= given[name] <= high:
             option = "--" + name.replace("_", "-")
             raise SettingError(f"{option} is {given[name]}; valid is {low} to {high}")
-    worlds = worlds_of(given)
+    worlds = worlds_from_options(given)
     if len(given.get("world", ())) > 1:
         raise SettingError("models are measured in one --world")
     job = ModelsJob(
@@ -67,7 +67,7 @@ def _simulated(given: Given, folder: Path) -> dict[str, Any]:
         given.get("repeats", 20),
         given.get("seeds", 6),
     )
-    crew = crew_of(given)
+    crew = workers_from_options(given)
     try:
         return evaluate_models(job, crew, folder)
     finally:

@@ -69,7 +69,7 @@ class Peak:
         covariance[inner] = (axes / np.maximum(values, FLAT)) @ axes.T * sizes
         return covariance
 
-    def none_seen(self, k: int, worth: float = 1.0) -> float:
+    def upper_bound_at_zero(self, k: int, worth: float = 1.0) -> float:
         """Return how large a value at its lower border, 0, may be, by the rule of three.
 
         It is where the parabola of the log-likelihood, with the free values at their best, has

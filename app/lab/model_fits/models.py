@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.files import RESULTS, write_json, written_whole
+from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.experiment import Experiment, run
 from app.lab.evaluation.results import condition_table
 from app.lab.model_fits.fitted_file import fitted_settings, toml_of
@@ -52,7 +52,7 @@ def evaluate_models(job: ModelsJob, workers: Workers, folder: Path) -> Table:
         OSError: the folder cannot be written.
     """
     config = with_settings(job.config, {"sim.imperfections.robot": job.robot, "seed": job.robot})
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         motion = repeated_motions(config, job.world, job.repeats, workers)
         sensor = scanned_drives(config, job.world, job.drives, job.seconds, workers)
         settings, _ = fitted_settings(motion, sensor, config)
@@ -94,7 +94,7 @@ def evaluate_recorded_models(
     offset = require_same_run(true, odometry).seconds if clock is None else clock
     facts = {"recording": recording.name, "truth": truth.name, "clock_offset_s": offset}
     comment = f"Fitted to the first half of {recording.name} by brickpose evaluate models."
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         try:
             motion = recorded_motion(odometry, true, offset, config)
         except FitError as error:

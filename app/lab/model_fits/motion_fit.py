@@ -19,7 +19,7 @@ from app.lab.model_fits.likelihood import (
 )
 from app.lab.model_fits.runs import MotionRun
 from app.lab.model_fits.twists import DriveCorrection
-from app.lab.model_fits.windows import Windows, together, windows
+from app.lab.model_fits.windows import Windows, join_windows, windows
 from robot.geometry import Array
 
 HORIZONS = (5.0, 10.0, 20.0)
@@ -109,7 +109,7 @@ def fit_drive(runs: Sequence[MotionRun], *, track: float = 0.0) -> DriveFit:
     correction = DriveCorrection(*[*values.tolist(), track])
     several = [windows(runs, horizon, correction, keep_short=True) for horizon in HORIZONS]
     intervals = tuple(zip(low.tolist(), high.tolist(), strict=True))
-    cut = together(several)
+    cut = join_windows(several)
     # The fitted correction makes the errors smaller, as subtracting a sample's mean does.
     growth = math.sqrt(cut.independent / (cut.independent - 1))
     return DriveFit(correction, intervals, fit_motion(replace(cut, errors=growth * cut.errors)))
@@ -152,7 +152,7 @@ def fit_motion(cut: Windows) -> MotionFit:
         tuple(
             interval_of(float(peak.place[k]), float(variances[k]))
             if peak.free[k]
-            else (0.0, peak.none_seen(k))
+            else (0.0, peak.upper_bound_at_zero(k))
             for k in range(4)
         ),
         math.sqrt(peak.place[4]),

@@ -57,7 +57,7 @@ class Windows:
         return whole
 
 
-def together(several: Sequence[Windows]) -> Windows:
+def join_windows(several: Sequence[Windows]) -> Windows:
     """Join windows of several lengths to one set, in which all lengths have equal weight.
 
     The total weight is the mean of the total weights of the lengths.

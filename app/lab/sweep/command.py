@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.console import say
-from app.lab.evaluation.command import crew_of
+from app.lab.evaluation.command import workers_from_options
 from app.lab.sweep.sweep import sweep
 from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.table import require_format
@@ -22,7 +22,7 @@ def sweep_command(parsed: argparse.Namespace) -> int:
         file = replace(file, sweep=replace(file.sweep, conditions=conditions))
     require_format(parsed.format)
     folder = parsed.out or Path("sweeps") / file.name
-    crew = crew_of(vars(parsed))
+    crew = workers_from_options(vars(parsed))
     try:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.ticker import NullFormatter
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from app.lab.evaluation.report.figures import drawn
 
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
@@ -71,7 +71,7 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
             axis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3, which="both")
         axes.legend(frameon=False)
-    with file_written_whole(path) as new:
+    with atomic_file(path) as new:
         new.write_text(done[0], encoding="utf-8")
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from app.lab.evaluation.worlds import in_world
 from app.lab.sweep.sweep_file import Settings, SweepFile
-from app.settings.conditions import in_condition
+from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config, with_settings
 from app.settings.provenance import settings_of, versions
 from robot.fields.field import FieldError
@@ -22,7 +22,7 @@ from robot.fields.field_loading import load_field
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
-AT_ONCE = 8
+DRAW_BATCH = 8
 """Points that follow one drive in one job: enough to justify the drive, and few enough that a
 killed worker loses little."""
 
@@ -69,7 +69,7 @@ def points_of(file: SweepFile, base: Config) -> list[Point]:
 
 def _point(settings: Settings, world: str, condition: str, seed: int, base: Config) -> Point:
     try:
-        config = in_condition(in_world(replace(base, seed=seed), world), condition)
+        config = apply_condition(in_world(replace(base, seed=seed), world), condition)
         # Swept settings override those of the world and the condition.
         return Point(settings, world, condition, seed, with_settings(config, settings))
     except SettingError as error:
@@ -102,7 +102,7 @@ def jobs_of(
     configs: dict[str, Config],
     laps: float,
     offset: tuple[float, ...],
-    most: int = AT_ONCE,
+    most: int = DRAW_BATCH,
 ) -> list[SweepJob]:
     """Make the jobs of configurations by key; up to ``most`` that drive alike share a drive."""
     by_drive: dict[Config, dict[str, Config]] = {}
@@ -126,9 +126,9 @@ def _drive_of(config: Config) -> Config:
     )
 
 
-def at_once(points: int, workers: int) -> int:
+def points_per_job(points: int, workers: int) -> int:
     """Return how many points share a drive: few enough that all workers have something to do."""
-    return min(AT_ONCE, max(1, math.ceil(points / (2 * workers))))
+    return min(DRAW_BATCH, max(1, math.ceil(points / (2 * workers))))
 
 
 def _batches(items: Iterable[tuple[str, Config]], most: int) -> list[list[tuple[str, Config]]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from app.lab.sweep.work import MEASURES, Measured
 
 
@@ -30,5 +30,5 @@ class ResultCache:
         Raises:
             OSError: the file cannot be written.
         """
-        with file_written_whole(self._folder / f"{key}.json") as new:
+        with atomic_file(self._folder / f"{key}.json") as new:
             new.write_text(json.dumps(measured), encoding="utf-8")

@@ -14,11 +14,11 @@ from app.lab.sweep.points import (
     Point,
     Row,
     SweepJob,
-    at_once,
     duration_of,
     jobs_of,
     key_of,
     points_of,
+    points_per_job,
 )
 from app.lab.sweep.result_cache import ResultCache
 from app.lab.sweep.sweep_file import SweepFile
@@ -29,7 +29,7 @@ from app.settings.config import Config
 
 
 @dataclass(frozen=True)
-class Swept:
+class SweepResult:
     """The outcome of a sweep."""
 
     rows: list[Row]
@@ -39,7 +39,7 @@ class Swept:
 
 def sweep(
     file: SweepFile, base: Config, workers: Workers, folder: Path, kind: str = "csv"
-) -> Swept:
+) -> SweepResult:
     """Do the points that are not done yet, and write table and plots.
 
     Args:
@@ -66,7 +66,7 @@ def sweep(
     left = {key: config for key, config in configs.items() if key not in result}
     with tqdm(total=len(configs), initial=done_before, unit="point", disable=None) as progress:
         # If several points together ended their worker, only one may be the cause: try each alone.
-        for most in (at_once(len(left), workers.count), 1):
+        for most in (points_per_job(len(left), workers.count), 1):
             jobs = jobs_of(left, file.sweep.laps, offset, most)
             result |= _do(jobs, workers, kept, progress)
             left = {key: config for key, config in left.items() if key not in result}
@@ -74,7 +74,7 @@ def sweep(
     for setting in file.values:
         plot_setting(folder / "plots" / f"{setting}.svg", setting, rows, bool(offset))
     write_table(folder / f"results.{kind}", rows)
-    return Swept(rows, done_before)
+    return SweepResult(rows, done_before)
 
 
 def _do(

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 from typing import Any
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from robot.settings import SettingError
 
 FORMATS = ("csv", "parquet")
@@ -37,7 +37,7 @@ def write_table(path: Path, rows: list[dict[str, Any]]) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    with file_written_whole(path) as new:
+    with atomic_file(path) as new:
         if path.suffix == ".parquet":
             _write_parquet(new, rows)
         else:

@@ -38,7 +38,7 @@ def associate(
     if np.count_nonzero(result) < FEWEST:
         raise TrajectoryError(_too_few(truth, estimate, int(np.count_nonzero(result))))
     these, those = (
-        asking.picked(result),
+        asking.selected(result),
         _with_stamps(asked, nearest[result], asking.stamps[result]),
     )
     return (these, those) if truth_asks else (those, these)
@@ -85,7 +85,7 @@ def at(
     Raises:
         TrajectoryError: the poses are known at fewer than two stamps; names the times.
     """
-    trajectory = trajectory.one_a_stamp()
+    trajectory = trajectory.without_repeats()
     asked = np.asarray(stamps, dtype=np.float64).ravel()
     known = trajectory.stamps
     before = np.clip(np.searchsorted(known, asked, side="right") - 1, 0, len(known) - 2)

@@ -76,8 +76,8 @@ def estimate_clock_offset(
     Raises:
         TrajectoryError: a trajectory is too short or too long, or no offset is in reach.
     """
-    from_above = truth.planar or estimate.planar
-    true, result = motion_profile(truth, from_above), motion_profile(estimate, from_above)
+    to_planar = truth.planar or estimate.planar
+    true, result = motion_profile(truth, to_planar), motion_profile(estimate, to_planar)
     size = _size(true, result)
     offsets, alike, overlap = correlations(true, result.scaled(size))
     estimate = replace(estimate, positions=size * estimate.positions, lines=None)

@@ -42,12 +42,12 @@ class MotionProfile:
         return replace(self, channels=self.channels * [[size], [1.0]])
 
 
-def motion_profile(trajectory: Trajectory, from_above: bool) -> MotionProfile:
+def motion_profile(trajectory: Trajectory, to_planar: bool) -> MotionProfile:
     """Return the smoothed speed and turn rate of a trajectory.
 
     Args:
         trajectory: the trajectory to profile.
-        from_above: whether to take the turn rate about z with its sign; else its magnitude about
+        to_planar: whether to take the turn rate about z with its sign; else its magnitude about
             any axis.
 
     Raises:
@@ -62,7 +62,7 @@ def motion_profile(trajectory: Trajectory, from_above: bool) -> MotionProfile:
     start, stamps = trajectory.stamps[0], trajectory.stamps
     grid = start + STEP * np.arange(int(trajectory.duration / STEP) + 1)
     speed = np.linalg.norm(_rates(grid, stamps, trajectory.positions), axis=1)
-    if from_above:
+    if to_planar:
         turn = _rates(grid, stamps, np.unwrap(trajectory.poses[:, 2])[:, None])[:, 0]
     else:
         # The rate of change of a unit quaternion is half the turn rate.

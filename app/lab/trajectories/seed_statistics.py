@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from robot.geometry import Array
 
-AT_ONCE = 2**22
+DRAW_BATCH = 2**22
 """Numbers that are drawn at a time."""
 
 
@@ -54,7 +54,7 @@ def bootstrap_interval(
     if draws < 1:
         raise ValueError(f"{draws} draws; valid are 1 and more")
     rng = np.random.default_rng(seed)
-    means, rows = [], max(AT_ONCE // len(checked), 1)
+    means, rows = [], max(DRAW_BATCH // len(checked), 1)
     for start in range(0, draws, rows):
         shape = (min(rows, draws - start), len(checked))
         means.append(checked[rng.integers(len(checked), size=shape)].mean(axis=1))

@@ -122,7 +122,7 @@ class Trajectory:
         ahead = np.column_stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)])
         return np.column_stack([self.positions[:, :2], heading_angles(ahead)])
 
-    def picked(self, indices: Indices) -> Trajectory:
+    def selected(self, indices: Indices) -> Trajectory:
         """Return the poses at rising indices, or where a mask (n,) is true."""
         return Trajectory(
             self.stamps[indices],
@@ -133,15 +133,15 @@ class Trajectory:
             self.repeats,
         )
 
-    def from_above(self) -> Trajectory:
+    def to_planar(self) -> Trajectory:
         """Return the planar trajectory seen from above: without height, roll and pitch."""
         return Trajectory.of_poses(
             self.stamps, self.poses, self.source, self.notes, repeats=self.repeats
         )
 
-    def one_a_stamp(self) -> Trajectory:
+    def without_repeats(self) -> Trajectory:
         """Keep only the last of several poses with the same stamp."""
-        return replace(self.picked(np.append(np.diff(self.stamps) > 0, True)), repeats=False)
+        return replace(self.selected(np.append(np.diff(self.stamps) > 0, True)), repeats=False)
 
     def shifted(self, seconds: float) -> Trajectory:
         """Return the same poses at later stamps, by some time [s]."""

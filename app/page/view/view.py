@@ -33,7 +33,7 @@ SMALL_BUFFER = 16 * 1024
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 """viser's whole client is this one file."""
 
-IN_OUR_PAGE = b"""<style>[data-floating-window]{display:none!important}</style>
+INJECTED_HTML = b"""<style>[data-floating-window]{display:none!important}</style>
 <script>document.hasFocus = () => true;</script>"""
 """Added to viser's page. Our page has the controls, so viser's panel is hidden. viser's client
 reconnects only while it has the focus, which a frame in a page often lacks."""
@@ -139,7 +139,7 @@ async def _pass_up(socket: WebSocket, upstream: Any, scope: anyio.CancelScope) -
 def _page() -> bytes:
     page = PAGE.read_bytes()
     head = page.index(b"<head>") + len(b"<head>")
-    return page[:head] + IN_OUR_PAGE + page[head:]
+    return page[:head] + INJECTED_HTML + page[head:]
 
 
 def _small_socket(port: int) -> socket.socket:

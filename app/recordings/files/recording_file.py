@@ -17,7 +17,7 @@ from typing import IO, Any, cast
 
 from mcap.writer import Writer
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from app.recordings.files.bag_metadata import (
     RecordedTopic,
     Span,
@@ -201,7 +201,7 @@ class RecordingFile:
         # A deleted file still accepts all writes, but nobody ever sees them.
         if not self.path.exists():
             raise FileNotFoundError(errno.ENOENT, "its file was deleted", str(self.path))
-        with file_written_whole(self.folder / METADATA_FILE) as new:
+        with atomic_file(self.folder / METADATA_FILE) as new:
             new.write_text(as_text(self._metadata()), encoding="utf-8")
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from app.engine.build import build_engine, own_models
 from app.engine.engine import Engine
 from app.engine.own_models.own_models import OwnModels
-from app.engine.parameter_changes import changed_with_own
+from app.engine.parameter_changes import with_values_and_models
 from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
@@ -124,7 +124,7 @@ class _Begin:
         parameters = config.localization
         for name, value in changed.items():
             try:
-                parameters, choice = changed_with_own(parameters, own.choice, {name: value})
+                parameters, choice = with_values_and_models(parameters, own.choice, {name: value})
             except SettingError:
                 continue  # a model's file is gone; the page shows which is in use
             own.choose(choice)

@@ -23,7 +23,7 @@ from app.recordings.replay.timeline import Timeline
 from robot.interface import Frame
 from robot.localization.filter import Cloud
 
-STANDING_S = 0.1
+STATUS_S = 0.1
 """Interval of status messages while paused or waiting [s]."""
 
 PIECE_S = 0.03
@@ -96,9 +96,9 @@ class Replay:
         try:
             self._show(self._tick())
             while not stop.is_set():
-                self._take_wishes()
+                self._take_requests()
                 if self._way is not None:
-                    self._hurry(self._way)
+                    self._continue_seek(self._way)
                 elif self._paused:
                     self._stand()
                 else:
@@ -109,7 +109,7 @@ class Replay:
         finally:
             engine.controls.robot.close()
 
-    def _take_wishes(self) -> None:
+    def _take_requests(self) -> None:
         requests = self.asked.take()
         over = self.timeline.robot.next_ns is None
         if requests.speed is not None:
@@ -143,10 +143,10 @@ class Replay:
             if next_s - last_s > LONGEST_GAP_S:
                 self._zero -= (next_s - last_s - LONGEST_GAP_S) / self._speed
         due = self._zero + next_s / self._speed
-        if due > clock and self.asked.wait(min(due - clock, STANDING_S)):
+        if due > clock and self.asked.wait(min(due - clock, STATUS_S)):
             return
         if due > time.monotonic() + SHORT_S:
-            self._show(self.timeline.linger(self.timeline.engine.commands.take()))
+            self._show(self.timeline.apply_between_ticks(self.timeline.engine.commands.take()))
             return
         if clock - due > BEHIND_S:
             self._zero += clock - due
@@ -154,8 +154,8 @@ class Replay:
 
     def _stand(self) -> None:
         """Show that the replay is paused, and carry out commands."""
-        self._show(self.timeline.linger(self.timeline.engine.commands.take()))
-        self.asked.wait(STANDING_S)
+        self._show(self.timeline.apply_between_ticks(self.timeline.engine.commands.take()))
+        self.asked.wait(STATUS_S)
 
     def _step(self, pictures: int) -> None:
         """Step forward by a number of pictures, or back if it is negative."""
@@ -175,11 +175,11 @@ class Replay:
             max(self.timeline.log_ns, self._start_ns),
             log_ns,
             self.timeline.ticks_up_to(log_ns),
-            self._glimpsed(target),
+            self._preview_snapshot(target),
             time.monotonic(),
         )
 
-    def _hurry(self, way: _Way) -> None:
+    def _continue_seek(self, way: _Way) -> None:
         """Continue a seek or a step for ``PIECE_S``, as fast as possible."""
         until = time.monotonic() + PIECE_S
         while time.monotonic() < until:
@@ -196,7 +196,7 @@ class Replay:
     def _arrive(self) -> None:
         self._way = None
         commands, self._later = tuple(self._later), []
-        self._show(self.timeline.linger(commands))
+        self._show(self.timeline.apply_between_ticks(commands))
 
     def _change_on_the_way(self, way: _Way) -> bool:
         """Take commands during a seek; return whether it starts again because of new settings."""
@@ -248,7 +248,7 @@ class Replay:
             earlier,
         )
 
-    def _glimpsed(self, preview: Preview | None) -> Snapshot | None:
+    def _preview_snapshot(self, preview: Preview | None) -> Snapshot | None:
         """The last snapshot, with the recorded picture, scan and estimate of another time."""
         last = self._shown
         if preview is None or last is None:

@@ -100,10 +100,10 @@ class Timeline:
         self._keep()
         return snapshot
 
-    def linger(self, commands: tuple[Command, ...]) -> Snapshot:
+    def apply_between_ticks(self, commands: tuple[Command, ...]) -> Snapshot:
         """Carry out commands between two ticks."""
         self._note(commands)
-        snapshot = self.engine.linger(commands)
+        snapshot = self.engine.apply_between_ticks(commands)
         self._mind_own_models()
         return snapshot
 

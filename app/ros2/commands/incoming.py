@@ -73,7 +73,7 @@ def drive(source: TopicSource, message: Message) -> DriveCommand:
     return DriveCommand(type="drive", v=parts["linear.x"], omega=parts["angular.z"])
 
 
-def drive_in_time(source: TopicSource, message: Message) -> DriveCommand:
+def drive_stamped(source: TopicSource, message: Message) -> DriveCommand:
     """Convert a TwistStamped with a recent stamp; zero means now, as in diff_drive_controller."""
     stamp = message.header.stamp
     sent = stamp.sec * SECOND_NS + stamp.nanosec
@@ -130,7 +130,7 @@ def _told_pose(source: TopicSource, request: Message) -> SetPoseCommand:
 
 
 INCOMING: tuple[IncomingTopic, ...] = (
-    IncomingTopic("cmd_vel", STAMPED_TWIST, drive_in_time),
+    IncomingTopic("cmd_vel", STAMPED_TWIST, drive_stamped),
     IncomingTopic("cmd_vel", TWIST, drive),
     IncomingTopic("initialpose", POSE, set_pose),
 )

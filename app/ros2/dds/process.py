@@ -37,7 +37,7 @@ class Wire:
             self.end.sendall(header(number, payload) + payload)
 
 
-class Hearing(threading.Thread):
+class CommandReader(threading.Thread):
     """Passes received messages to the program, until ``end`` is called."""
 
     def __init__(self, participant: Participant, wire: Wire) -> None:
@@ -79,7 +79,7 @@ def main(descriptor: int) -> int:
     try:
         plan, rest = _plan(wire.end, frames)
         participant = Participant(plan)
-        hearing = Hearing(participant, wire)
+        hearing = CommandReader(participant, wire)
         wire.send(READY)
         hearing.start()
         _publish(participant, wire, frames, rest, hearing)
@@ -112,7 +112,7 @@ def _publish(
     wire: Wire,
     frames: Frames,
     rest: list[tuple[int, bytes]],
-    hearing: Hearing,
+    hearing: CommandReader,
 ) -> None:
     wire.end.settimeout(ALIVE_S)
     clock = time.monotonic()

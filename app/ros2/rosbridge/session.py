@@ -20,7 +20,7 @@ from app.ros2.rosbridge.requests import (
     request_id,
     text,
 )
-from app.ros2.rosbridge.subscription import Subscription, Wish
+from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
 from app.ros2.topic import Topic
@@ -138,7 +138,7 @@ class Session(Route):
     def _subscribe(self, request: Request) -> list[Request]:
         name = text(request, "topic")
         topic = self._bridge.names.heard(name, maybe_text(request, "type"))
-        wish = Wish.of(request)
+        wish = SubscribeOptions.of(request)
         known = self._subscriptions.get(name)
         subscription = known or Subscription(name, topic, self._bridge.names.settings)
         subscription.add(request_id(request), wish)
@@ -181,7 +181,7 @@ class Session(Route):
         if wanted and not self._holds:
             clock.hold()
         elif self._holds and not wanted:
-            clock.let_go()
+            clock.release()
         self._holds = wanted
 
     def _call_service(self, request: Request) -> list[Request]:

@@ -23,7 +23,7 @@ MOST_REQUESTS = 100
 
 
 @dataclass(frozen=True, slots=True)
-class Wish:
+class SubscribeOptions:
     """The options of one request to follow a topic."""
 
     throttle: float
@@ -35,7 +35,7 @@ class Wish:
     """Whether to send every message, as for a recording, without the rate limit of live topics."""
 
     @classmethod
-    def of(cls, request: dict[str, Any]) -> Wish:
+    def of(cls, request: dict[str, Any]) -> SubscribeOptions:
         """Return the options in a ``subscribe`` operation.
 
         Raises:
@@ -59,11 +59,11 @@ class Subscription:
         self.compression = "none"
         self.queue = 0
         self._settings = settings
-        self._wishes: dict[Any, Wish] = {}
+        self._wishes: dict[Any, SubscribeOptions] = {}
         self._period = 0.0
         self._pace = Pace(lambda topic: self._period)
 
-    def add(self, request_id: Any, wish: Wish) -> None:
+    def add(self, request_id: Any, wish: SubscribeOptions) -> None:
         """Add a request; content that is already known is due again at once.
 
         Raises:

@@ -92,7 +92,7 @@ def _settled(board: Board, link: SerialLink, tell: Callable[[str], None]) -> Boa
             since = clock
             if progress != (progress := _progress(board, state)):
                 tell(progress)
-        if clock - since > _patience(board, state, answered_after):
+        if clock - since > _search_interval(board, state, answered_after):
             break
         time.sleep(LOOK_S)
         clock = time.monotonic()
@@ -111,7 +111,7 @@ def _progress(board: Board, state: BoardState) -> str:
     return board.bring_up.stage.value
 
 
-def _patience(board: Board, state: BoardState, answered_after: float) -> float:
+def _search_interval(board: Board, state: BoardState, answered_after: float) -> float:
     """Return how long to wait for a change [s]."""
     if state.supply_v is not None:
         if state.ready:

@@ -25,7 +25,7 @@ from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
 from sim.hat.devices.motor_figures import KindError, MotorFigures, figures_described, figures_named
 from sim.hat_emulator.control import Control
-from sim.hat_emulator.emulator import Beginning, Emulator
+from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.line_server import LineServer, TypedLines
 from sim.hat_emulator.picture_server import PictureServer
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
@@ -82,7 +82,7 @@ def _run(
     stack.callback(around.close)
     terminal = PseudoTerminal(options.get("link"))
     stack.callback(terminal.close)
-    beginning = Beginning(warm="bootloader" not in options, seed=config.seed)
+    beginning = InitialState(warm="bootloader" not in options, seed=config.seed)
     if "firmware" in options:
         beginning = replace(beginning, version=options["firmware"])
     emulator = Emulator(around, motors, terminal, beginning)

@@ -77,7 +77,7 @@ def clear_faults() -> bytes:
     return line("clear_faults")
 
 
-def echo_off_and_quiet() -> bytes:
+def silence() -> bytes:
     """End all reports, traces and echoes that an earlier program left on."""
     return line(*(f"port {port};select" for port in PORTS), "echo 0", "debug 0")
 

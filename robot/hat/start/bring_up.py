@@ -71,7 +71,7 @@ class BringUp:
         self._listed: set[int] = set()
         self._lists = 0
         self._asked = 0
-        self._reset_in_vain = False
+        self._reset_tried = False
         """Whether a silent board has been reset already."""
         self._wrong_version: int | None = None
         """The version in the board's last answer, if it was not the right one."""
@@ -82,8 +82,8 @@ class BringUp:
         self.wants_reset = False
         self.trouble = None
         self.version = None
-        self._reset_in_vain = False
-        return self._ask_anew(current)
+        self._reset_tried = False
+        return self._restart_asking(current)
 
     def receive(self, events: Sequence[Event], current: float) -> bytes:
         """Take all messages of the board, at any stage; return what to send."""
@@ -97,13 +97,13 @@ class BringUp:
         passed = current - self._since
         match self.stage:
             case Stage.ASKING if passed >= ASK_S:
-                return self._ask_in_vain(current)
+                return self._retry_version(current)
             case Stage.LISTING if passed >= LIST_S:
                 return self._list_again(current)
             case Stage.RESETTING if not self.wants_reset and passed >= BOOT_S:
-                return self._ask_anew(current)
+                return self._restart_asking(current)
             case Stage.FAILED if passed >= AGAIN_S:
-                return self._ask_anew(current)
+                return self._restart_asking(current)
         return b""
 
     def was_reset(self, current: float) -> None:
@@ -119,14 +119,14 @@ class BringUp:
             return
         self._fail(troubles.no_reset(self.version, reason), current)
 
-    def _ask_in_vain(self, current: float) -> bytes:
+    def _retry_version(self, current: float) -> bytes:
         """Ask again, as no answer came; in the end, request a reset of the board."""
         silent = current - self._silent_since
         if silent >= SILENT_S:
             self.trouble = self._diagnosis()
-        if silent < RESET_S or self._reset_in_vain:
+        if silent < RESET_S or self._reset_tried:
             return self._ask(current)
-        self._reset_in_vain = self.wants_reset = True
+        self._reset_tried = self.wants_reset = True
         self._enter(Stage.RESETTING, current)
         return b""
 
@@ -164,7 +164,7 @@ class BringUp:
         if version == EXPECTED_VERSION:
             self._lists = 0
             self._listed = set()
-            return commands.stop() + commands.echo_off_and_quiet() + self._list(current)
+            return commands.stop() + commands.silence() + self._list(current)
         if version != self._wrong_version:
             # A digit may have been garbled, and a reset costs eight seconds: ask once more.
             self._wrong_version = version
@@ -205,10 +205,10 @@ class BringUp:
             self._fail(troubles.upload_failed(TRIES, upload.failed), current)
         elif upload.done:
             self._upload = None
-            return self._ask_anew(current)
+            return self._restart_asking(current)
         return b""
 
-    def _ask_anew(self, current: float) -> bytes:
+    def _restart_asking(self, current: float) -> bytes:
         self._upload = None
         self._silent_since = current
         self._strange = None
@@ -232,7 +232,7 @@ class BringUp:
         if self._lists < LISTS:
             return self._list(current)
         self.trouble = troubles.HALF_HEARD
-        return self._ask_anew(current)
+        return self._restart_asking(current)
 
     def _enter(self, stage: Stage, current: float) -> None:
         self.stage = stage

@@ -26,7 +26,7 @@ class FoundPlace:
     """The same by the scans of the short map alone, without a prior."""
 
 
-def found_places(
+def weigh_places(
     search: PlaceSearch,
     tracks: Sequence[Track],
     priors: Sequence[Prior],
@@ -44,11 +44,11 @@ def found_places(
         whole: whether the short map is the only evidence for the tracks; then no prior counts.
         p: the parameters; they say what a scan is worth.
     """
-    lives = search.found_beside([track.pose for track in tracks])
+    lives = search.places_apart_from([track.pose for track in tracks])
     if not lives:
         return []
     reference, log_weight = _reference(search, tracks)
-    worth = p.scan_worth * search.scans / search.scans_lived
+    worth = p.scan_worth * search.scans / search.scans_replayed
     places = []
     for life in lives:
         evidence = log_weight + worth * float((life.fits - reference).sum())
@@ -64,10 +64,10 @@ def found_places(
 def _reference(search: PlaceSearch, tracks: Sequence[Track]) -> tuple[Array, float]:
     """Return the fits and the log-weight of the heaviest replayed track, or of the best place."""
     for track in tracks:
-        life = search.life_at(track.pose)
+        life = search.rescored_at(track.pose)
         if life is not None:
             return life.fits, track.log_weight
-    return search.best_life.fits, 0.0
+    return search.best_rescored.fits, 0.0
 
 
 def equal_tracks(
@@ -78,13 +78,13 @@ def equal_tracks(
     A search may take two places that are near each other for one. The fit of the last scans decides
     for a track that shares its place with the heaviest, or that the search did not replay.
     """
-    leader = search.life_at(tracks[0].pose) if tracks else None
-    worth = p.scan_worth * search.scans / search.scans_lived
+    leader = search.rescored_at(tracks[0].pose) if tracks else None
+    worth = p.scan_worth * search.scans / search.scans_replayed
 
     def is_equal(track: Track) -> bool:
-        life = search.life_at(track.pose)
+        life = search.rescored_at(track.pose)
         if life is None or leader is None or life is leader:
-            return track.fits_as_well
+            return track.fits_like_best
         return worth * float((life.fits - leader.fits).sum()) > EQUAL
 
     return [track.pose for track in tracks[1:] if is_equal(track)]

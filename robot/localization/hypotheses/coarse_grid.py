@@ -49,12 +49,12 @@ class CoarseGrid:
         turn, row, column = cells.T
         return np.column_stack([self.xs[column], self.ys[row], self.thetas[turn]])
 
-    def sharpened(self, poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
+    def refined_poses(self, poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
         """Return the poses (n, 3), each moved to the cheapest pose nearby in ever smaller steps.
 
         At a distance of one grid step, rays lie nearer to other edges than to their own.
         """
-        return _sharpen(
+        return _refine_poses(
             poses,
             self._steps,
             ends,
@@ -110,7 +110,7 @@ def _step(values: Array) -> float:
 
 
 @njit(cache=True, nogil=True)
-def _sharpen(
+def _refine_poses(
     poses: Array,
     steps: Array,
     ends: Array,

@@ -37,7 +37,7 @@ class Kidnapping:
         self, best: float, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
         """Compare how well rays (n, 7) fit the best hypothesis with a place that fits badly."""
-        anywhere = evidence.log_likelihood_anywhere(rays)
+        anywhere = evidence.background_log_likelihood(rays)
         gain = p.scan_worth * (anywhere - best)
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)
         self.doubts = self.doubts + 1 if gain > 0 else 0

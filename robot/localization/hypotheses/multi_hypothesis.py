@@ -14,14 +14,14 @@ import numpy as np
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
-from robot.localization.hypotheses.candidate_weights import equal_tracks, found_places, has_rival
+from robot.localization.hypotheses.candidate_weights import equal_tracks, has_rival, weigh_places
 from robot.localization.hypotheses.confirmation import Confirmation
 from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior
-from robot.localization.hypotheses.start_poses import StartPose, begun_at, clusters_of
+from robot.localization.hypotheses.start_poses import StartPose, find_start_clusters, start_tracks
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
 from robot.localization.rays import rays_of
@@ -39,7 +39,7 @@ LEAST_SHARE = 0.2
 """A track keeps at least this share of its particles, however many tracks there are."""
 BORN_SHARE = 0.05
 """Share of the particles of a new track: its place is known to centimetres, so a few are enough."""
-REMEMBERED = 4
+PRIOR_MAP_LENGTHS = 4
 """Lengths of a short map after which the given start does not count: scans tell more by then."""
 
 
@@ -70,13 +70,13 @@ class MultiHypothesisFilter:
         self._scans = 0
         """Number of scans kept since the start."""
         self._lost_at = 0  # The same number when the place was last lost; 0 is the start.
-        self._anchored = True
+        self._start_is_given = True
         """Whether the start was given, and the place was neither lost nor changed since."""
         self._confirmation = Confirmation()
         self._looseness = 1.0
         self._wait = FIRST
         """Scans until the next search."""
-        self._patience = SOON
+        self._search_interval = SOON
         """Current number of scans between searches."""
         self._elsewhere = Kidnapping(FRESH)
         self.set_pose(setup.field.start, setup.parameters.filter.initial_covariance)
@@ -137,16 +137,16 @@ class MultiHypothesisFilter:
         """Restart at the heaviest hypotheses; only the ratios of their weights count."""
         best = sorted((h for h in hypotheses if h.weight > 0), key=lambda h: -h.weight)
         places = [StartPose(item) for item in best[: self.setup.hypotheses.max_hypotheses]]
-        self._start(*begun_at(places, self._new_filter, self.setup))
+        self._start(*start_tracks(places, self._new_filter, self.setup))
 
     def set_cloud(self, cloud: Cloud) -> None:
         """Restart with a hypothesis for each cluster of weighted poses.
 
         Poses spread over the field form no clusters: search the field instead.
         """
-        places = clusters_of(cloud, self.setup)
+        places = find_start_clusters(cloud, self.setup)
         if places:
-            self._start(*begun_at(places, self._new_filter, self.setup))
+            self._start(*start_tracks(places, self._new_filter, self.setup))
         else:
             self.scatter()
 
@@ -172,11 +172,11 @@ class MultiHypothesisFilter:
         if self._local.add(scan):
             self._wait -= 1
             self._scans += 1
-            if self._scans >= REMEMBERED * self.setup.hypotheses.map_scans:
+            if self._scans >= PRIOR_MAP_LENGTHS * self.setup.hypotheses.map_scans:
                 self._told = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
-            self._mirror()
+            self._follow_images()
         self._look_around()
 
     def _weigh(self, rays: Array) -> None:
@@ -189,9 +189,9 @@ class MultiHypothesisFilter:
         for track, loss in zip(self._tracks, p.scan_worth * (fits.max() - fits), strict=True):
             track.lose(float(loss), p.most_a_scan)
         best = self._tracks[int(fits.argmax())]
-        self._elsewhere.weigh(best.fit_unlaid(rays, self.setup), rays, evidence, p)
+        self._elsewhere.weigh(best.unmatched_fit(rays, self.setup), rays, evidence, p)
         for track in self._tracks:
-            if track.come_unstuck():
+            if track.restart_if_stuck():
                 track.born = self._scans
 
     def _select(self) -> None:
@@ -203,9 +203,9 @@ class MultiHypothesisFilter:
         if self._tracks:
             self._level(self._tracks[0].log_weight)
 
-    def _mirror(self) -> None:
+    def _follow_images(self) -> None:
         """Follow the images of the heaviest places, unless the start was given."""
-        if self._anchored:
+        if self._start_is_given:
             return
         p = self.setup.hypotheses
         for image in list(missing_images(self._tracks, self.setup.field.symmetries, p)):
@@ -225,16 +225,16 @@ class MultiHypothesisFilter:
             self._confirmation.doubt(self._scans)
         if lost_now:
             self._confirmation.lose()
-            self._begin_anew(self._elsewhere.doubts)
+            self._restart_search(self._elsewhere.doubts)
         elif another:
-            self._begin_anew(self._scans - self._tracks[0].born)
+            self._restart_search(self._scans - self._tracks[0].born)
 
-    def _begin_anew(self, scans: int) -> None:
+    def _restart_search(self, scans: int) -> None:
         """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
         self._local.begin_anew(max(scans, 1))
         self._search, self._wait = None, LOST
         self._told, self._lost_at = [], self._scans
-        self._anchored = False
+        self._start_is_given = False
 
     def _look_around(self) -> None:
         """Begin a search for places, or do the next piece of it."""
@@ -243,9 +243,9 @@ class MultiHypothesisFilter:
             back = self._local.since.inverse()
             alive = [track.pose @ back for track in self._tracks[:1]]
             self._search = PlaceSearch(self._local, alive, self.setup)
-            self._wait = self._patience
+            self._wait = self._search_interval
         elif self._search is not None and self._search.advance():
-            self._bear(self._search)
+            self._add_places(self._search)
             self._search = None
 
     def _is_search_due(self) -> bool:
@@ -254,7 +254,7 @@ class MultiHypothesisFilter:
             return self._local.hit_share >= CONFIRMING * least
         return self._search is None and self._wait <= 0 and self._local.hit_share >= least
 
-    def _bear(self, search: PlaceSearch) -> None:
+    def _add_places(self, search: PlaceSearch) -> None:
         """Follow the places that a search has found."""
         p = self.setup.hypotheses
         # If the short map goes back to where the robot was lost or scattered, a place found now is
@@ -263,7 +263,7 @@ class MultiHypothesisFilter:
         old = any(track.born < self._lost_at for track in self._tracks[:1])
         whole = search.whole and not self._told and not old
         elsewhere = self._elsewhere.log_weight
-        places = found_places(search, self._tracks, self._told, elsewhere, whole, p)
+        places = weigh_places(search, self._tracks, self._told, elsewhere, whole, p)
         followed = equal_tracks(search, self._tracks, p)
         rival = has_rival(self._tracks, places, followed, self.setup.field.symmetries, p)
         self._confirmation.end(self._scans, rival)
@@ -273,9 +273,9 @@ class MultiHypothesisFilter:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A new place that is not hopeless may be the first of several.
         result = len(self._tracks) > before
-        self._patience = SOON if result else min(2 * self._patience, LATE)
+        self._search_interval = SOON if result else min(2 * self._search_interval, LATE)
         if places:
-            self._wait = min(self._wait, self._patience)
+            self._wait = min(self._wait, self._search_interval)
             self._select()
         if whole and result:  # A better fit than a bad one is not certain yet.
             self._elsewhere.at_least(FRESH)
@@ -292,8 +292,8 @@ class MultiHypothesisFilter:
         self._told = priors
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
-        self._search, self._wait, self._patience = None, FIRST, SOON
-        self._confirmation, self._anchored = Confirmation(bool(priors)), bool(priors)
+        self._search, self._wait, self._search_interval = None, FIRST, SOON
+        self._confirmation, self._start_is_given = Confirmation(bool(priors)), bool(priors)
         self._local = LocalMap.of(p)
 
     def _weights(self) -> Array:

@@ -24,15 +24,15 @@ COARSE_SCANS, COARSE_BEAMS = 12, 6
 """Scans, and rays of each, by which the grid is scored."""
 SCANS, BEAMS = 12, 12
 """Scans, and rays of each, that are laid on the edges."""
-LIVED_SCANS, LIVED_BEAMS = 8, 30
+REPLAYED_SCANS, REPLAYED_BEAMS = 8, 30
 """Scans, and rays of each, that are replayed."""
 PEAKS = 90
 """Poses of the grid that are laid on the edges."""
 WORSE = 1.5
 """A place is dropped if its log-likelihood per ray is this much below the best one's."""
-LOOKED_A_PIECE = 100_000
+SEARCHED_PER_PIECE = 100_000
 """Poses that are searched for the cheapest ones in one piece of work: about 1 ms."""
-POSES_A_PIECE, FITS_A_PIECE, LIVES_A_PIECE = 20_000, 45, 12
+POSES_PER_PIECE, FITS_PER_PIECE, REPLAYS_PER_PIECE = 20_000, 45, 12
 """Poses scored, poses laid on edges, and places replayed in one piece of work: 2 to 4 ms."""
 
 
@@ -72,25 +72,25 @@ class PlaceSearch:
         self._entries, self._parameters = setup.entries, setup.hypotheses
         self._ends = _ends(local.rays(COARSE_SCANS, COARSE_BEAMS))
         self._rays = local.rays(SCANS, BEAMS)
-        self._past: ScanHistory = local.past(LIVED_SCANS, LIVED_BEAMS, setup.motion)
+        self._past: ScanHistory = local.past(REPLAYED_SCANS, REPLAYED_BEAMS, setup.motion)
         self._likely = alive
         self._done = 0
         """Number of pieces of work that are done."""
         self._pieces: Iterator[bool] | None = self._work()
 
     @property
-    def scans_lived(self) -> int:
+    def scans_replayed(self) -> int:
         """Number of scans that are replayed for each place."""
         return len(self._past.moves)
 
-    def life_at(self, pose: Pose2) -> Rescored | None:
+    def rescored_at(self, pose: Pose2) -> Rescored | None:
         """Return the replayed hypothesis that is now at a pose; None if there is none."""
         for life in (*self.alive, *self.found):
             if self._parameters.alike(life.pose @ self.since, pose):
                 return life
         return None
 
-    def found_beside(self, poses: Sequence[Pose2]) -> list[Rescored]:
+    def places_apart_from(self, poses: Sequence[Pose2]) -> list[Rescored]:
         """Return the found places that are now at none of some poses."""
         alike = self._parameters.alike
         return [
@@ -100,7 +100,7 @@ class PlaceSearch:
         ]
 
     @property
-    def best_life(self) -> Rescored:
+    def best_rescored(self) -> Rescored:
         """The replayed hypothesis that fits best."""
         return max((*self.alive, *self.found), key=lambda life: float(life.fits.sum()))
 
@@ -127,30 +127,30 @@ class PlaceSearch:
 
     def _work(self) -> Iterator[bool]:
         grid = CoarseGrid.over(
-            self._setup.field.roamed,
+            self._setup.field.drive_area,
             self._parameters.search_step_xy,
             self._parameters.search_step_theta,
         )
         costs = np.empty(grid.shape, dtype=np.float32)
-        for turns in _pieces(grid.shape[0], POSES_A_PIECE // (grid.shape[1] * grid.shape[2])):
+        for turns in _pieces(grid.shape[0], POSES_PER_PIECE // (grid.shape[1] * grid.shape[2])):
             grid.score(turns, self._ends, self._entries, self._parameters.search_blur, costs)
             yield False
         cheapest = Cheapest(PEAKS, self._hopeless_cost())
-        for turns in _pieces(grid.shape[0], LOOKED_A_PIECE // (grid.shape[1] * grid.shape[2])):
+        for turns in _pieces(grid.shape[0], SEARCHED_PER_PIECE // (grid.shape[1] * grid.shape[2])):
             cheapest.look(costs, turns)
             yield False
         blur = self._parameters.search_blur
-        starts = grid.sharpened(grid.poses(cheapest.cells), self._ends, self._entries, blur)
+        starts = grid.refined_poses(grid.poses(cheapest.cells), self._ends, self._entries, blur)
         yield False
         fits: list[_Fit] = []
-        for some in _pieces(len(starts), FITS_A_PIECE):
+        for some in _pieces(len(starts), FITS_PER_PIECE):
             fits += self._fits(starts[some])
             yield False
         places = self._distinct(fits)
-        for some in _pieces(len(places), LIVES_A_PIECE):
-            self.found += [self._live(place) for place in places[some]]
+        for some in _pieces(len(places), REPLAYS_PER_PIECE):
+            self.found += [self._replayed(place) for place in places[some]]
             yield False
-        self.alive = [self._live(self._match(pose).pose) for pose in self._likely]
+        self.alive = [self._replayed(self._match(pose).pose) for pose in self._likely]
         yield True
 
     def _hopeless_cost(self) -> float:
@@ -168,7 +168,7 @@ class PlaceSearch:
         logs = self._setup.evidence.log_likelihoods(laid, self._rays).tolist()
         return [_Fit(pose, log) for pose, log in zip(poses, logs, strict=True)]
 
-    def _live(self, pose: Pose2) -> Rescored:
+    def _replayed(self, pose: Pose2) -> Rescored:
         return rescore(pose, self._past, self._setup.matcher, self._setup.evidence)
 
     def _distinct(self, fits: list[_Fit]) -> list[Pose2]:

@@ -40,7 +40,7 @@ class StartPose:
             item.set_pose(self.hypothesis.pose, covariance)
 
 
-def begun_at(
+def start_tracks(
     places: list[StartPose], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
 ) -> tuple[list[Track], list[Prior]]:
     """Return a track and a prior for each place, the heaviest first."""
@@ -56,7 +56,7 @@ def begun_at(
     return tracks, told
 
 
-def clusters_of(cloud: Cloud, setup: Setup) -> list[StartPose]:
+def find_start_clusters(cloud: Cloud, setup: Setup) -> list[StartPose]:
     """Return the clusters of a cloud, heaviest first; none if it is spread over the field."""
     p = setup.hypotheses
     cells = Cells(setup.filter.cell_xy, max(1, round(2 * math.pi / setup.filter.cell_theta)))

@@ -17,7 +17,7 @@ from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.kernels.matrices import inverse, solved
 from robot.localization.setup import Setup
 
-POLISH = np.diag(np.square([0.01, 0.01, 0.03]))
+MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))
 """Covariance added to a hypothesis's own when it is moved to where a scan fits [m², m², rad²]: a
 camera that is mounted 0.3 degrees askew shifts what it sees by so much."""
 FARTHEST = 11.3
@@ -77,7 +77,7 @@ class Track:
         return tuple(replace(each, weight=each.weight * all_of_it) for each in kept)
 
     @property
-    def fits_as_well(self) -> bool:
+    def fits_like_best(self) -> bool:
         """Whether the last scans fit this place about as well as the best one."""
         return self._mean_loss < INDIFFERENT
 
@@ -98,7 +98,7 @@ class Track:
         none becomes likelier than another.
         """
         best = self.best
-        known = inverse(best.covariance + POLISH)
+        known = inverse(best.covariance + MATCH_COVARIANCE)
         narrow = float(np.trace(best.covariance[:2, :2])) < NARROW**2
         matcher = setup.fine_matcher if narrow else setup.matcher
         match = matcher.match(best.pose, rays, known)
@@ -116,7 +116,7 @@ class Track:
         # Beyond this distance, the track would gain weight by scans that fit another place.
         return target if far < FARTHEST else current
 
-    def fit_unlaid(self, rays: Array, setup: Setup) -> float:
+    def unmatched_fit(self, rays: Array, setup: Setup) -> float:
         """Return the mean log-likelihood of rays at the filter's own pose, or close to it.
 
         After rays are laid on the edges, a wrong place would fit too well to be noticed.
@@ -135,7 +135,7 @@ class Track:
         self._mean_loss += FORGETTING * (min(loss, most) - self._mean_loss)
         self.log_weight -= counted if counted > INDIFFERENT else 0.0
 
-    def come_unstuck(self) -> bool:
+    def restart_if_stuck(self) -> bool:
         """Restart where the scans fit, if they have fitted far off, and better, for long enough.
 
         Returns:
@@ -143,7 +143,7 @@ class Track:
         """
         better = len(self._gains) == STUCK and self._gains[-1] > 0 and sum(self._gains) > 0
         if better and self._fitting is not None:
-            self.filter.set_pose(self._fitting, self.best.covariance + POLISH)
+            self.filter.set_pose(self._fitting, self.best.covariance + MATCH_COVARIANCE)
             self._gains = ()
             return True
         return False

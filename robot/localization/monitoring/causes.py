@@ -31,7 +31,7 @@ SURE = 3.0
 FLAT, FLAT_WIDE = 0.97, 0.010
 """A sensor model rates all poses alike if more than this share of the cloud stays effective, and
 the cloud is wider than this [m]."""
-PULLED = -1.6
+MIN_FIT_CHANGE = -1.6
 """A sensor model that takes more than this of a ray's log-likelihood does not suit this scanner."""
 FLAT_RAYS = 20
 """Least number of returns by which a sensor model should have distinguished poses."""
@@ -50,7 +50,7 @@ class Findings:
     """Share of the cloud that is effective."""
     width: float
     """Width of the hypothesis [m]."""
-    pulled: float
+    fit_change: float
     """Change of a ray's log-likelihood by scans that moved the pose to a worse fit; at most 0."""
 
 
@@ -94,7 +94,7 @@ def _model(f: Findings) -> str:
     flat = f.spread > FLAT and f.width > FLAT_WIDE and f.returned >= FLAT_RAYS
     if flat:
         return "this sensor model rates all poses alike"
-    if f.pulled < PULLED:
+    if f.fit_change < MIN_FIT_CHANGE:
         return "this sensor model moves the robot to where rays do not fit"
     return ""
 

@@ -20,7 +20,7 @@ NARROW, NARROW_HEADING = 0.080, math.radians(10)
 TURNED, WAY, TURN = 0.3, 0.03, 0.05
 """Standard deviations of odometry: of the turn by distance [rad/m], of a distance as a share of it,
 and of a turn as a share of it."""
-ANYWHERE = 1.0
+MAX_RADIUS = 1.0
 """With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide."""
 CERTAIN = 0.95
 """Weight above which a place counts as the only one."""
@@ -43,7 +43,7 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
     if hypotheses[0].weight <= CERTAIN:
         return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)
     radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
-    if radius > ANYWHERE:
+    if radius > MAX_RADIUS:
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
     if not doubt.fits or standing is not Standing.CONFIRMED:
         # The robot may be at another place, so no bound holds.
@@ -51,7 +51,7 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
     return Integrity(_one_place(radius, heading), radius, heading, doubt.alerts)
 
 
-def carried_on(claimed: Integrity, moved: Pose2) -> Integrity:
+def propagate_claim(claimed: Integrity, moved: Pose2) -> Integrity:
     """Return what may be claimed after a step by odometry alone, as between two pictures."""
     if not math.isfinite(claimed.radius):
         return claimed

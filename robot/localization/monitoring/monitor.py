@@ -36,9 +36,9 @@ LOOSE = np.diag(1 / np.square([0.03, 0.03, 0.1]))
 FITTING = 0.5
 """Share of a new scan in the running mean of how well scans fit."""
 FORGETTING = 0.01
-"""Share of the sum ``_pulled`` that is forgotten with each scan."""
-MOST_PULLED = 1.5
-"""Most that one scan counts in ``_pulled``: a pose also moves when another place takes the lead."""
+"""Share of the sum ``_fit_change`` that is forgotten with each scan."""
+MOST_FIT_CHANGE = 1.5
+"""Most that one scan counts in ``_fit_change``: another place may have taken the lead."""
 TRUSTED, EXPLAINED = 0.95, 0.6
 """A place must weigh more than this, and explain more than this share of the returns, for errors of
 the robot to be learnt there."""
@@ -95,7 +95,7 @@ class Monitor:
         self._seen = -math.inf
         """Stamp at which edges were last seen [s]."""
         self._fit = 1.0
-        self._pulled = 0.0
+        self._fit_change = 0.0
         """Change of a ray's log-likelihood by scans that moved the pose to a worse fit (<= 0)."""
         self._doubted = -math.inf
         """Stamp of the last alert [s]."""
@@ -107,10 +107,10 @@ class Monitor:
         self.looseness = 1.0
         """Factor on odometry's usual standard deviations."""
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Restart at another given pose: keep the robot's errors, and drop the steps so far."""
-        self._odometry.begin_anew()
-        self._last, self._fit, self._pulled = None, 1.0, 0.0
+        self._odometry.restart()
+        self._last, self._fit, self._fit_change = None, 1.0, 0.0
         self._causes.forget()
         self.doubt = NO_DOUBT
 
@@ -121,7 +121,7 @@ class Monitor:
             evidence.index, evidence.range_max, LAID_SD, LAID_GATE, LAID_SLOPE
         )
 
-    def caught_up(self, hypothesis: Hypothesis) -> Hypothesis:
+    def compensate_lateness(self, hypothesis: Hypothesis) -> Hypothesis:
         """Return the hypothesis at the scan's stamp, if its picture was taken earlier."""
         if self.lateness == 0.0:
             return hypothesis
@@ -162,7 +162,7 @@ class Monitor:
         rays = rays_of(scan, BEAMS)
         expected = self._expected(odometry)
         if expected is not None and _is_far(expected, hypothesis.pose):
-            self._odometry.begin_anew()
+            self._odometry.restart()
             self._causes.forget()
         # On bent tape, the residuals of a pose that is centimetres off would look like a tilt.
         pitch, roll = self._camera.applied.tolist()
@@ -196,11 +196,11 @@ class Monitor:
             returned,
             spread,
             math.sqrt(float(np.trace(hypothesis.covariance[:2, :2]))),
-            self._pulled,
+            self._fit_change,
         )
         self._causes.judge(findings)
         self._camera.follow()
-        self._wheels = _standing_out(findings.odometry)
+        self._wheels = _significant_errors(findings.odometry)
         if used >= SEEING:
             self._seen = scan.stamp
         if self._causes.alerts:
@@ -220,16 +220,16 @@ class Monitor:
         seeing = rays[~np.isnan(rays[:, 4])]
         if not len(seeing):
             return
-        badly = self._evidence.log_likelihood_anywhere(seeing)
+        badly = self._evidence.background_log_likelihood(seeing)
         poses = [pose.to_array()] if expected is None else [pose.to_array(), expected.to_array()]
         better, *before = (self._evidence.log_likelihoods(np.array(poses), seeing) - badly).tolist()
         if better == 0 and not np.isfinite(seeing[:, 3]).any():
             return
         self._fit += FITTING * (min(better, 1.0) - self._fit)
-        self._pulled *= 1 - FORGETTING
+        self._fit_change *= 1 - FORGETTING
         for well in before:
             # A scan may move the pose anywhere from a place that did not fit anyway.
-            self._pulled += max(min(better - well, 0.0), -MOST_PULLED) if well > 0 else 0.0
+            self._fit_change += max(min(better - well, 0.0), -MOST_FIT_CHANGE) if well > 0 else 0.0
 
     def _looseness(self, findings: Findings) -> float:
         rest = findings.odometry.rest
@@ -256,13 +256,13 @@ class Monitor:
             self.lateness,
             caused,
             caused_spread,
-            self._odometry.wiggle if recently else NO_DOUBT.covariance,
+            self._odometry.step_covariance if recently else NO_DOUBT.covariance,
         )
         torn = float(errors.rest.max()) > TORN
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
 
 
-def _standing_out(errors: OdometryErrors) -> tuple[float, ...]:
+def _significant_errors(errors: OdometryErrors) -> tuple[float, ...]:
     """Return what exceeds one standard deviation of the wheels' errors (as in ``_wheels``)."""
     values, variances = errors.values[1:4].tolist(), errors.covariance.diagonal()[1:4].tolist()
     return tuple(

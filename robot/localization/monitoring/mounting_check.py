@@ -64,7 +64,7 @@ class MountingCheck:
     def __init__(self) -> None:
         self._sums = np.zeros((4, 4))
         self._rays = 0.0
-        self._caused = np.zeros((3, 3))
+        self._pose_by_errors = np.zeros((3, 3))
         """(3, 3) pose error [m, m, rad] per unit of pitch, roll and scale, at the last scan."""
         self.exactness = 0.25
         """How far rays lie from their edges, in usual spreads."""
@@ -91,7 +91,7 @@ class MountingCheck:
 
     def look(self, sums: Array) -> Array:
         """Update only how tilt and scale shift the pose; return what no pose explains (4, 4)."""
-        left, self._caused = _taken_up(sums, self._caused)
+        left, self._pose_by_errors = _project_out_pose(sums, self._pose_by_errors)
         return left
 
     def follow(self) -> None:
@@ -105,7 +105,7 @@ class MountingCheck:
         self.applied = self.applied + BLEND * (wanted - self.applied)
 
     def _likeliest(self) -> MountingError:
-        values, covariance, explained, rest = _explained(self._sums, self._rays)
+        values, covariance, explained, rest = _solve(self._sums, self._rays)
         pitch, roll, scale = values.tolist()
         return MountingError(pitch, roll, scale, covariance, explained, rest)
 
@@ -123,11 +123,14 @@ class MountingCheck:
         left = np.array([error.pitch - pitch, error.roll - roll, error.scale])
         covariance = error.covariance.copy()
         covariance[2, 2] += scale_sd**2
-        return self._caused @ left, self._caused @ covariance @ self._caused.T
+        return (
+            self._pose_by_errors @ left,
+            self._pose_by_errors @ covariance @ self._pose_by_errors.T,
+        )
 
 
 @njit(cache=True, nogil=True)
-def _explained(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
+def _solve(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
     """Return pitch, roll and scale (3,) that explain most of the residuals in sums (4, 4).
 
     Also returns their covariance (3, 3), the share that they explain, and the mean square of the
@@ -143,7 +146,7 @@ def _explained(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
 
 
 @njit(cache=True, nogil=True)
-def _taken_up(sums: Array, caused: Array) -> tuple[Array, Array]:
+def _project_out_pose(sums: Array, caused: Array) -> tuple[Array, Array]:
     """Project the pose out of a scan's sums, and update how tilt and scale shift the pose.
 
     Args:

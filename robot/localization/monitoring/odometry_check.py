@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2
-from robot.localization.monitoring.step_sums import StepSums, learned, likeliest
+from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and the longest such time when pictures are rare [s]."""
@@ -67,7 +67,7 @@ class OdometryCheck:
         self._sums = StepSums(*(np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2)))
         self._followed = 0.0
         """How long the place has been followed while the robot drove [s]."""
-        self.errors = self._estimated(likeliest(self._sums))
+        self.errors = self._estimated(estimate_errors(self._sums))
         """The likeliest steady errors."""
         self.twist = Twist2(0.0, 0.0)
         """Twist by odometry at the last pose."""
@@ -76,7 +76,7 @@ class OdometryCheck:
         """Forget earlier poses, because no step leads from them to the next one."""
         self._steps.clear()
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Restart at a given or found place: its pose is corrected at first, and steps jump."""
         self.jump()
         self._followed = 0.0
@@ -113,7 +113,7 @@ class OdometryCheck:
 
     def _compare(self, before: _Step, after: _Step, elapsed: float) -> None:
         errors = self.errors
-        result = learned(
+        result = add_step(
             self._sums,
             errors.values,
             errors.rest,
@@ -134,7 +134,7 @@ class OdometryCheck:
         return OdometryErrors(values, covariance, rest, float(self._sums.counts[0]))
 
     @property
-    def wiggle(self) -> Array:
+    def step_covariance(self) -> Array:
         """Covariance (3, 3) of the unexplained rest of steps, along the robot's axes."""
         left: Array = np.diag(self._sums.wiggle / (self._sums.counts[1] + 1))
         return left

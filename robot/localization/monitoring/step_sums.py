@@ -48,7 +48,7 @@ class StepSums(NamedTuple):
 
 
 @njit(cache=True, nogil=True)
-def learned(
+def add_step(
     sums: StepSums,
     values: Array,
     rest: Array,
@@ -115,7 +115,7 @@ def learned(
     sums.squares[:] = recent * sums.squares + share * np.minimum(unsteady, MOST)
     sums.wiggle[:] = recent * sums.wiggle + share * np.minimum(left**2, MOST_WIGGLE)
     sums.counts[0] = keep * sums.counts[0] + share
-    return likeliest(sums)
+    return estimate_errors(sums)
 
 
 @njit(cache=True, nogil=True)
@@ -127,7 +127,7 @@ def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
 
 
 @njit(cache=True, nogil=True)
-def likeliest(sums: StepSums) -> tuple[Array, Array, Array]:
+def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     """Return the errors (7,), their covariance (7, 7), and the unexplained rest of steps (3,)."""
     covariance = inverse(sums.information + PRIOR)
     # The sums begin as if one usual step came before all others.

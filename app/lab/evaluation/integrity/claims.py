@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.engine.localization import Localization
-from app.lab.evaluation.drives import Drive, EvaluationError, Tick, followed
+from app.lab.evaluation.drives import Drive, EvaluationError, Tick, follow_drive
 from app.lab.evaluation.experiment import KNOWN, OFFSET
 from app.lab.evaluation.integrity.drives import TrialDrive
 from app.settings.config import Config
@@ -96,7 +96,7 @@ def follow_claims(
             pictures.
     """
     field = believed or trial.drive.field
-    following = followed(
+    following = follow_drive(
         trial.drive,
         config,
         lambda localization: _STARTERS[start](localization, trial.drive, config),

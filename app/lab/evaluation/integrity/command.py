@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.console import say
-from app.lab.evaluation.command import crew_of
+from app.lab.evaluation.command import workers_from_options
 from app.lab.evaluation.integrity.evaluate_integrity import evaluate_integrity
 from app.lab.evaluation.integrity.experiment import IntegrityExperiment
 from app.lab.workers import Workers
@@ -27,7 +27,7 @@ def integrity_command(given: dict[str, Any]) -> int:
         if option in given:
             options[name] = tuple(dict.fromkeys(given[option]))
     experiment = IntegrityExperiment(_config(given), **options)
-    crew: Workers = crew_of(given)
+    crew: Workers = workers_from_options(given)
     try:
         results = evaluate_integrity(experiment, crew, folder)
     finally:

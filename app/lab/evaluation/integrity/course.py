@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.lab.evaluation.drives import on_eight
+from app.lab.evaluation.drives import random_pose_on_eight
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
@@ -42,7 +42,7 @@ MARGIN = 0.98
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class PlacedEight:
     """A figure-eight on a field."""
 
     middle: Pose2
@@ -51,12 +51,12 @@ class Course:
 
     def pose(self, rng: np.random.Generator, elapsed: float) -> Pose2:
         """Draw a pose some time [s] after the start, on a path that is turned at random."""
-        return self.middle @ on_eight(rng, elapsed, self.eight)
+        return self.middle @ random_pose_on_eight(rng, elapsed, self.eight)
 
 
-def course_on(field: Field, config: Config) -> Course:
+def course_on(field: Field, config: Config) -> PlacedEight:
     """Return the course on a field: the same for all seeds, at the set speed if it is drivable."""
-    xmin, ymin, xmax, ymax = field.roamed
+    xmin, ymin, xmax, ymax = field.drive_area
     side = min(xmax - xmin, ymax - ymin)
     eight = _drivable(float(np.clip(BY_SIDE * side, *RADII)), config)
     middles = _middles(field, eight.radius)
@@ -64,7 +64,7 @@ def course_on(field: Field, config: Config) -> Course:
     best = int(np.argmax(shown))
     # The field's own middle is the first.
     chosen = middles[0] if shown[0] >= shown[best] - AS_GOOD else middles[best]
-    return Course(Pose2(*chosen.tolist()), eight)
+    return PlacedEight(Pose2(*chosen.tolist()), eight)
 
 
 def _drivable(radius: float, config: Config) -> FigureEight:
@@ -81,7 +81,7 @@ def _drivable(radius: float, config: Config) -> FigureEight:
 
 def _middles(field: Field, radius: float) -> Array:
     """Return middles (n, 2) [m] of circles in or near the tape's box; the box's own is first."""
-    box = np.reshape(field.roamed, (2, 2))
+    box = np.reshape(field.drive_area, (2, 2))
     middle = box.mean(axis=0)
     room = np.maximum(np.ptp(box, axis=0) / 2 - REACH * radius, 0)
     step = max(STEP, float(room.max()) / MOST_STEPS)

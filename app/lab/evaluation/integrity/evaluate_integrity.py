@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.files import RESULTS, write_json, written_whole
+from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.experiment import (
     Failure,
@@ -40,7 +40,7 @@ def evaluate_integrity(
         EvaluationError: no drive could be followed.
         OSError: the folder cannot be written.
     """
-    with written_whole(folder) as new:
+    with atomic_folder(folder) as new:
         rows: list[Row] = []
         diagrams: defaultdict[str, Stanford] = defaultdict(Stanford.empty)
         failures: list[Failure] = []

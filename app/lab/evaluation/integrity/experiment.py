@@ -16,7 +16,7 @@ from app.lab.evaluation.integrity.measures import measures
 from app.lab.evaluation.integrity.oracle import decided_stamp, decision_measures
 from app.lab.evaluation.integrity.stanford import Stanford, counted
 from app.lab.workers import Workers
-from app.settings.conditions import in_condition, require_condition
+from app.settings.conditions import apply_condition, require_condition
 from app.settings.config import MAPS, Config
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
@@ -67,7 +67,7 @@ class IntegrityExperiment:
 
     def _config(self, name: str, condition: str, seed: int) -> Config:
         robot = "sim" if self.config.robot == "auto" else self.config.robot
-        return in_condition(replace(self.config, robot=robot, map=name, seed=seed), condition)
+        return apply_condition(replace(self.config, robot=robot, map=name, seed=seed), condition)
 
 
 @dataclass(frozen=True)

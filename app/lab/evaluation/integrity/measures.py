@@ -9,7 +9,7 @@ import numpy as np
 
 from app.lab.evaluation.convergence import (
     Mask,
-    first_held,
+    first_sustained,
     in_place,
     lost_again,
     right_to_the_end,
@@ -82,7 +82,7 @@ def measures(claims: Claims) -> Measures:
 
 def time_to_right(stamps: Array, is_right: Mask) -> float:
     """Return the time [s] from the first stamp until it is right for a second; inf if never."""
-    first = first_held(stamps, is_right)
+    first = first_sustained(stamps, is_right)
     return math.inf if first is None else float(stamps[first] - stamps[0])
 
 

@@ -18,7 +18,7 @@ from app.lab.evaluation.drives import Drive
 from app.lab.evaluation.integrity.claims import Claims
 from app.lab.evaluation.integrity.drives import TrialDrive
 from app.lab.evaluation.integrity.measures import certain, right
-from app.lab.evaluation.integrity.rivals import Way, lookalikes, rivals_of, setup_over
+from app.lab.evaluation.integrity.rivals import DriveSegment, field_rivals, rivals_of, setup_over
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -53,13 +53,13 @@ def decided_stamp(
         return float(claims.stamps[0])
     field = believed or trial.drive.field
     carry = trial.carry_stamp
-    way = Way.since(trial.drive, -math.inf if carry is None else carry)
+    way = DriveSegment.since(trial.drive, -math.inf if carry is None else carry)
     if len(way.stamps) == 0:
         return math.inf
     setup = setup_over(field, config)
     before = None if carry is None else trial.drive.truth_at(carry)
     rivals = rivals_of(way, claims, start, before, setup)
-    return decides(way, rivals, RayEvidence.of(field, REACH, SD), setup)
+    return decision_stamp(way, rivals, RayEvidence.of(field, REACH, SD), setup)
 
 
 def field_decides(drive: Drive, since: float, config: Config | None = None) -> float:
@@ -75,12 +75,16 @@ def field_decides(drive: Drive, since: float, config: Config | None = None) -> f
     Returns:
         The stamp [s]; inf if the field never decides.
     """
-    way = Way.since(drive, since)
+    way = DriveSegment.since(drive, since)
     setup = setup_over(drive.field, config or Config())
-    return decides(way, lookalikes(way, setup), RayEvidence.of(drive.field, REACH, SD), setup)
+    return decision_stamp(
+        way, field_rivals(way, setup), RayEvidence.of(drive.field, REACH, SD), setup
+    )
 
 
-def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) -> float:
+def decision_stamp(
+    way: DriveSegment, rivals: list[Pose2], evidence: RayEvidence, setup: Setup
+) -> float:
     """Return the stamp [s] from which on scans tell the truth from all rivals; inf if never.
 
     Args:
@@ -93,7 +97,7 @@ def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) 
     current = [
         max(
             evidence.log_likelihood(truth, way.rays(place)),
-            evidence.log_likelihood(_laid(truth, way.rays(place), setup), way.rays(place)),
+            evidence.log_likelihood(_refined(truth, way.rays(place), setup), way.rays(place)),
         )
         for place, truth in enumerate(way.truths)
     ]
@@ -103,7 +107,7 @@ def decides(way: Way, rivals: list[Pose2], evidence: RayEvidence, setup: Setup) 
 
 
 def _last_doubt(
-    way: Way, rival: Pose2, current: list[float], evidence: RayEvidence, setup: Setup
+    way: DriveSegment, rival: Pose2, current: list[float], evidence: RayEvidence, setup: Setup
 ) -> int:
     """Return the index of the scan from which on a rival is out; 0 if it becomes the truth."""
     total, out = 0.0, 0
@@ -111,7 +115,7 @@ def _last_doubt(
         rival = rival @ way.step(place)
         rays = way.rays(place)
         target = evidence.log_likelihood(rival, rays)
-        laid = _laid(rival, rays, setup)
+        laid = _refined(rival, rays, setup)
         fits = evidence.log_likelihood(laid, rays)
         if fits > target:
             rival, target = laid, fits
@@ -125,7 +129,7 @@ def _last_doubt(
     return out
 
 
-def _laid(pose: Pose2, rays: Array, setup: Setup) -> Pose2:
+def _refined(pose: Pose2, rays: Array, setup: Setup) -> Pose2:
     """Lay a pose on the edges; return it unchanged if that would move it too far."""
     laid = setup.fine_matcher.match(pose, rays).pose
     near = laid.distance_to(pose) < NUDGE_XY and abs(laid.turn_to(pose)) < NUDGE_THETA

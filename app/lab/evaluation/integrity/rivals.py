@@ -32,7 +32,7 @@ MOST_CLAIMED = 20
 
 
 @dataclass(frozen=True)
-class Way:
+class DriveSegment:
     """A part of a drive for the oracle: every second scan, as errors of neighbours correlate."""
 
     stamps: Array
@@ -41,7 +41,7 @@ class Way:
     scans: tuple[Scan, ...]
 
     @classmethod
-    def since(cls, drive: Drive, stamp: float) -> Way:
+    def since(cls, drive: Drive, stamp: float) -> DriveSegment:
         """Return the part of a drive from a stamp [s] to the end."""
         scans = [tick.scan for tick in drive.ticks if tick.scan is not None]
         some = [scan for scan in scans if scan.stamp > stamp + 1e-6][::2]
@@ -71,7 +71,7 @@ def setup_over(field: Field, config: Config) -> Setup:
 
 
 def rivals_of(
-    way: Way, claims: Claims, start: str, before: Pose2 | None, setup: Setup
+    way: DriveSegment, claims: Claims, start: str, before: Pose2 | None, setup: Setup
 ) -> list[Pose2]:
     """Return all rivals at the first scan of a way, each once, none at the true place.
 
@@ -89,13 +89,13 @@ def rivals_of(
         dx, dy, turn = OFFSET
         rivals = [Pose2(current.x + dx, current.y + dy, current.theta + turn), *claimed]
     else:
-        rivals = [*lookalikes(way, setup), *claimed]
+        rivals = [*field_rivals(way, setup), *claimed]
     if before is not None:
         rivals.append(before)
     return distinct(rivals, current)
 
 
-def lookalikes(way: Way, setup: Setup) -> list[Pose2]:
+def field_rivals(way: DriveSegment, setup: Setup) -> list[Pose2]:
     """Return the rivals from the field alone: turned true poses, and what a search finds."""
     current = way.truths[0]
     return distinct([*_turned(current, setup.field), *_searched(way, setup)], current)
@@ -122,7 +122,7 @@ def _turned(pose: Pose2, field: Field) -> list[Pose2]:
     return [middle @ Pose2(theta=quarter * math.pi / 2) @ seen for quarter in (1, 2, 3)]
 
 
-def _searched(way: Way, setup: Setup) -> list[Pose2]:
+def _searched(way: DriveSegment, setup: Setup) -> list[Pose2]:
     """Search the whole field at some moments, each time for poses that fit the way so far."""
     local = LocalMap.of(setup.hypotheses)
     left = [way.stamps[0] + seconds for seconds in SEARCHES]
@@ -140,7 +140,7 @@ def _searched(way: Way, setup: Setup) -> list[Pose2]:
     return pose2s
 
 
-def _claimed(way: Way, claims: Claims) -> list[Pose2]:
+def _claimed(way: DriveSegment, claims: Claims) -> list[Pose2]:
     """Return the wrong estimates of the filter on the way; those held longest come first."""
     some = np.flatnonzero((claims.stamps >= way.stamps[0]) & ~right(claims))
     some = some[np.isfinite(claims.poses[some]).all(axis=1)]

@@ -67,7 +67,7 @@ def _first(bag: Bag, topic: str) -> Any:
     return first.content
 
 
-def _growing(bag: Bag, chosen: Chosen) -> Iterator[Frames]:
+def _frames_over_time(bag: Bag, chosen: Chosen) -> Iterator[Frames]:
     """Yield the frames known so far, after each message."""
     frames = Frames()
     yield frames
@@ -82,7 +82,7 @@ def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -
     if laser == bases[0]:
         return Layout(_identity(), f"the laser's frame is the robot's, {laser}", laser, ODOM)
     frames = Frames()
-    for frames in _growing(bag, chosen) if search else ():
+    for frames in _frames_over_time(bag, chosen) if search else ():
         result = frames.between(bases[0], laser)
         if result is not None:
             return Layout(result, f"the transform {bases[0]} to {laser}", bases[0], ODOM)
@@ -97,7 +97,7 @@ def _on_base(bag: Bag, chosen: Chosen, base: str, laser: str, *, search: bool) -
 def _by_transforms(bag: Bag, chosen: Chosen, laser: str) -> Layout:
     """Find the robot's frame: the ancestor of the laser's frame whose parent is the odom frame."""
     seen: list[str] = []
-    for frames in _growing(bag, chosen):
+    for frames in _frames_over_time(bag, chosen):
         line = frames.lineage(laser)
         seen = [name for name, _ in line]
         for (base, base_from_laser), (parent, _) in pairwise(line):

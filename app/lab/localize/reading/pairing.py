@@ -31,7 +31,7 @@ class Measurement(NamedTuple):
 
 
 @dataclass
-class LeftOut:
+class SkippedCounts:
     """Numbers of scans and poses in a bag that could not be used."""
 
     unusable_scans: int = 0
@@ -67,7 +67,7 @@ class Pairing:
         self._clocks = {name: Clock() for name in chosen.names}
         self.names = chosen.names
         """The topics that are read."""
-        self.left_out = LeftOut()
+        self.left_out = SkippedCounts()
         self.messages = 0
         """Number of messages read so far."""
         self.clocks: dict[str, tuple[float, float]] = {}

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.files import file_written_whole
+from app.files import atomic_file
 from app.lab.trajectories.files.text_file import comments, rows_of_numbers
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
@@ -45,6 +45,6 @@ def write_tum(path: Path | str, trajectory: Trajectory, notes: Iterable[str] = (
         raise TrajectoryError(f"{trajectory.name}: stamps are less than 1e-9 s apart")
     table = np.column_stack([trajectory.stamps, trajectory.positions, trajectory.quaternions])
     header = [f"# {line}" for note in (*notes, COLUMNS) for line in note.splitlines()]
-    with file_written_whole(Path(path)) as new, new.open("w", encoding="utf-8") as file:
+    with atomic_file(Path(path)) as new, new.open("w", encoding="utf-8") as file:
         file.write("\n".join(header) + "\n")
         np.savetxt(file, table, fmt=FORMATS)

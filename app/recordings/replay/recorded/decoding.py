@@ -102,7 +102,7 @@ def pose_of(pose: Any) -> Pose2:
     return pose2
 
 
-def believed_of(cdr: bytes) -> tuple[int, Pose2, Array]:
+def pose_and_covariance_of(cdr: bytes) -> tuple[int, Pose2, Array]:
     """Stamp [ns], pose and covariance (3, 3) [m², m rad, rad²] of a PoseWithCovarianceStamped.
 
     Raises:
@@ -167,13 +167,13 @@ def commands_of(cdr: bytes) -> tuple[Command, ...]:
         raise ContentError(f"a recorded command cannot be read: {str(error)[:200]}") from error
 
 
-def told_pose_of(cdr: bytes) -> Command:
+def set_pose_of(cdr: bytes) -> Command:
     """The command for the filter in an initialpose.
 
     Raises:
         MessageError, ContentError: it has numbers that are not finite.
     """
-    _, pose, covariance = believed_of(cdr)
+    _, pose, covariance = pose_and_covariance_of(cdr)
     return SetPoseCommand(
         type="set_pose",
         x=pose.x,

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.decoding import ContentError, believed_of
+from app.recordings.replay.recorded.decoding import ContentError, pose_and_covariance_of
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from robot.localization.estimate import Hypothesis
@@ -34,7 +34,7 @@ def first_estimate(
         for message in reader.messages((topics.amcl_pose,)):
             if message.log_time_ns > start_ns + SOON_NS:
                 return None
-            _, pose, covariance = believed_of(message.cdr)
+            _, pose, covariance = pose_and_covariance_of(message.cdr)
             spread = covariance + SINCE
             if np.linalg.eigvalsh(spread)[0] <= 0:
                 continue

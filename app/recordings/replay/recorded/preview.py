@@ -7,14 +7,19 @@ from dataclasses import dataclass
 
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.decoding import ContentError, believed_of, picture_of, truth_of
+from app.recordings.replay.recorded.decoding import (
+    ContentError,
+    picture_of,
+    pose_and_covariance_of,
+    truth_of,
+)
 from app.recordings.replay.recorded.ticks import RecordedTick, ticks
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from robot.geometry import Pose2
 from robot.interface import Frame
 
-LOOKED_BACK_NS = (2_000_000_000, 20_000_000_000)
+SEARCH_BACK_NS = (2_000_000_000, 20_000_000_000)
 """How far back the last picture is searched [ns], before the whole recording is searched."""
 
 
@@ -45,7 +50,7 @@ def preview(
         size: height and width of the pictures.
     """
     result = None
-    for back in (*LOOKED_BACK_NS, log_ns):
+    for back in (*SEARCH_BACK_NS, log_ns):
         result = _found(reader, topics, max(log_ns - back, 0), log_ns, size) or result
         if (result and result.picture_log_ns is not None) or log_ns - back <= reader.start_ns:
             break
@@ -67,7 +72,7 @@ def picture_before(
         start_ns: time of the first tick.
     """
     names = topics.joint_states, topics.picture
-    for back in (*LOOKED_BACK_NS, max(log_ns, 0)):
+    for back in (*SEARCH_BACK_NS, max(log_ns, 0)):
         result: list[int] = []
         with contextlib.suppress(RecordingError):
             for tick in ticks(reader.messages(names, max(log_ns - back, 0)), topics):
@@ -125,7 +130,7 @@ def _then(cdr: bytes | None) -> Pose2 | None:
     if cdr is None:
         return None
     with contextlib.suppress(MessageError, ContentError):
-        return believed_of(cdr)[1]
+        return pose_and_covariance_of(cdr)[1]
     return None
 
 

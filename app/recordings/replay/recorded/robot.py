@@ -14,11 +14,11 @@ from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.decoding import (
     ContentError,
-    believed_of,
     commands_of,
     joints_of,
     picture_of,
-    told_pose_of,
+    pose_and_covariance_of,
+    set_pose_of,
     truth_of,
     twist_of,
 )
@@ -58,7 +58,7 @@ class RecordedRobot:
         self.reader = reader
         self.topics = topics
         self.at = ReadPosition()
-        """How far it was read. It is not named ``place``: that would make this a ``Placeable``."""
+        """How far it was read. It is not named ``place``, which is what a simulator offers."""
         self.then: tuple[float, Pose2] | None = None
         """Stamp [s] and pose of the recorded estimate, if the last tick has one."""
         self.damage = ""
@@ -99,7 +99,7 @@ class RecordedRobot:
                 if topic == self.topics.command:
                     commands.extend(commands_of(cdr))
                 else:
-                    commands.append(told_pose_of(cdr))
+                    commands.append(set_pose_of(cdr))
         return tuple(commands)
 
     def read(self) -> Reading:
@@ -203,14 +203,14 @@ class RecordedRobot:
         return None if result is None else Frame((result[0] + shift_ns) / 1e9, result[1])
 
     def _tell_then(self, messages: _TickMessages, shift_ns: int) -> None:
-        result = messages.of(self.topics.amcl_pose, believed_of)
+        result = messages.of(self.topics.amcl_pose, pose_and_covariance_of)
         self.then = None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
 
     def _tell_applied(self, messages: _TickMessages, measured: Array) -> None:
         twist = messages.of(self.topics.cmd_vel, twist_of)
         self._applied = measured if twist is None else self._drive.wheels(twist)
         for topic, cdr in messages.tick.told:
-            messages.read(commands_of if topic == self.topics.command else told_pose_of, cdr)
+            messages.read(commands_of if topic == self.topics.command else set_pose_of, cdr)
 
 
 class _TickMessages:

@@ -32,7 +32,7 @@ _NO_MESSAGE = (
 """Exceptions that decoding arbitrary data may raise."""
 
 
-class DistantRobotError(RuntimeError):
+class RemoteRobotError(RuntimeError):
     """The robot does not answer as rosbridge does, or not at all; says why."""
 
 
@@ -45,7 +45,7 @@ class Received:
     cdr: bytes
 
 
-class DistantRobot:
+class RemoteRobot:
     """A connection to ``/rosbridge``; one thread."""
 
     def __init__(self, address: str) -> None:
@@ -58,13 +58,13 @@ class DistantRobot:
             SettingError: the address is invalid.
             DistantRobotError: no rosbridge answers there.
         """
-        self.place = place_of(address)
+        self.place = host_and_port(address)
         try:
             self._socket: ClientConnection = connect(
                 f"ws://{self.place}/rosbridge", open_timeout=ANSWER_S, max_size=LARGEST
             )
         except (OSError, ValueError, InvalidHandshake, WebSocketException) as error:
-            raise DistantRobotError(
+            raise RemoteRobotError(
                 f"no program can be recorded at {self.place}: {error}; valid is the address that "
                 "`brickpose run` tells, as robot.local:8080"
             ) from error
@@ -81,7 +81,7 @@ class DistantRobot:
             values = self._answer("topics")
             return dict(zip(values["topics"], values["types"], strict=True))
         except (TimeoutError, WebSocketException, ValueError, KeyError, TypeError) as error:
-            raise DistantRobotError(f"{self.place} does not tell its topics: {error}") from error
+            raise RemoteRobotError(f"{self.place} does not tell its topics: {error}") from error
 
     def contents(self) -> Contents:
         """Return the facts and files for its recordings.
@@ -98,9 +98,9 @@ class DistantRobot:
         except HTTPError as error:
             if error.code < HTTPStatus.INTERNAL_SERVER_ERROR:
                 return Contents({})  # another program, which only speaks rosbridge
-            raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
+            raise RemoteRobotError(f"{self.place} does not tell its settings: {error}") from error
         except (OSError, ValueError) as error:
-            raise DistantRobotError(f"{self.place} does not tell its settings: {error}") from error
+            raise RemoteRobotError(f"{self.place} does not tell its settings: {error}") from error
 
     def follow(self, topic: str, type_name: str, period: float) -> None:
         """Ask for all messages of a topic, at most one per period [s]."""
@@ -130,11 +130,11 @@ class DistantRobot:
         except TimeoutError:
             return None
         except WebSocketException as error:
-            raise DistantRobotError(f"the connection to {self.place} was lost: {error}") from error
+            raise RemoteRobotError(f"the connection to {self.place} was lost: {error}") from error
         try:
             return _received(data)
         except _NO_MESSAGE as error:
-            raise DistantRobotError(f"{self.place} sent what is no message: {error}") from error
+            raise RemoteRobotError(f"{self.place} sent what is no message: {error}") from error
 
     def close(self) -> None:
         """Close the connection."""
@@ -167,7 +167,7 @@ def _received(data: str | bytes) -> Received | None:
     return Received(str(given["topic"]), stamp, bytes(message["bytes"]))
 
 
-def place_of(address: str) -> str:
+def host_and_port(address: str) -> str:
     """Return host and port of an address; without a port, it is 8080.
 
     Raises:

@@ -12,7 +12,7 @@ TRIAL_S = 2.0
 """How long to wait for a camera's first picture before the next camera is tried [s]."""
 
 
-class FirstFound:
+class AutoCamera:
     """A device that searches for a working camera each time it is opened."""
 
     def __init__(self, candidates: Callable[[], Sequence[Device]]) -> None:
