@@ -26,9 +26,10 @@ test: .venv/installed-dev browser node-peers dds-peer ## run every test
 	  -n 2 --dist loadfile --no-loadscope-reorder
 	$(BIN)/python -m pytest -m real_time $$(grep -l mark.real_time tests/test_*.py)
 
-check: .venv/installed-dev ## lint, types, and who may import whom
+check: .venv/installed-dev ## lint, names, types, and who may import whom
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/python tests/lint_names.py
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 

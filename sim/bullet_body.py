@@ -96,7 +96,7 @@ def _collision(bullet: Any, client: int, body: RigidBody) -> int:
         radii=[shape.size[0] for shape in shapes],
         halfExtents=[[edge / 2 for edge in (*shape.size, 0, 0)[:3]] for shape in shapes],
         lengths=[(*shape.size, 0)[1] for shape in shapes],
-        collisionFramePositions=[at[:3, 3].tolist() for _, at in body.collisions],
+        collisionFramePositions=[place[:3, 3].tolist() for _, place in body.collisions],
         collisionFrameOrientations=[_quaternion(position) for _, position in body.collisions],
         physicsClientId=client,
     )

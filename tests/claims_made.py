@@ -12,12 +12,12 @@ from robot.localization.integrity import State
 PERIOD = 0.1
 
 
-def claims_made(off, state=State.CERTAIN, radius=0.01, cause=None, turn=0.0, carry_stamp=None):
+def claims_made(errors, state=State.CERTAIN, radius=0.01, cause=None, turn=0.0, carry_stamp=None):
     """One picture each 0.1 s, off by so much along x [m]; each value may be a list or one."""
-    count = len(off)
+    count = len(errors)
     truth = np.zeros((count, 3))
     poses = truth.copy()
-    poses[:, 0] = off
+    poses[:, 0] = errors
     poses[:, 2] = turn
     sd = 0.005
     return Claims(

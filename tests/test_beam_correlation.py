@@ -89,7 +89,7 @@ def test_the_sum_ends_where_correlation_is_chance() -> None:
 def test_rays_of_a_known_process_are_worth_what_theory_says(phi: float) -> None:
     found = correlate(smooth(np.random.default_rng(0), (2000, RAYS), phi))
     true = worth(phi, evenly(RAYS, 60))
-    assert found.effective_rays == pytest.approx(true, rel=0.05)
+    assert found.rays_worth == pytest.approx(true, rel=0.05)
     assert found.likelihood_weight == pytest.approx(true / 60, rel=0.05)
     np.testing.assert_allclose(found.by_ray[:8], phi ** np.arange(8.0), atol=0.03)
     assert found.scans_a_new_one == pytest.approx(1, abs=0.1)
@@ -99,7 +99,7 @@ def test_missing_rays_change_nothing_but_the_luck() -> None:
     rng = np.random.default_rng(1)
     errors = smooth(rng, (SCANS, RAYS), 0.8)
     errors[rng.random(errors.shape) < 0.4] = np.nan
-    assert correlate(errors).effective_rays == pytest.approx(worth(0.8, evenly(RAYS, 60)), rel=0.05)
+    assert correlate(errors).rays_worth == pytest.approx(worth(0.8, evenly(RAYS, 60)), rel=0.05)
 
 
 def test_successive_scans_that_err_together_are_worth_fewer() -> None:
@@ -117,7 +117,7 @@ def test_what_a_whole_scan_is_off_by_is_what_its_rays_are_off_by_together() -> N
     errors = rng.standard_normal((SCANS, RAYS)) + rng.standard_normal((SCANS, 1)) + 5
     found = correlate(errors)
     np.testing.assert_allclose(found.by_ray[1:], 0.5, atol=0.06)
-    assert found.effective_rays < 2.1
+    assert found.rays_worth < 2.1
 
 
 def test_one_wild_return_does_not_hide_what_the_others_share() -> None:

@@ -29,12 +29,12 @@ def test_a_good_robot_is_right_sure_and_never_misleading():
 
 
 def test_certain_beyond_the_radius_is_misleading_and_approximate_is_not():
-    off = [0.0] * 10 + [0.02] * 5 + [0.0] * 25
-    found = measures(claims_made(off))
+    errors = [0.0] * 10 + [0.02] * 5 + [0.0] * 25
+    found = measures(claims_made(errors))
     assert found["misleading"] == pytest.approx(5 / 40)
     assert found["misleading_longest_s"] == pytest.approx(0.5)
-    assert measures(claims_made(off, APPROXIMATE))["misleading"] == 0
-    assert measures(claims_made(off, radius=0.03))["misleading"] == 0
+    assert measures(claims_made(errors, APPROXIMATE))["misleading"] == 0
+    assert measures(claims_made(errors, radius=0.03))["misleading"] == 0
 
 
 def test_a_heading_beyond_its_bound_is_misleading():
@@ -44,23 +44,23 @@ def test_a_heading_beyond_its_bound_is_misleading():
 
 
 def test_lost_again_needs_a_second_of_being_right_and_certain():
-    off = [0.0] * 20 + [0.06] + [0.0] * 20
-    assert measures(claims_made(off))["lost_again"]
-    assert not measures(claims_made(off))["right_to_the_end"]
-    assert not measures(claims_made(off, APPROXIMATE))["lost_again"]
-    assert not measures(claims_made(off[15:]))["lost_again"]
+    errors = [0.0] * 20 + [0.06] + [0.0] * 20
+    assert measures(claims_made(errors))["lost_again"]
+    assert not measures(claims_made(errors))["right_to_the_end"]
+    assert not measures(claims_made(errors, APPROXIMATE))["lost_again"]
+    assert not measures(claims_made(errors[15:]))["lost_again"]
 
 
 def test_a_robot_that_is_carried_off_is_not_lost_again_but_has_to_be_right_anew():
-    off = [0.0] * 30 + [0.5] * 20 + [0.0] * 30
-    found = measures(claims_made(off, carry_stamp=2.9))
+    errors = [0.0] * 30 + [0.5] * 20 + [0.0] * 30
+    found = measures(claims_made(errors, carry_stamp=2.9))
     assert not found["lost_again"] and found["right_to_the_end"]
     assert found["time_to_right_s"] == pytest.approx(2.0)
     assert found["misleading_before_carry"] == 0
     assert found["misleading_first_second"] == 1
     assert found["misleading_later"] == pytest.approx(10 / 40)
     assert found["misleading_later_longest_s"] == pytest.approx(1.0)
-    twice = [*off, 0.5, *[0.0] * 5]
+    twice = [*errors, 0.5, *[0.0] * 5]
     assert measures(claims_made(twice, carry_stamp=2.9))["lost_again"]
 
 
@@ -70,8 +70,8 @@ def test_an_alarm_counts_where_it_is_right_within_the_bound():
     found = measures(claims_made([0.001] * 40, states, radius))
     assert found["alarm_while_right"] == pytest.approx(0.5)
     assert found["sure_while_right"] == pytest.approx(0.25)
-    off = [0.001] * 10 + [0.2] * 30
-    assert measures(claims_made(off, states, radius))["alarm_while_right"] == 0
+    errors = [0.001] * 10 + [0.2] * 30
+    assert measures(claims_made(errors, states, radius))["alarm_while_right"] == 0
 
 
 def test_pictures_without_an_estimate_are_wrong_and_have_no_error():

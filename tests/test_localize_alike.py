@@ -47,7 +47,7 @@ def followed(on, seconds, seed):
 @pytest.mark.parametrize("seed", range(3))
 def test_in_one_of_two_rooms_that_are_the_same_nothing_is_told(seed):
     _, found = followed(twins(alike=True), 25.0, seed)
-    assert not found.told
+    assert not found.reports
     assert found.state is not State.CERTAIN
     assert not found.states[State.CERTAIN]
 
@@ -56,12 +56,12 @@ def test_in_one_of_two_rooms_that_are_the_same_nothing_is_told(seed):
 def test_once_the_box_decides_the_room_is_told_and_not_before(seed):
     seen, found = followed(twins(alike=False), 40.0, seed)
     decided = next(one.stamp for one in seen if one.truth.x > SEEN_FROM)
-    assert found.told, found.states
-    assert found.told[0].stamp > decided
+    assert found.reports, found.states
+    assert found.reports[0].stamp > decided
     truth = {one.stamp: one.truth for one in seen}
     off = [
         math.hypot(one.pose[0] - truth[one.stamp].x, one.pose[1] - truth[one.stamp].y)
-        for one in found.told
+        for one in found.reports
     ]
     assert max(off) < 0.3
     assert found.known

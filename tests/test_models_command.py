@@ -55,7 +55,7 @@ def test_the_scanner_is_as_good_as_it_is(done):
     assert sensor["all"]["sd"] < 0.001
     assert 0.00005 < sensor["fit"]["sigma_hit"]["value"] < 0.0005
     assert sensor["usable"]["sigma_hit"] == 0.002
-    assert 2 < sensor["correlation"]["effective_rays"] < 20
+    assert 2 < sensor["correlation"]["rays_worth"] < 20
 
 
 def test_the_program_takes_the_fitted_file(done):

@@ -74,7 +74,7 @@ def test_names_of_today_stay():
 
 def test_an_old_recording_is_read():
     parts = parts_with(OLD)
-    assert parts.told
+    assert parts.has_settings
     assert (parts.config.seed, parts.config.drive.max_velocity) == (7, 0.2)
     assert parts.config.localization.filter.min_particles == 700
 

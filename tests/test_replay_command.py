@@ -63,7 +63,7 @@ def test_other_settings_write_something_else(recording, tmp_path):
     path.write_text("[localization.filter]\nmax_particles = 100\n")
     now = replay(made)
     few = replay(made, ReplayOptions(filter_config=path))
-    assert (now.then == few.then)[~np.isnan(now.then)].all()
+    assert (now.recorded_estimate == few.recorded_estimate)[~np.isnan(now.recorded_estimate)].all()
     assert not np.array_equal(now.estimated, few.estimated, equal_nan=True)
 
 

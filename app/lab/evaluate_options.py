@@ -141,10 +141,10 @@ def check_options(given: dict[str, Any]) -> None:
     valid = VALID[given["what"], recorded]
     for name in given:
         if name not in (*valid, "out", "what", "command"):
-            of = "a recording" if recorded else "a simulation"
+            source = "a recording" if recorded else "a simulation"
             options = ", ".join(_option(item) for item in ("out", *valid))
             raise SettingError(
-                f"{_option(name)} does not go with {given['what']} of {of}; valid are {options}"
+                f"{_option(name)} does not go with {given['what']} of {source}; valid are {options}"
             )
 
 

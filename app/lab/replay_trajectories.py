@@ -23,7 +23,7 @@ class Replayed:
     """(n,) of all ticks [s]."""
     estimated: Array
     """(n, 3) by the filter that runs now [m, m, rad]; nan before the first estimate."""
-    then: Array
+    recorded_estimate: Array
     """(n, 3) by the filter that ran during the recording; nan where the recording has none."""
     truth: Array
     """(n, 3) nan where it is not known."""
@@ -32,9 +32,14 @@ class Replayed:
 
     def trajectories(self) -> dict[str, Trajectory]:
         """Return the trajectories with at least two poses, by name."""
+        arrays = {
+            "estimated": self.estimated,
+            "then": self.recorded_estimate,
+            "truth": self.truth,
+            "odometry": self.odometry,
+        }
         result = {}
-        for name in ("estimated", "then", "truth", "odometry"):
-            poses = getattr(self, name)
+        for name, poses in arrays.items():
             known = ~np.isnan(poses[:, 0])
             if np.count_nonzero(known) >= 2:
                 result[name] = Trajectory.of_poses(self.stamps[known], poses[known], name)

@@ -91,7 +91,10 @@ def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
 
 def _model_files(config: Config, own: OwnChoice) -> Iterator[Attachment]:
     """The files of the models in use; ``own`` names them as ``my_model.py:MyModel``."""
-    given = [Path(one.rpartition(":")[0]) for one in (config.sensor_model, config.motion_model)]
+    given = [
+        Path(model_file.rpartition(":")[0])
+        for model_file in (config.sensor_model, config.motion_model)
+    ]
     names = {each.rpartition(":")[0] for each in (own.sensor, own.motion) if each}
     for name in sorted(names):
         places = [item for item in given if item.name == name]

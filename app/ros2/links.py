@@ -78,7 +78,7 @@ class Links:
         joints = {joint.name: joint for joint in model.robot.joints}
         root, base = parse_xml(spec.urdf), settings.base_frame_id
         fixed = [_link(item) for item in joints.values() if item.type == "fixed"]
-        fixed = _from(base, fixed, model.base_link, set(model.link_map))
+        fixed = _rooted_at(base, fixed, model.base_link, set(model.link_map))
         if settings.scan_frame_id != base or scan_x:
             _check_new(settings.scan_frame_id, {base, *model.link_map})
             fixed.append(Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0)))
@@ -91,7 +91,7 @@ class Links:
         )
 
 
-def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link]:
+def _rooted_at(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link]:
     """Put the robot's frame at the top of the fixed links, because a frame has one parent."""
     if base == root:
         return fixed
@@ -104,7 +104,7 @@ def _from(base: str, fixed: list[Link], root: str, names: set[str]) -> list[Link
             f"ros2.base_frame_id is {base!r}, which is not the robot's place on the floor; valid "
             f"are {', '.join([root, *valid])}, or a name that no link has"
         )
-    return [one.inverse() if one is above else one for one in fixed]
+    return [transform.inverse() if transform is above else transform for transform in fixed]
 
 
 def _upright(link: Link) -> Link:

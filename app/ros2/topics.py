@@ -7,8 +7,8 @@ from app.ros2.topic import LATCHED, Topic
 
 TOPICS: tuple[Topic, ...] = (
     Topic("scan", "sensor_msgs/msg/LaserScan", sensors.scan_stamp, sensors.laser_scan),
-    Topic("odom", "nav_msgs/msg/Odometry", motion.now, motion.odometry, "publish_rate"),
-    Topic("tf", "tf2_msgs/msg/TFMessage", motion.now, motion.transforms, "publish_rate"),
+    Topic("odom", "nav_msgs/msg/Odometry", motion.tick_stamp, motion.odometry, "publish_rate"),
+    Topic("tf", "tf2_msgs/msg/TFMessage", motion.tick_stamp, motion.transforms, "publish_rate"),
     Topic(
         "tf_static",
         "tf2_msgs/msg/TFMessage",
@@ -26,14 +26,14 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "particle_cloud",
         "nav2_msgs/msg/ParticleCloud",
-        motion.now,
+        motion.tick_stamp,
         belief.particle_cloud,
         "cloud_rate",
     ),
     Topic(
         "particlecloud",
         "geometry_msgs/msg/PoseArray",
-        motion.now,
+        motion.tick_stamp,
         belief.pose_array,
         "cloud_rate",
     ),
@@ -47,7 +47,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "joint_states",
         "sensor_msgs/msg/JointState",
-        motion.now,
+        motion.tick_stamp,
         motion.joint_states,
         "publish_rate",
     ),
@@ -94,7 +94,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "cmd_vel",
         "geometry_msgs/msg/TwistStamped",
-        motion.now,
+        motion.tick_stamp,
         motion.applied_velocity,
         live=False,
     ),
@@ -105,7 +105,13 @@ TOPICS: tuple[Topic, ...] = (
         robot_state.initial_pose,
         live=False,
     ),
-    Topic("command", "std_msgs/msg/String", robot_state.told_stamp, robot_state.told, live=False),
+    Topic(
+        "command",
+        "std_msgs/msg/String",
+        robot_state.told_stamp,
+        robot_state.wheel_commands,
+        live=False,
+    ),
 )
 
 

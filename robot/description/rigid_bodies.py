@@ -98,10 +98,10 @@ def _lump(top: str, placed: list[tuple[Any, Array]]) -> tuple[float, Array, Arra
         raise SpecError(f"the body of link {top!r} can move, so it needs mass")
     centre: Array = sum(m * position[:3, 3] for m, _, position in parts) / mass
     inertia = np.zeros((3, 3))
-    for part_mass, tensor, at in parts:
-        away = at[:3, 3] - centre
+    for part_mass, tensor, place in parts:
+        away = place[:3, 3] - centre
         shift = away @ away * np.eye(3) - np.outer(away, away)
-        inertia += at[:3, :3] @ tensor @ at[:3, :3].T + part_mass * shift
+        inertia += place[:3, :3] @ tensor @ place[:3, :3].T + part_mass * shift
     return mass, centre, inertia
 
 

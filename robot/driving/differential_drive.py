@@ -26,16 +26,16 @@ class DifferentialDrive:
     """
 
     def __init__(self, spec: RobotSpec, multipliers: WheelMultipliers | None = None) -> None:
-        by = multipliers or WheelMultipliers()
+        used = multipliers or WheelMultipliers()
         self.spec = spec
         self.left, self.right = spec.axle
-        self.track = by.separation * spec.track
+        self.track = used.separation * spec.track
         """Corrected distance between the wheels [m]."""
         radii = np.array([joint.radius for joint in spec.joints])
-        radii[[self.left, self.right]] *= by.left_radius, by.right_radius
+        radii[[self.left, self.right]] *= used.left_radius, used.right_radius
         self.radii = radii
         """Corrected radii of the wheels (j,) [m]."""
-        offsets = by.separation * np.array([joint.offset for joint in spec.joints])
+        offsets = used.separation * np.array([joint.offset for joint in spec.joints])
         self._limits = np.array([joint.max_velocity for joint in spec.joints])
         self._wheels_from_twist = np.column_stack([1 / radii, -offsets / radii])
         self._twist_from_wheels = np.linalg.inv(self._wheels_from_twist)

@@ -207,7 +207,7 @@ class Board:
         match event:
             case events.Supply(volts):
                 self._answered = current
-                self._supply.told(volts)
+                self._supply.take_voltage(volts)
             case events.MotorPowerFault():
                 return self._supply.fault("motor", current)
             case events.PortPowerFault():

@@ -126,10 +126,10 @@ class SpeedLoop:
             return 0.0
         if sample.angle != self._seen:
             self._seen, self._seen_at, self._travel = sample.angle, current, 0.0
-        lag = self._at(sample.stamp - WIRE_DELAY) - sample.angle
+        lag = self._interpolated(sample.stamp - WIRE_DELAY) - sample.angle
         return self._bounded(lag)
 
-    def _at(self, stamp: float) -> float:
+    def _interpolated(self, stamp: float) -> float:
         """Return the model wheel's angle at a stamp [degree]; forget older moments."""
         while len(self._past) > 2 and self._past[1][0] <= stamp:
             self._past.popleft()

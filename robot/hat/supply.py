@@ -49,7 +49,7 @@ class Supply:
         self._asked = current
         return commands.supply()
 
-    def told(self, volts: float) -> None:
+    def take_voltage(self, volts: float) -> None:
         """Take a reported voltage [V].
 
         A low voltage counts from the second time on, because a start lowers it briefly. A voltage

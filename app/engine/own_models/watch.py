@@ -70,9 +70,9 @@ class ModelFolder:
         except OSError as error:
             return ModelList(faults=(f"{self._folder} cannot be read: {error.strerror}",))
         self._known = {path: self._look_into(path) for path in paths}
-        result = [one for _, one in self._known.values()]
+        result = [kept_model for _, kept_model in self._known.values()]
         return ModelList(
-            tuple(model for one in result for model in one.sensors),
+            tuple(model for kept_model in result for model in kept_model.sensors),
             tuple(model for each in result for model in each.motions),
             tuple(fault for item in result for fault in item.faults),
         )

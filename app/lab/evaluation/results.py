@@ -58,7 +58,7 @@ def method_table(scores: Sequence[Score]) -> Table:
     """Return the errors of one method in one condition."""
 
     def over(pick: Callable[[Score], float]) -> Table:
-        return spread([pick(one) for one in scores])
+        return spread([pick(item) for item in scores])
 
     relative = {
         delta: {
@@ -68,9 +68,9 @@ def method_table(scores: Sequence[Score]) -> Table:
         for delta in scores[0].relative
     }
     return {
-        "ate_rmse_m": over(lambda one: one.ate),
-        "ate_aligned_rmse_m": over(lambda one: one.ate_aligned),
-        "heading_rmse_rad": over(lambda one: one.heading),
+        "ate_rmse_m": over(lambda item: item.ate),
+        "ate_aligned_rmse_m": over(lambda item: item.ate_aligned),
+        "heading_rmse_rad": over(lambda item: item.heading),
         "rpe_trans_rmse_m": relative[SHOWN]["trans_rmse_m"],
         "rpe_rot_rmse_rad": relative[SHOWN]["rot_rmse_rad"],
         "rpe": relative,

@@ -96,21 +96,21 @@ class Contest:
     def _weigh(self) -> None:
         """Update how far each place is behind, and drop the places that are too far behind."""
         leader = self.leader
-        for one in self.others:
-            one.deficit += _worse(one, leader)
+        for candidate in self.others:
+            candidate.deficit += _worse(candidate, leader)
         best = min(each.deficit for each in (leader, *self.others))
-        for one in (leader, *self.others):
-            one.deficit -= best
+        for candidate in (leader, *self.others):
+            candidate.deficit -= best
         kept: list[Candidate] = []
         limit = self._laser.doubt_behind
         if leader.deficit <= limit:
             kept.append(leader)
-        for one in sorted(self.others, key=lambda item: item.deficit):
-            same = next((other for other in kept if one.same_place(other)), None)
-            if same is None and one.deficit <= limit:
-                kept.append(one)
+        for candidate in sorted(self.others, key=lambda item: item.deficit):
+            same = next((other for other in kept if candidate.same_place(other)), None)
+            if same is None and candidate.deficit <= limit:
+                kept.append(candidate)
             elif same is leader:
-                leader.deficit = min(leader.deficit, one.deficit)
+                leader.deficit = min(leader.deficit, candidate.deficit)
         if kept[0] is not leader:
             self.places_left += leader.confirmed
             self._search_interval = self._wait = FIRST_DOUBT
@@ -135,9 +135,9 @@ class Contest:
             if not back:
                 break
             leader.take_too(moment.odometry, moment.scan)
-            for one, past in back:
+            for candidate, past in back:
                 past.take_too(moment.odometry, moment.scan)
-                one.deficit += _worse(past, leader)
+                candidate.deficit += _worse(past, leader)
             back = [(item, past) for item, past in back if item.deficit <= self._laser.doubt_behind]
         return [each for each, _ in back]
 

@@ -88,14 +88,14 @@ class LaserFollower:
         contest = self._contest
         self.found.places_left = contest.places_left
         margin = self._settings.laser.doubt_behind / PRIOR_MAP_LENGTHS
-        withdraw(self.found.told, contest.moments, contest.copy_of_leader(), margin)
+        withdraw(self.found.reports, contest.moments, contest.copy_of_leader(), margin)
 
     @property
     def _state(self) -> State:
         leader = self._leader
         if self._telling:
             return State.CERTAIN
-        if leader.confirmed and self.found.told:
+        if leader.confirmed and self.found.reports:
             return State.LOST
         if leader.known:
             return State.APPROXIMATE if self._contest.alone else State.AMBIGUOUS

@@ -34,7 +34,7 @@ class ReportedPose:
 class Localized:
     """The result of localizing a bag."""
 
-    told: list[ReportedPose] = field(default_factory=list)
+    reports: list[ReportedPose] = field(default_factory=list)
     """All reported poses, also those withdrawn later."""
     states: Counter[State] = field(default_factory=Counter)
     """Number of scans by the state that was claimed."""
@@ -63,12 +63,12 @@ class Localized:
     @property
     def standing(self) -> list[ReportedPose]:
         """The reported poses that still stand."""
-        return [item for item in self.told if not item.withdrawn]
+        return [item for item in self.reports if not item.withdrawn]
 
     @property
     def withdrawn(self) -> list[ReportedPose]:
         """The reported poses whose places turned out to be wrong."""
-        return [item for item in self.told if item.withdrawn]
+        return [item for item in self.reports if item.withdrawn]
 
     @property
     def stamps(self) -> list[float]:
@@ -89,7 +89,7 @@ class Localized:
         """Return first stamp, last stamp [s] and belief of each stretch of withdrawn poses."""
         result: list[tuple[float, float, int]] = []
         before: ReportedPose | None = None
-        for item in self.told:
+        for item in self.reports:
             if item.withdrawn and before is not None and before.withdrawn and (
                 item.leader == before.leader and item.stamp - before.stamp <= LONGEST_GAP
             ):  # fmt: skip
@@ -113,4 +113,4 @@ class Localized:
         self.state = state
         self.states[state] += 1
         if given is not None:
-            self.told.append(given)
+            self.reports.append(given)

@@ -40,12 +40,12 @@ def draw(path: Path, localized: Localized, laser_map: LaserMap) -> None:
         figure = Figure(figsize=(INCHES, INCHES), layout="constrained")
         axes = figure.add_subplot()
         _floor(axes, laser_map)
-        shown = _ways(axes, localized) if localized.told else _places(axes, localized)
+        shown = _ways(axes, localized) if localized.reports else _places(axes, localized)
         _look_at(axes, shown, laser_map)
         axes.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
         handles, labels = axes.get_legend_handles_labels()
-        once = dict(zip(labels, handles, strict=True))
-        axes.legend(once.values(), once.keys(), loc="upper right", frameon=True, fontsize=8)
+        unique = dict(zip(labels, handles, strict=True))
+        axes.legend(unique.values(), unique.keys(), loc="upper right", frameon=True, fontsize=8)
         figure.savefig(path, dpi=DPI, metadata={"Software": None})
 
 
@@ -65,7 +65,7 @@ def _ways(axes: Axes, localized: Localized) -> Array:
     """Draw estimate and odometry, which begin together; return the points to show (n, 2)."""
     standing, shown = localized.standing, []
     if standing:
-        poses = np.array([one.pose for one in standing])
+        poses = np.array([pose_report.pose for pose_report in standing])
         odometry = np.array([each.odometry for each in standing])
         begin = Pose2.from_array(poses[0]) @ Pose2.from_array(odometry[0]).inverse()
         alone = compose(np.tile(begin.to_array(), (len(odometry), 1)), odometry)

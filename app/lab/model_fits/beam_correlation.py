@@ -37,7 +37,7 @@ class BeamCorrelation:
     """(s,) of a ray between scans that are 0, 1, ... apart."""
     rays_used: int
     """Rays of a scan that a filter uses: n."""
-    effective_rays: float
+    rays_worth: float
     """Independent rays that those are worth: n_eff."""
     rays_worth_interval: Interval
     likelihood_weight: float

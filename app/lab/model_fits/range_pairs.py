@@ -167,20 +167,20 @@ def by_distance(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
 
     Expected ranges are sorted into bins by their exact distance, returns by their measured one.
     """
-    return _by(pairs, pairs.expected, pairs.measured, borders)
+    return _pairs_by(pairs, pairs.expected, pairs.measured, borders)
 
 
 def by_bearing(pairs: RangePairs, borders: Array) -> list[RangeStatistics]:
     """Return statistics between borders (k + 1,) of bearings [rad], rising."""
-    return _by(pairs, pairs.bearings, pairs.bearings, borders)
+    return _pairs_by(pairs, pairs.bearings, pairs.bearings, borders)
 
 
 def overall(pairs: RangePairs) -> RangeStatistics:
     """Return statistics of all rays."""
-    return _by(pairs, pairs.bearings, pairs.bearings, np.array([-math.inf, math.inf]))[0]
+    return _pairs_by(pairs, pairs.bearings, pairs.bearings, np.array([-math.inf, math.inf]))[0]
 
 
-def _by(
+def _pairs_by(
     pairs: RangePairs, expected: Array, measured: Array, borders: Array
 ) -> list[RangeStatistics]:
     """Return statistics of the rays between borders, by expected and by measured values."""

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from app.files import atomic_file
-from app.lab.evaluation.report.figures import drawn
+from app.lab.evaluation.report.figures import svg_figure
 
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
 OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"
@@ -42,7 +42,7 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
     words = not all(_is_number(value) for value in values)
     position = {value: place if words else value for place, value in enumerate(values)}
     done: list[str] = []
-    with drawn(5.2, 3.2, done) as figure:
+    with svg_figure(5.2, 3.2, done) as figure:
         axes = figure.add_subplot()
         worlds = list(dict.fromkeys(_where(row) for row in rows))
         for (mark, colour), world in zip(itertools.cycle(MARKS), worlds, strict=False):

@@ -145,7 +145,7 @@ def _values(
             valid = ", ".join(near) or "those of docs/configuration.md, by their path"
             raise _wrong(path, text, name, f"is no setting that can be swept; valid are {valid}")
         try:
-            result[name] = _one(given, sampled)
+            result[name] = _parse_choice(given, sampled)
         except SettingError as error:
             raise _wrong(path, text, name, str(error)) from error
     return result
@@ -164,7 +164,7 @@ def _flat(table: dict[str, Any], known: Settings, above: str = "") -> list[tuple
     return result
 
 
-def _one(given: Any, sampled: bool) -> list[Any] | Interval:
+def _parse_choice(given: Any, sampled: bool) -> list[Any] | Interval:
     if isinstance(given, dict) and given:
         if not sampled:
             raise SettingError("is an interval; that needs sample in [sweep], or list its values")

@@ -187,7 +187,7 @@ class Scene:
     def _show_hypotheses(self, snapshot: Snapshot) -> None:
         """An ellipse for each place where the robot may be, the likeliest with full colour."""
         result = snapshot.estimate.hypotheses if snapshot.estimate is not None else ()
-        shown = [one for one in result if one.weight >= LIKELY]
+        shown = [hypothesis for hypothesis in result if hypothesis.weight >= LIKELY]
         node = self._nodes["covariance"]
         if not shown:
             node.points = np.full((1, 2, 3), FAR_AWAY)

@@ -170,7 +170,7 @@ def _field(parts: RecordedParts, options: ReplayOptions, reader: RecordingReader
 def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRobot) -> Start:
     """Return where the recorded filter began, as far as that is known."""
     wanted = config.start_pose
-    as_configured = parts.told and parts.from_start and not wanted.restore_pose
+    as_configured = parts.has_settings and parts.from_start and not wanted.restore_pose
     if not as_configured:
         result = first_estimate(robot.reader, robot.topics, robot.start_ns)
         if result is not None and field.contains(result.pose):

@@ -56,7 +56,7 @@ class _Way:
     to_ns: int | None
     """Time to seek to; None for a step, whose end depends on the pictures."""
     ticks: Iterator[Snapshot]
-    there: Snapshot | None
+    preview: Snapshot | None
     """What was recorded at the target, to be shown meanwhile."""
     said: float = 0.0
     """When its progress was last shown, on the computer's monotonic clock [s]."""
@@ -191,7 +191,7 @@ class Replay:
             self._count()
         if not self._change_on_the_way(way) and until - way.said > TOLD_S and self._shown:
             way.said = until
-            self._show(replace(way.there or self._shown, published=time.monotonic()))
+            self._show(replace(way.preview or self._shown, published=time.monotonic()))
 
     def _arrive(self) -> None:
         self._way = None
@@ -262,7 +262,7 @@ class Replay:
             stamp=stamp,
             frame=frame,
             line_scan=scanner.scan(frame) if frame else None,
-            scan_pose=preview.then,
+            scan_pose=preview.recorded_estimate,
             truth=preview.truth,
             pose=None,
             estimate=None,

@@ -27,7 +27,7 @@ class ReplaySettings:
         else:
             self.changed = {**self.changed, **command.values}
 
-    def again(self, command: Command) -> tuple[Command, ...]:
+    def repeated(self, command: Command) -> tuple[Command, ...]:
         """Return the commands that repeat a recorded command in this replay."""
         match command:
             case SetParametersCommand():

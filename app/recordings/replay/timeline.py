@@ -60,7 +60,7 @@ class Timeline:
         self._field = field
         self._settings = settings
         self._begin = begin
-        self._then: Then | None = None
+        self._recorded_estimate: Then | None = None
         self._pure = True
         """Whether the state depends only on the recording, the settings and the time."""
         self._can_keep = True
@@ -80,9 +80,9 @@ class Timeline:
 
     def estimate_then(self, snapshot: Snapshot) -> Pose2 | None:
         """The recorded estimate, carried forward by the wheels; None if there is none yet."""
-        if self._then is None:
+        if self._recorded_estimate is None:
             return None
-        pose, odom_then = self._then
+        pose, odom_then = self._recorded_estimate
         return pose @ (odom_then.inverse() @ snapshot.odom_from_robot)
 
     def tick(self, commands: tuple[Command, ...] = ()) -> Snapshot:
@@ -91,11 +91,11 @@ class Timeline:
         Args:
             commands: the viewer's commands now, in addition to the recorded ones.
         """
-        recorded = [item for command in self.robot.commands() for item in self._again(command)]
+        recorded = [item for command in self.robot.commands() for item in self._repeated(command)]
         self._note(commands)
         snapshot = self.engine.advance((*recorded, *commands))
-        if self.robot.then is not None:
-            self._then = self._then_of(*self.robot.then)
+        if self.robot.recorded_estimate is not None:
+            self._recorded_estimate = self._recorded_estimate_of(*self.robot.recorded_estimate)
         self._mind_own_models()
         self._keep()
         return snapshot
@@ -141,7 +141,7 @@ class Timeline:
         if kept is None:
             self._start_anew()
         else:
-            state, sensor, motion, place, self._then = kept.checkpoint.restore()
+            state, sensor, motion, place, self._recorded_estimate = kept.checkpoint.restore()
             self.engine.controls.restore(state)
             self.engine.localization.own.put_back(sensor, motion)
             self.robot.go_to(place)
@@ -178,14 +178,14 @@ class Timeline:
         self.robot.go_to(ReadPosition())
         fresh = self._begin(self._settings.changed, engine.localization.entries)
         engine.controls.restore(fresh.controls.state)
-        self._then = None
+        self._recorded_estimate = None
 
-    def _again(self, command: Command) -> tuple[Command, ...]:
+    def _repeated(self, command: Command) -> tuple[Command, ...]:
         why = refused(command, self._field)
         if why is not None:
             self.engine.note(why)
             return ()
-        return self._settings.again(command)
+        return self._settings.repeated(command)
 
     def _note(self, commands: tuple[Command, ...]) -> None:
         for command in commands:
@@ -194,11 +194,11 @@ class Timeline:
             if RULES[type(command)].repeat is Repeat.MOMENT:
                 self._pure = False
 
-    def _then_of(self, stamp: float, pose: Pose2) -> Then | None:
+    def _recorded_estimate_of(self, stamp: float, pose: Pose2) -> Then | None:
         try:
             return pose, self.engine.controls.odometry.at(stamp).odom_from_robot
         except LookupError:
-            return self._then  # the stamp is older than the stored odometry
+            return self._recorded_estimate  # the stamp is older than the stored odometry
 
     def _mind_own_models(self) -> None:
         """Treat a user's own model that was saved again as a change of settings."""
@@ -213,7 +213,7 @@ class Timeline:
             return
         try:
             controls, own = self.engine.controls, self.engine.localization.own
-            state = controls.state, own.sensor, own.motion, self.robot.at, self._then
+            state = controls.state, own.sensor, own.motion, self.robot.at, self._recorded_estimate
             kept = self._keeper.keep(state)
         except CheckpointError as error:
             self._can_keep = False

@@ -116,15 +116,15 @@ def plan(
     configuration, confined = reach(host, environment)
     writers = [
         Endpoint(
-            settings.full_name(one.name),
-            one.type,
-            type_hash(one.type),
-            one.quality.reliable,
-            one.quality.latched,
-            one.quality.depth,
+            settings.full_name(topic.name),
+            topic.type,
+            type_hash(topic.type),
+            topic.quality.reliable,
+            topic.quality.latched,
+            topic.quality.depth,
         )
-        for one in TOPICS
-        if one.live
+        for topic in TOPICS
+        if topic.live
     ]
     readers = [
         Endpoint(

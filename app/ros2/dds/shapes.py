@@ -25,13 +25,13 @@ def _add(name: str, result: Shapes) -> None:
 
 def _kind(described: Any, result: Shapes) -> Kind:
     """Convert a field's type as rosbags describes it: (form, content)."""
-    form, of = described
+    form, item_type = described
     match form.name:
         case "BASE":
-            return str(of[0])
+            return str(item_type[0])
         case "NAME":
-            _add(of, result)
-            return str(of)
+            _add(item_type, result)
+            return str(item_type)
         case _:
-            inner, size = of
+            inner, size = item_type
             return [_kind(inner, result), form.name.lower(), size]

@@ -94,7 +94,7 @@ def _twist(twist: Twist2) -> Message:
     return new("geometry_msgs/msg/Twist", linear=linear, angular=angular)
 
 
-def now(snapshot: Snapshot) -> float:
+def tick_stamp(snapshot: Snapshot) -> float:
     """The stamp of content that is new in each tick."""
     return snapshot.stamp
 

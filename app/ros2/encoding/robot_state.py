@@ -51,15 +51,15 @@ def battery_state(source: TopicSource, snapshot: Snapshot) -> Message:
 
 def told_stamp(snapshot: Snapshot) -> float | None:
     """The tick's stamp if the tick has commands for the robot or the filter, else None."""
-    return snapshot.stamp if _told(snapshot) else None
+    return snapshot.stamp if _recorded_commands(snapshot) else None
 
 
-def told(source: TopicSource, snapshot: Snapshot) -> Message:
+def wheel_commands(source: TopicSource, snapshot: Snapshot) -> Message:
     """The tick's commands as a JSON list, oldest first."""
-    return new("std_msgs/msg/String", data=json.dumps(_told(snapshot)))
+    return new("std_msgs/msg/String", data=json.dumps(_recorded_commands(snapshot)))
 
 
-def _told(snapshot: Snapshot) -> list[dict[str, object]]:
+def _recorded_commands(snapshot: Snapshot) -> list[dict[str, object]]:
     return [
         command.model_dump(mode="json", exclude_none=True)
         for command in snapshot.commands

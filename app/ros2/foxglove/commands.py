@@ -39,7 +39,7 @@ class Commands:
     def advertise(self, client: int, channel: Any) -> str | None:
         """Register a viewer's channel; return an error message if it is not allowed."""
         try:
-            topic = self._names.told(channel.topic, channel.schema_name)
+            topic = self._names.incoming_topic(channel.topic, channel.schema_name)
         except MessageError as error:
             return str(error)
         if len(self._channels) >= MOST_CHANNELS:

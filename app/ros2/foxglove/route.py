@@ -95,7 +95,7 @@ class FoxgloveRoute(Route):
         if channel is not None:
             channel.log(published.cdr, log_time=published.log_time_ns)
 
-    def anew(self, name: str) -> None:
+    def restart_pace(self, name: str) -> None:
         """Restart the pace of a topic, by its full name: a new subscriber gets latched content."""
         for topic in TOPICS:
             if self._settings.full_name(topic.name) == name:
@@ -147,7 +147,7 @@ class _Listener:
         self._commands = commands
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        self._route.anew(channel.topic)
+        self._route.restart_pace(channel.topic)
 
     def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
         """Do nothing; the SDK calls it in any case."""

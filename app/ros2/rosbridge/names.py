@@ -48,7 +48,7 @@ class Names:
         check_type(topic, type_name)
         return topic
 
-    def told(self, name: str, type_name: str | None) -> IncomingTopic:
+    def incoming_topic(self, name: str, type_name: str | None) -> IncomingTopic:
         """Return the topic that a client publishes on.
 
         Raises:

@@ -119,11 +119,11 @@ class Session(Route):
         return []
 
     def _advertise(self, request: Request) -> list[Request]:
-        self._bridge.names.told(text(request, "topic"), maybe_text(request, "type"))
+        self._bridge.names.incoming_topic(text(request, "topic"), maybe_text(request, "type"))
         return []
 
     def _publish(self, request: Request) -> list[Request]:
-        topic = self._bridge.names.told(text(request, "topic"), None)
+        topic = self._bridge.names.incoming_topic(text(request, "topic"), None)
         try:
             message = message_of(request.get("msg", {}), topic.type)
         except MessageError:

@@ -176,6 +176,6 @@ def motor_line(motor: Motor, current: float) -> Finding:
 def _complaints(volts: float, low_v: float, current: float) -> list[str]:
     """Return the driver's complaints about a voltage that stays the same."""
     judge = Supply(low_v)
-    judge.told(volts)
-    judge.told(volts)
+    judge.take_voltage(volts)
+    judge.take_voltage(volts)
     return judge.complaints(current)

@@ -115,8 +115,8 @@ def _spread(grid: PoseGrid, shifts: Array, variances: Array) -> PoseGrid:
     cells, mass = grid.cells, grid.mass
     # The heading last: the others go by the heading that the step began with.
     for axis in range(3):
-        by = nearest[:, axis].astype(np.int64)
-        cells, mass = _share(cells, mass, axis, by, shares[:, axis])
+        columns = nearest[:, axis].astype(np.int64)
+        cells, mass = _share(cells, mass, axis, columns, shares[:, axis])
     return PoseGrid(grid.boxes, cells, mass / mass.sum())
 
 
@@ -134,7 +134,7 @@ def _share(
         shares: (turns, 3) what each of the three gets.
     """
     turns = len(nearest)
-    table, once, total = no_boxes(3 * len(cells))
+    table, merged, total = no_boxes(3 * len(cells))
     result = 0
     for i in range(len(cells)):
         turn = cells[i, 2]
@@ -147,5 +147,5 @@ def _share(
                 y = cells[i, 1] + target
             else:
                 t = (turn + target) % turns
-            result = add_box(x, y, t, mass[i] * shares[turn, k], table, once, total, result)
-    return once[:result].copy(), total[:result].copy()
+            result = add_box(x, y, t, mass[i] * shares[turn, k], table, merged, total, result)
+    return merged[:result].copy(), total[:result].copy()

@@ -100,11 +100,13 @@ def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
 
     Boxes without any mass are left out.
     """
-    table, once, total = no_boxes(len(cells))
+    table, merged, total = no_boxes(len(cells))
     result = 0
     for i in range(len(cells)):
-        result = add_box(cells[i, 0], cells[i, 1], cells[i, 2], mass[i], table, once, total, result)
-    return once[:result].copy(), total[:result].copy()
+        result = add_box(
+            cells[i, 0], cells[i, 1], cells[i, 2], mass[i], table, merged, total, result
+        )
+    return merged[:result].copy(), total[:result].copy()
 
 
 @njit(cache=True, nogil=True)
@@ -123,7 +125,7 @@ def add_box(
     t: int,
     mass: float,
     table: Indices,
-    once: Indices,
+    merged: Indices,
     total: Array,
     result: int,
 ) -> int:
@@ -138,11 +140,11 @@ def add_box(
     slot = ((mixed ^ (mixed >> 32)) * 0x1FD7046C5EF9AB4D >> 20) & (len(table) - 1)
     while table[slot] >= 0:
         position = table[slot]
-        if once[position, 0] == x and once[position, 1] == y and once[position, 2] == t:
+        if merged[position, 0] == x and merged[position, 1] == y and merged[position, 2] == t:
             total[position] += mass
             return result
         slot = (slot + 1) & (len(table) - 1)
     table[slot] = result
-    once[result, 0], once[result, 1], once[result, 2] = x, y, t
+    merged[result, 0], merged[result, 1], merged[result, 2] = x, y, t
     total[result] = mass
     return result + 1

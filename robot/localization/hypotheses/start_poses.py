@@ -44,7 +44,7 @@ def start_tracks(
     places: list[StartPose], new_filter: Callable[[Setup, float], TrackFilter], setup: Setup
 ) -> tuple[list[Track], list[Prior]]:
     """Return a track and a prior for each place, the heaviest first."""
-    tracks, told = [], []
+    tracks, told_priors = [], []
     total = sum(place.hypothesis.weight for place in places)
     for place in places:
         given = place.hypothesis
@@ -52,8 +52,8 @@ def start_tracks(
         place.begin(item)
         log_weight = math.log(given.weight / places[0].hypothesis.weight)
         tracks.append(Track(item, log_weight))
-        told.append(Prior(given.pose, given.covariance, log_weight))
-    return tracks, told
+        told_priors.append(Prior(given.pose, given.covariance, log_weight))
+    return tracks, told_priors
 
 
 def find_start_clusters(cloud: Cloud, setup: Setup) -> list[StartPose]:

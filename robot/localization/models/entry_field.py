@@ -54,9 +54,9 @@ class EntryField:
         return planes(self.distances, self.resolution, self.max_distance)
 
     @classmethod
-    def build(cls, of: Field, *, resolution: float, max_distance: float) -> EntryField:
+    def build(cls, taped: Field, *, resolution: float, max_distance: float) -> EntryField:
         """The table of a field; the last few are kept, for the next run on the same field."""
-        return _built(of.edges.astype(np.float64).tobytes(), resolution, max_distance)
+        return _built(taped.edges.astype(np.float64).tobytes(), resolution, max_distance)
 
 
 @lru_cache(maxsize=KEPT)

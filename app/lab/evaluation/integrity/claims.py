@@ -51,7 +51,7 @@ class Claims:
     """When the robot was carried off [s]."""
 
     @property
-    def off(self) -> Array:
+    def errors(self) -> Array:
         """(n, 3) estimate minus truth [m, m, rad]; nan without an estimate."""
         offset = self.poses - self.truth
         offset[:, 2] = wrap_angle(offset[:, 2])
@@ -60,13 +60,13 @@ class Claims:
     @property
     def distances(self) -> Array:
         """(n,) from the truth [m]; inf without an estimate."""
-        result: Array = np.nan_to_num(np.hypot(*self.off[:, :2].T), nan=math.inf)
+        result: Array = np.nan_to_num(np.hypot(*self.errors[:, :2].T), nan=math.inf)
         return result
 
     @property
     def turns(self) -> Array:
         """(n,) from the true heading [rad], absolute; inf without an estimate."""
-        result: Array = np.nan_to_num(np.abs(self.off[:, 2]), nan=math.inf)
+        result: Array = np.nan_to_num(np.abs(self.errors[:, 2]), nan=math.inf)
         return result
 
 
@@ -174,8 +174,8 @@ def _claims(rows: list[_Row], carry_stamp: float | None) -> Claims:
         np.array([nowhere if row.pose is None else row.pose.to_array() for row in rows]),
         np.array([row.covariance for row in rows]),
         np.array([row.weight for row in rows]),
-        tuple(one.state for one in claimed),
-        np.array([one.radius for one in claimed]),
+        tuple(claim.state for claim in claimed),
+        np.array([claim.radius for claim in claimed]),
         np.array([each.heading_bound for each in claimed]),
         tuple(item.alerts[0].cause if item.alerts else None for item in claimed),
         carry_stamp,

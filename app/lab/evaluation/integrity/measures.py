@@ -137,7 +137,7 @@ def _consistency(claims: Claims) -> Measures:
     """
     one_place = certain(claims) | _in_state(claims, State.APPROXIMATE)
     used = one_place & (claims.stamps >= claims.stamps[0] + SETTLE)
-    offset, covariance = claims.off[used], claims.covariance[used]
+    offset, covariance = claims.errors[used], claims.covariance[used]
     sound = np.isfinite(offset).all(axis=1) & np.isfinite(covariance).all(axis=(1, 2))
     offset, covariance = offset[sound], covariance[sound]
     sound = np.linalg.det(covariance) > 0

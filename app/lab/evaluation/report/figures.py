@@ -52,14 +52,14 @@ STYLE: Any = {
 
 
 @contextmanager
-def drawn(width: float, height: float, into: list[str]) -> Iterator[Figure]:
-    """Give a figure [inch] to draw on; its SVG is appended to ``into`` at the end."""
+def svg_figure(width: float, height: float, svgs: list[str]) -> Iterator[Figure]:
+    """Give a figure [inch] to draw on; its SVG is appended to ``svgs`` at the end."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         yield figure
         text = io.StringIO()
         figure.savefig(text, format="svg", metadata={"Date": None})
-    into.append(text.getvalue())
+    svgs.append(text.getvalue())
 
 
 def paths(field: Field, panels: dict[str, Run]) -> str:
@@ -67,7 +67,7 @@ def paths(field: Field, panels: dict[str, Run]) -> str:
     done: list[str] = []
     columns = min(len(panels), 2)
     rows = -(-len(panels) // columns)
-    with drawn(3.6 * columns, 3.9 * rows + 0.6, done) as figure:
+    with svg_figure(3.6 * columns, 3.9 * rows + 0.6, done) as figure:
         grid: Any = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
         for axes, (title, run) in zip(grid.flat, panels.items(), strict=False):
             _floor(axes, field)
@@ -90,7 +90,7 @@ def paths(field: Field, panels: dict[str, Run]) -> str:
 def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
     """Draw the distance from the truth over time: median and range (min to max) of the robots."""
     done: list[str] = []
-    with drawn(7.2, 2.1 * len(conditions) + 0.5, done) as figure:
+    with svg_figure(7.2, 2.1 * len(conditions) + 0.5, done) as figure:
         grid: Any = figure.subplots(len(conditions), 1, squeeze=False, sharex=True)
         for axes, (title, runs) in zip(grid.flat, conditions.items(), strict=True):
             for method in METHODS:
@@ -121,7 +121,7 @@ def errors_over_time(conditions: Mapping[str, Sequence[Run]]) -> str:
 def boxes(conditions: dict[str, dict[str, Sequence[float]]], label: str) -> str:
     """Draw boxes by condition and method, with a point for each robot [mm]; logarithmic."""
     done: list[str] = []
-    with drawn(7.2, 2.9, done) as figure:
+    with svg_figure(7.2, 2.9, done) as figure:
         axes = figure.add_subplot()
         places = np.arange(len(conditions))
         for shift, method in zip((-0.18, 0.18), METHODS, strict=True):
@@ -162,7 +162,7 @@ def recorded_paths(truth: Trajectory, estimate: Trajectory, aligned: Trajectory)
         (estimate, Stroke("estimate as it is", "#d55e00", "--", 1.0)),
         (aligned, Stroke("estimate, aligned", "#56b4e9", "-", 1.1)),
     )
-    with drawn(6, 5.4, done) as figure:
+    with svg_figure(6, 5.4, done) as figure:
         axes = figure.add_subplot()
         for trajectory, stroke in strokes:
             x, y, _ = trajectory.positions.T
@@ -175,7 +175,7 @@ def recorded_paths(truth: Trajectory, estimate: Trajectory, aligned: Trajectory)
 def recorded_errors(stamps: Array, errors: dict[str, Array]) -> str:
     """Draw distances [m] from the truth over time [s], one line for each name."""
     done: list[str] = []
-    with drawn(7.2, 2.4, done) as figure:
+    with svg_figure(7.2, 2.4, done) as figure:
         axes = figure.add_subplot()
         for (name, each), dashes, colour in zip(
             errors.items(), ("--", "-"), ("#d55e00", "#56b4e9"), strict=True

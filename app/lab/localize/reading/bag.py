@@ -82,7 +82,7 @@ class Bag:
         except BagError:
             raise
         except Exception as error:  # a foreign file may cause any error in the library
-            raise BagError(f"{path} cannot be read: {_told(error)}. {_cure(path)}") from error
+            raise BagError(f"{path} cannot be read: {_error_text(error)}. {_cure(path)}") from error
         self.topics = self._topics()
 
     def _open(self, path: Path) -> Any:
@@ -122,7 +122,7 @@ class Bag:
         except GeneratorExit:
             raise
         except Exception as error:  # as above
-            where = f"{self.path} is damaged or cut short: {_told(error)}"
+            where = f"{self.path} is damaged or cut short: {_error_text(error)}"
             raise BagError(f"{where}. {_cure(self.path)}") from error
 
     def _of_reader(self, reader: Any, names: Collection[str]) -> Iterator[Message]:
@@ -160,7 +160,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
     return [(int(part or 0), word) for word, part in re.findall(r"(\D*)(\d*)", path.stem)]
 
 
-def _told(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     text = str(error).strip().rstrip(".").splitlines()
     return text[0][:200] if text else type(error).__name__
 

@@ -38,19 +38,19 @@ def choose(bag: Bag, scan: str | None = None, odometry: str | None = None) -> Ch
         BagError: there is no topic of a type; lists what the bag has.
     """
     transforms = tuple(topic.name for topic in bag.of_type(TRANSFORMS))
-    laser = _one(bag, LASER_SCAN, scan, "--scan-topic")
+    laser = _choose_topic(bag, LASER_SCAN, scan, "--scan-topic")
     if laser is None:
         raise BagError(f"{bag.path} has no {LASER_SCAN}; {_held(bag)}")
     result = bag.of_type(ODOMETRY)
     if odometry is None and len(result) > 1 and USUAL in [topic.name for topic in result]:
         odometry = USUAL
-    wheels = _one(bag, ODOMETRY, odometry, "--odom-topic")
+    wheels = _choose_topic(bag, ODOMETRY, odometry, "--odom-topic")
     if wheels is None and not transforms:
         raise BagError(f"{bag.path} has no {ODOMETRY} and no {TRANSFORMS}; {_held(bag)}")
     return Chosen(laser, wheels, transforms)
 
 
-def _one(bag: Bag, kind: str, wanted: str | None, option: str) -> str | None:
+def _choose_topic(bag: Bag, kind: str, wanted: str | None, option: str) -> str | None:
     result = [topic.name for topic in bag.of_type(kind)]
     if wanted is not None:
         name = wanted if wanted in result else f"/{wanted.lstrip('/')}"

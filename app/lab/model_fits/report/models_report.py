@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
-from app.lab.evaluation.report.figures import drawn
+from app.lab.evaluation.report.figures import svg_figure
 from app.lab.evaluation.report.report import embedded, page
 from app.lab.model_fits.motion_statistics import EndSpread, MotionStatistics
 from app.lab.model_fits.regions import Held
@@ -48,7 +48,7 @@ def _motion_ends(ends: Sequence[tuple[EndSpread, EndSpread]]) -> str:
     svg: list[str] = []
     columns = 4
     rows = -(-len(ends) // columns)
-    with drawn(2.3 * columns, 2.3 * rows + 0.4, svg) as figure:
+    with svg_figure(2.3 * columns, 2.3 * rows + 0.4, svg) as figure:
         grid: Any = figure.subplots(rows, columns, squeeze=False)
         for axes in grid.flat[len(ends) :]:
             axes.set_axis_off()
@@ -74,7 +74,7 @@ def _motion_ends(ends: Sequence[tuple[EndSpread, EndSpread]]) -> str:
 def _range_errors(sensor: SensorStatistics) -> str:
     """Draw bias and spread, misses and false returns by distance, and correlation by lag."""
     svg: list[str] = []
-    with drawn(9.2, 2.8, svg) as figure:
+    with svg_figure(9.2, 2.8, svg) as figure:
         spread, shares, lags = figure.subplots(1, 3)
         bins = [item for item in sensor.distances if item.count > 1]
         middle = [(item.low + item.high) / 2 for item in bins]
@@ -99,7 +99,7 @@ def _range_errors(sensor: SensorStatistics) -> str:
 def _regions_held(held: Sequence[Held]) -> str:
     """Draw the shares that the 95 % regions held of drives that they were not fitted to."""
     svg: list[str] = []
-    with drawn(4.6, 2.8, svg) as figure:
+    with svg_figure(4.6, 2.8, svg) as figure:
         axes = figure.add_subplot()
         places = np.arange(len(held))
         axes.axhline(95, color="#888888", lw=1, label="95 %")

@@ -165,13 +165,17 @@ def _columns(header: list[Row], body: str, order: str | None, source: str) -> _B
     """Return the columns of a rigid body's rotation and position."""
     (line, properties), (_, axes) = header[-2], header[-1]
     width = min(len(properties), len(axes))
-    at = {(properties[item], axes[item]): item for item in _bodies(header)[body] if item < width}
+    column_of = {
+        (properties[item], axes[item]): item for item in _bodies(header)[body] if item < width
+    }
     rotation = [("Rotation", axis) for axis in order or "XYZW"]
     position = [("Position", axis) for axis in "XYZ"]
-    missing = [" ".join(key) for key in rotation + position if key not in at]
+    missing = [" ".join(key) for key in rotation + position if key not in column_of]
     if missing:
         raise TrajectoryError(f"{source}, line {line}: {body!r} lacks {', '.join(missing)}")
-    return _Body(tuple(at[key] for key in rotation), tuple(at[key] for key in position))
+    return _Body(
+        tuple(column_of[key] for key in rotation), tuple(column_of[key] for key in position)
+    )
 
 
 def _table(rows: list[Row], body: _Body, source: str) -> tuple[list[int], Array]:

@@ -36,7 +36,7 @@ class RecordedParts:
     spec: RobotSpec
     field: Field | None
     """None if the recording has no map."""
-    told: bool
+    has_settings: bool
     """Whether the recording has settings."""
     from_start: bool
     """Whether the recording began with the run, before the filter knew anything."""

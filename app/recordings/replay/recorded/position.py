@@ -117,7 +117,7 @@ class ReadPosition:
         known = self.truth is not None and self.now_ns - self.truth_ns < TRUE_NS
         return replace(self, truth=self.truth @ moved if known and self.truth else None)
 
-    def told(self, given: TickMessages, topics: RecordedTopics) -> ReadPosition:
+    def with_status(self, given: TickMessages, topics: RecordedTopics) -> ReadPosition:
         """Take the values that are recorded now and then; each is valid until the next message."""
         place = self
         volts = given.of(topics.battery_state, volts_of)

@@ -33,7 +33,7 @@ class Preview:
     """Time of the tick with the last picture [ns since 1970]; None if there is none."""
     frame: Frame | None
     """That picture, with its stamp as recorded [s]."""
-    then: Pose2 | None
+    recorded_estimate: Pose2 | None
     """The recorded estimate."""
     truth: Pose2 | None
 
@@ -51,7 +51,7 @@ def preview(
     """
     result = None
     for back in (*SEARCH_BACK_NS, log_ns):
-        result = _found(reader, topics, max(log_ns - back, 0), log_ns, size) or result
+        result = _search(reader, topics, max(log_ns - back, 0), log_ns, size) or result
         if (result and result.picture_log_ns is not None) or log_ns - back <= reader.start_ns:
             break
     return result
@@ -87,7 +87,7 @@ def picture_before(
     return start_ns
 
 
-def _found(
+def _search(
     reader: RecordingReader,
     topics: RecordedTopics,
     start_ns: int,
@@ -112,7 +112,7 @@ def _found(
         tick.log_ns,
         picture_log_ns,
         _frame(newest.get(topics.picture), size),
-        _then(newest.get(topics.amcl_pose)),
+        _decode_estimate(newest.get(topics.amcl_pose)),
         _truth(newest.get(topics.truth)),
     )
 
@@ -126,7 +126,7 @@ def _frame(cdr: bytes | None, size: tuple[int, int]) -> Frame | None:
     return None
 
 
-def _then(cdr: bytes | None) -> Pose2 | None:
+def _decode_estimate(cdr: bytes | None) -> Pose2 | None:
     if cdr is None:
         return None
     with contextlib.suppress(MessageError, ContentError):

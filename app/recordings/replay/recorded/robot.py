@@ -59,14 +59,14 @@ class RecordedRobot:
         self.topics = topics
         self.at = ReadPosition()
         """How far it was read. It is not named ``place``, which is what a simulator offers."""
-        self.then: tuple[float, Pose2] | None = None
+        self.recorded_estimate: tuple[float, Pose2] | None = None
         """Stamp [s] and pose of the recorded estimate, if the last tick has one."""
         self.damage = ""
         """Why the recording ends early; empty if it does not."""
         self._drive = drive
         self._names = [joint.name for joint in spec.joints]
         self._applied = np.zeros(len(spec.joints))
-        self._messages = self._from(0)
+        self._messages = self._ticks_from(0)
         self._next = self._fetched()
         if self._next is None:
             raise RecordingError(f"{reader.path} has no joint_states that can be used{self._why()}")
@@ -85,7 +85,7 @@ class RecordedRobot:
         self._messages.close()
         self.at = place
         self.damage = ""
-        self._messages = self._from(place.log_ns + 1)
+        self._messages = self._ticks_from(place.log_ns + 1)
         self._next = self._fetched()
 
     def commands(self) -> tuple[Command, ...]:
@@ -93,7 +93,7 @@ class RecordedRobot:
         if self._next is None:
             return ()
         commands: list[Command] = []
-        for topic, cdr in self._next.tick.told:
+        for topic, cdr in self._next.tick.commands:
             # ``read`` reports what cannot be read.
             with contextlib.suppress(*BAD):
                 if topic == self.topics.command:
@@ -128,7 +128,7 @@ class RecordedRobot:
         self._next = None
         self._applied = np.zeros(len(self._names))
 
-    def _from(self, start_ns: int) -> Generator[RecordedTick, None, None]:
+    def _ticks_from(self, start_ns: int) -> Generator[RecordedTick, None, None]:
         return ticks(self.reader.messages(self.topics.names, start_ns), self.topics)
 
     def _why(self) -> str:
@@ -162,7 +162,7 @@ class RecordedRobot:
         if measured is None:
             measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
         given = _TickMessages(next_tick)
-        place = place.moved(self._drive.moved(turned)).told(given, self.topics)
+        place = place.moved(self._drive.moved(turned)).with_status(given, self.topics)
         place = self._with_truth(given, before, place, turned)
         frame = self._frame(given, place.shift_ns)
         if frame is not None:
@@ -204,12 +204,14 @@ class RecordedRobot:
 
     def _tell_then(self, messages: _TickMessages, shift_ns: int) -> None:
         result = messages.of(self.topics.amcl_pose, pose_and_covariance_of)
-        self.then = None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
+        self.recorded_estimate = (
+            None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
+        )
 
     def _tell_applied(self, messages: _TickMessages, measured: Array) -> None:
         twist = messages.of(self.topics.cmd_vel, twist_of)
         self._applied = measured if twist is None else self._drive.wheels(twist)
-        for topic, cdr in messages.tick.told:
+        for topic, cdr in messages.tick.commands:
             messages.read(commands_of if topic == self.topics.command else set_pose_of, cdr)
 
 

@@ -18,7 +18,7 @@ class RecordedTick:
     joints: bytes
     newest: dict[str, bytes] = field(default_factory=dict)
     """The newest message of each other topic, by topic."""
-    told: list[tuple[str, bytes]] = field(default_factory=list)
+    commands: list[tuple[str, bytes]] = field(default_factory=list)
     """Topics and messages of commands and set poses, in their order."""
 
 
@@ -58,5 +58,5 @@ def joined(before: list[RecordedTick], tick: RecordedTick) -> RecordedTick:
     given: list[tuple[str, bytes]] = []
     for item in (*before, tick):
         newest |= item.newest
-        given += item.told
+        given += item.commands
     return RecordedTick(tick.log_ns, tick.joints, newest, given)

@@ -47,7 +47,9 @@ class Participant:
         if plan.confined:
             confine_to_this_machine()  # before there are readers
         self._types = raw_types(plan.shapes | graph.SHAPES)
-        self._writers = [self._writer(one, dds_topic(one.topic)) for one in plan.writers]
+        self._writers = [
+            self._writer(planned, dds_topic(planned.topic)) for planned in plan.writers
+        ]
         self._readers = [self._reader(each) for each in plan.readers]
         self._names = [item.topic for item in plan.writers]
         self._latched = [writer.latched for writer in plan.writers]

@@ -68,7 +68,7 @@ def _kind(kind: Kind, made: dict[str, type[IdlStruct]]) -> Any:
     if isinstance(kind, str):
         return BASE.get(kind) or made[kind]
     inner, form, size = kind
-    of = _kind(inner, made)
+    item_kind = _kind(inner, made)
     if form == "array":
-        return ARRAY[of, size]
-    return SEQUENCE[of, size] if size else SEQUENCE[of]
+        return ARRAY[item_kind, size]
+    return SEQUENCE[item_kind, size] if size else SEQUENCE[item_kind]

@@ -39,7 +39,7 @@ class Kind:
     """Length of an array; 0 means any length."""
 
     @property
-    def one(self) -> Kind:
+    def item_kind(self) -> Kind:
         """The type of one item of a list."""
         return Kind(self.name, self.nested)
 

@@ -88,7 +88,7 @@ def _read_list(value: Any, kind: Kind, path: str) -> Any:
         raise _wrong(path, value, "a list")
     if kind.length and len(value) != kind.length:
         raise MessageError(f"{path} has {len(value)} values; valid is {kind.length}")
-    read = [_read(item, kind.one, f"{path}[{place}]") for place, item in enumerate(value)]
+    read = [_read(item, kind.item_kind, f"{path}[{place}]") for place, item in enumerate(value)]
     if kind.nested or kind.name not in NUMBERS:
         return read
     with np.errstate(over="ignore"):  # too large for single precision becomes infinite

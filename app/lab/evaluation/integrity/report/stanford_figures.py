@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 
 from app.lab.evaluation.convergence import PLACE_XY, Mask
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
-from app.lab.evaluation.report.figures import drawn
+from app.lab.evaluation.report.figures import svg_figure
 from robot.geometry import Array
 from robot.localization.monitoring.claims import NARROW
 
@@ -34,7 +34,7 @@ def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, what: 
         what: whose error it is: "place" or "heading".
     """
     done: list[str] = []
-    with drawn(4.8, 4.4, done) as figure:
+    with svg_figure(4.8, 4.4, done) as figure:
         axes = figure.add_subplot()
         mesh = _diagram(axes, counts, scale * bins, what == "place")
         axes.set(xlabel=f"error of the {what} [{unit}]", ylabel=f"claimed bound [{unit}]")
@@ -48,7 +48,7 @@ def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
     """Draw a small diagram of the position for each condition."""
     done: list[str] = []
     rows = math.ceil(len(diagrams) / COLUMNS)
-    with drawn(2.5 * COLUMNS, 2.3 * rows + 0.4, done) as figure:
+    with svg_figure(2.5 * COLUMNS, 2.3 * rows + 0.4, done) as figure:
         grid: Any = figure.subplots(rows, COLUMNS, squeeze=False, sharex=True, sharey=True)
         for axes in grid.flat[len(diagrams) :]:
             axes.set_visible(False)
@@ -63,7 +63,7 @@ def condition_diagrams(diagrams: Mapping[str, Stanford]) -> str:
 def trade_curve(diagrams: Mapping[str, Stanford]) -> str:
     """Draw the pictures that claim a radius below a limit, against those outside their radius."""
     done: list[str] = []
-    with drawn(5.6, 3.2, done) as figure:
+    with svg_figure(5.6, 3.2, done) as figure:
         axes = figure.add_subplot()
         for place, (name, item) in enumerate(diagrams.items()):
             pictures = int(item.place.sum()) + item.unavailable
@@ -96,7 +96,7 @@ def drive_plot(numbers: Mapping[str, Array], certain: Mask, carry_stamp: float |
     bound = 1e3 * np.where(np.isfinite(numbers["radius"]), numbers["radius"], np.nan)
     stamps = numbers["stamp"]
     done: list[str] = []
-    with drawn(5.6, 2.0, done) as figure:
+    with svg_figure(5.6, 2.0, done) as figure:
         axes = figure.add_subplot()
         axes.plot(stamps, np.maximum(offset, 0.05), color=NAVY, lw=1.2, label="error")
         axes.plot(stamps, bound, "--", color=ORANGE, lw=1.2, label="bound")
@@ -133,8 +133,10 @@ def _diagram(axes: Axes, counts: Array, borders: Array, is_place: bool) -> Any:
 def _name_regions(axes: Axes, borders: Array) -> None:
     low, high = np.log10(borders[0]), np.log10(borders[-1])
 
-    def at(share: float) -> float:
+    def quantile(share: float) -> float:
         return float(10 ** (low + share * (high - low)))
 
-    axes.text(at(0.97), at(0.10), "misleading where certain", color=MISLEADING, ha="right")
-    axes.text(at(0.03), at(0.93), "the bound holds", color="#444444")
+    axes.text(
+        quantile(0.97), quantile(0.10), "misleading where certain", color=MISLEADING, ha="right"
+    )
+    axes.text(quantile(0.03), quantile(0.93), "the bound holds", color="#444444")
