@@ -106,8 +106,30 @@ def test_pages_are_there(server, path):
     assert get(server, path).status_code == 200
 
 
-def test_other_pages_cannot_hold_it_in_a_frame(server):
-    assert get(server, "/").headers["Content-Security-Policy"] == "frame-ancestors 'self'"
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/", 200),
+        ("/static/main.js", 200),
+        ("/static/index.html", 404),
+        ("/view/", 200),
+        ("/docs", 200),
+        ("/api/state", 200),
+        ("/api/camera.jpg", 404),
+        ("/nothing", 404),
+    ],
+)
+def test_no_answer_may_be_framed_by_other_pages(server, path, status):
+    answer = get(server, path)
+    assert answer.status_code == status
+    assert answer.headers["Content-Security-Policy"] == "frame-ancestors 'self'"
+    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+
+
+def test_a_refusal_may_not_be_framed_either(server):
+    answer = get(server, "/", Origin="http://elsewhere.example")
+    assert answer.status_code == 403
+    assert answer.headers["Content-Security-Policy"] == "frame-ancestors 'self'"
 
 
 def test_the_3d_page_is_not_sent_twice(server):

@@ -4,7 +4,8 @@ A setting can let in pages of other origins.
 
 Without this check, a page of another site could send commands from the user's own browser; its
 Origin header shows that. Or it could point its own host name at this machine and so be of the same
-origin; its Host header shows that.
+origin; its Host header shows that. Or it could show our page in a frame and let the user's clicks
+and keys fall into it; a header on every answer forbids that to browsers.
 """
 
 from __future__ import annotations
@@ -13,10 +14,17 @@ import ipaddress
 import socket
 from urllib.parse import urlsplit
 
-from starlette.datastructures import Headers
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
+
+GUARDS = {
+    "Content-Security-Policy": "frame-ancestors 'self'",
+    "X-Frame-Options": "SAMEORIGIN",
+    "X-Content-Type-Options": "nosniff",
+}
+"""Headers of every answer: no other site may frame it, and no browser guesses its type."""
 
 
 class SameOriginOnly:
@@ -37,12 +45,18 @@ class SameOriginOnly:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
+
+        async def send_guarded(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(GUARDS)
+            await send(message)
+
         if scope["type"] in ("http", "websocket"):
             complaint = self._complaint(Headers(scope=scope))
             if complaint is not None:
-                await _refuse(complaint, scope, receive, send)
+                await _refuse(complaint, scope, receive, send_guarded)
                 return
-        await self._app(scope, receive, send)
+        await self._app(scope, receive, send_guarded)
 
     def _complaint(self, headers: Headers) -> str | None:
         host = headers.get("host", "")

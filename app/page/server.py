@@ -90,10 +90,7 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
 def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
     def index() -> FileResponse:
-        # A page of another site must not show ours in a frame and direct clicks and keys to it.
-        framing = "frame-ancestors 'self'"
-        headers = {"Cache-Control": "no-cache", "Content-Security-Policy": framing}
-        return FileResponse(FRONTEND / "index.html", headers=headers)
+        return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
 
     @app.get("/docs", include_in_schema=False)
     def docs() -> HTMLResponse:
@@ -104,6 +101,12 @@ def _add_page(app: FastAPI) -> None:
 
 class _Revalidated(StaticFiles):
     """Files that a browser caches but checks each time, so that a new version shows at once."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        """Answer with a file; the page itself is served at ``/`` alone."""
+        if path == "index.html":
+            raise HTTPException(404)
+        return await super().get_response(path, scope)
 
     def file_response(
         self,
