@@ -6,7 +6,7 @@ import os
 
 from sim.hat.devices.motor_figures import figures_named
 from sim.hat_emulator.control import Control
-from sim.hat_emulator.emulator import Beginning, Emulator
+from sim.hat_emulator.emulator import InitialState, Emulator
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.surroundings import Surroundings, Table
 
@@ -19,7 +19,7 @@ class Bench:
     """An emulator on a clock that the test moves, with a program at its port."""
 
     def __init__(
-        self, around: Surroundings | None = None, beginning: Beginning | None = None
+        self, around: Surroundings | None = None, beginning: InitialState | None = None
     ) -> None:
         self.now = START
         self.around = around or Table({A: MEDIUM, B: MEDIUM})

@@ -25,7 +25,7 @@ from benchmarks.accuracy import (
     rms,
     with_filter,
 )
-from benchmarks.trials import Shown, try_filter
+from benchmarks.trials import PictureResult, try_filter
 from sim.floor_camera import CameraSettings
 from sim.settings import SimSettings
 
@@ -45,7 +45,7 @@ def test_a_robot_whose_camera_is_mounted_askew_is_not_lost():
     assert errors(run, run.estimate)[0].max() < 0.05
 
 
-def followed(drive, **changes) -> list[Shown]:
+def followed(drive, **changes) -> list[PictureResult]:
     shown = try_filter(drive, with_filter(**changes), SEED, drive.ticks[0].truth, TOLD)
     return [one for one in shown if one.stamp > SETTLED]
 

@@ -7,7 +7,7 @@ import pytest
 from tape_trials import SQUARE, STILL, VIEW
 
 from robot.geometry import Pose2
-from sim.clutter import CLUTTER, KINDS, SHADOW, cluttered
+from sim.clutter import CLUTTER, KINDS, SHADOW, add_clutter
 from sim.floor_camera import CameraSettings, FloorCamera
 
 FLOOR = SQUARE.floor
@@ -16,8 +16,8 @@ FLOOR = SQUARE.floor
 @pytest.mark.parametrize("kind", KINDS)
 def test_clutter_is_the_same_for_a_seed_and_leaves_the_floor_alone(kind: str) -> None:
     before = FLOOR.image.copy()
-    first, again = (cluttered(FLOOR, kind, np.random.default_rng(3)) for _ in range(2))
-    other = cluttered(FLOOR, kind, np.random.default_rng(4))
+    first, again = (add_clutter(FLOOR, kind, np.random.default_rng(3)) for _ in range(2))
+    other = add_clutter(FLOOR, kind, np.random.default_rng(4))
     np.testing.assert_array_equal(first.image, again.image)
     assert (first.image.tobytes() == other.image.tobytes()) == (kind == "none")
     np.testing.assert_array_equal(FLOOR.image, before)
@@ -26,7 +26,7 @@ def test_clutter_is_the_same_for_a_seed_and_leaves_the_floor_alone(kind: str) ->
 
 @pytest.mark.parametrize("kind", CLUTTER)
 def test_things_are_darker_than_the_floor(kind: str) -> None:
-    changed = cluttered(FLOOR, kind, np.random.default_rng(0)).image.astype(int) - FLOOR.image
+    changed = add_clutter(FLOOR, kind, np.random.default_rng(0)).image.astype(int) - FLOOR.image
     share = (changed < -20).mean()
     assert changed.max() <= 5
     least, most = {
@@ -36,7 +36,7 @@ def test_things_are_darker_than_the_floor(kind: str) -> None:
 
 
 def test_a_shadow_takes_its_share_of_the_light_softly() -> None:
-    shaded = cluttered(FLOOR, "shadow", np.random.default_rng(0)).image
+    shaded = add_clutter(FLOOR, "shadow", np.random.default_rng(0)).image
     ratio = shaded.astype(float) / np.maximum(FLOOR.image, 1)
     light = FLOOR.image > 150
     assert ratio[light].min() == pytest.approx(SHADOW, abs=0.01) and ratio[light].max() == 1
@@ -46,15 +46,15 @@ def test_a_shadow_takes_its_share_of_the_light_softly() -> None:
 def test_discs_lie_between_the_tapes_and_shoes_at_the_border() -> None:
     for seed in range(5):
         rng = np.random.default_rng(seed)
-        discs = np.argwhere(cluttered(FLOOR, "discs", rng).image < FLOOR.image - 20.0)
+        discs = np.argwhere(add_clutter(FLOOR, "discs", rng).image < FLOOR.image - 20.0)
         assert np.abs(discs - 750).max() < 462
-        shoes = np.argwhere(cluttered(FLOOR, "shoes", rng).image < FLOOR.image - 20.0)
+        shoes = np.argwhere(add_clutter(FLOOR, "shoes", rng).image < FLOOR.image - 20.0)
         assert np.abs(shoes - 750).max(axis=1).min() > 440
 
 
 def test_an_unknown_kind_is_refused_by_name() -> None:
     with pytest.raises(ValueError, match="no clutter 'cats'; valid are none, discs"):
-        cluttered(FLOOR, "cats", np.random.default_rng(0))
+        add_clutter(FLOOR, "cats", np.random.default_rng(0))
     with pytest.raises(ValueError, match="clutter is 'cats'"):
         CameraSettings(clutter="cats")
 

@@ -9,7 +9,7 @@ from contextlib import closing
 import pytest
 from emulator_bench import START, A, Bench
 
-from sim.hat_emulator.emulator import Beginning
+from sim.hat_emulator.emulator import InitialState
 from sim.hat_emulator.real_time import LONGEST_LAG
 from sim.hat_emulator.surroundings import Table
 
@@ -47,8 +47,8 @@ def test_a_reset_stops_the_motors_and_ends_in_the_bootloader(bench: Bench, line:
 
 def test_it_can_start_in_the_bootloader_or_with_another_firmware() -> None:
     for beginning, says in (
-        (Beginning(warm=False), "BuildHAT bootloader version"),
-        (Beginning(version=1670596313), "Firmware version: 1670596313"),
+        (InitialState(warm=False), "BuildHAT bootloader version"),
+        (InitialState(version=1670596313), "Firmware version: 1670596313"),
     ):
         bench = Bench(Table({}), beginning)
         bench.run(0.1)
@@ -58,7 +58,7 @@ def test_it_can_start_in_the_bootloader_or_with_another_firmware() -> None:
 
 def test_the_seed_is_where_the_marks_are() -> None:
     def marks(seed: int) -> str:
-        bench = Bench(Table({}), Beginning(seed=seed))
+        bench = Bench(Table({}), InitialState(seed=seed))
         told = bench.say("port 0;select 3\rport 1;select 3\r", 0.3)
         bench.close()
         return str(sorted(set(re.findall(r"P\dM3: \S+", told))))

@@ -73,7 +73,7 @@ def told(stamp, leader=0, *, withdrawn=True):
 
 def test_what_was_withdrawn_is_told_by_spans():
     found = Localized(
-        told=[
+        reports=[
             told(0.0, withdrawn=False), told(0.5), told(1.0), told(1.5),
             told(5.0), told(5.5, leader=1), told(6.0, leader=1), told(6.5, 2, withdrawn=False),
         ]

@@ -10,7 +10,7 @@ from motion_drives import drawn_runs
 
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import fit_motion, motion_loss
-from app.lab.model_fits.windows import Windows, together, windows
+from app.lab.model_fits.windows import Windows, join_windows, windows
 from robot.localization.models.differential_motion import DifferentialMotion
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)
@@ -43,7 +43,7 @@ def test_more_data_make_narrower_intervals(drives):
 
 
 def test_windows_of_several_lengths_tell_the_same_alphas(drives):
-    of = together([windows(drives, horizon) for horizon in (5.0, 10.0, 20.0)])
+    of = join_windows([windows(drives, horizon) for horizon in (5.0, 10.0, 20.0)])
     assert of.weights.sum() == pytest.approx(of.independent * (1 + 1 / 2 + 1 / 4) / 3, rel=1e-3)
     assert fit_motion(of).alphas == pytest.approx(ALPHAS, rel=0.15)
 

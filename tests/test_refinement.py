@@ -17,7 +17,7 @@ from robot.localization.refinement import (
     FEWEST_BEAMS,
     GATE,
     INEXACT,
-    LUCK,
+    MEAN_ERROR,
     NEAR_SHARE,
     SLOPE,
     WIDEST,
@@ -87,7 +87,7 @@ def test_its_weight_stays_that_of_the_filter_and_its_covariance_is_its_own() -> 
     before, after = (np.sqrt(np.diag(one.covariance)) for one in (rough, fine))
     assert after[0] < 0.1 * before[0] and after[2] < 0.1 * before[2]
     # Along what the scan says nothing of a cloud is narrower than it should be.
-    wider = math.sqrt(DRAWN * before[1] ** 2 + LUCK[1, 1])
+    wider = math.sqrt(DRAWN * before[1] ** 2 + MEAN_ERROR[1, 1])
     assert after[1] == pytest.approx(wider, rel=0.05)
 
 
@@ -102,7 +102,7 @@ def test_its_covariance_is_honest() -> None:
         exact = noisy_scan(true, 0.0, rng).ranges
         with np.errstate(invalid="ignore"):
             ranges = np.where(scan.hit, exact + spread * (scan.ranges - exact), np.inf)
-        off = rng.normal(0, np.sqrt(np.diag(NARROW + LUCK) / one.believed))
+        off = rng.normal(0, np.sqrt(np.diag(NARROW + MEAN_ERROR) / one.believed))
         rough = Hypothesis(1.0, Pose2.from_array(true.to_array() + off), NARROW)
         fine = one.refine(rough, replace(scan, ranges=ranges))
         error = fine.pose.to_array() - true.to_array()

@@ -9,7 +9,7 @@ from pyarrow import parquet
 from sweep_files import write
 
 from app.command_line import main
-from app.lab.sweep.points import AT_ONCE, _map_digest, at_once, jobs_of, key_of, points_of
+from app.lab.sweep.points import MOST_POINTS, _map_digest, points_per_job, jobs_of, key_of, points_of
 from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.table import TableError, require_format, write_table
 from app.settings.config import Config, with_settings
@@ -27,8 +27,8 @@ KINEMATIC = """
 
 
 def test_many_workers_share_a_drive_less():
-    assert [at_once(points, 1) for points in (1, 8, 16, 100)] == [1, 4, 8, AT_ONCE]
-    assert at_once(8, 8) == at_once(8, 100) == 1
+    assert [points_per_job(points, 1) for points in (1, 8, 16, 100)] == [1, 4, 8, MOST_POINTS]
+    assert points_per_job(8, 8) == points_per_job(8, 100) == 1
 
 
 def test_a_random_sample_is_the_same_with_the_same_seed(tmp_path):
@@ -97,10 +97,10 @@ def test_drives_are_shared_by_what_follows_them_alone():
             {"sim.imperfections.slip_sd": slip, "localization.sensor.likelihood_weight": weight},
         )
         for slip in (0.01, 0.02)
-        for weight in [0.01 * n for n in range(1, AT_ONCE + 2)]
+        for weight in [0.01 * n for n in range(1, MOST_POINTS + 2)]
     }
     jobs = jobs_of(configs, 1, ())
-    assert sorted(len(job.configs) for job in jobs) == [1, 1, AT_ONCE, AT_ONCE]
+    assert sorted(len(job.configs) for job in jobs) == [1, 1, MOST_POINTS, MOST_POINTS]
     assert sorted(key for job in jobs for key in job.configs) == sorted(configs)
 
 

@@ -72,7 +72,7 @@ class Fixed(Notes):
     weights: tuple[float, ...] = (1.0,)
     share: float = 1.0
     told: list[object] = field(default_factory=list)
-    effective: float = 1.0
+    effective: float = 4.0
 
     @property
     def hypotheses(self) -> tuple[Hypothesis, ...]:

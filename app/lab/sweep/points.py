@@ -22,7 +22,7 @@ from robot.fields.field_loading import load_field
 from robot.localization.parameters import LocalizationParameters
 from robot.settings import SettingError
 
-DRAW_BATCH = 8
+MOST_POINTS = 8
 """Points that follow one drive in one job: enough to justify the drive, and few enough that a
 killed worker loses little."""
 
@@ -102,7 +102,7 @@ def jobs_of(
     configs: dict[str, Config],
     laps: float,
     offset: tuple[float, ...],
-    most: int = DRAW_BATCH,
+    most: int = MOST_POINTS,
 ) -> list[SweepJob]:
     """Make the jobs of configurations by key; up to ``most`` that drive alike share a drive."""
     by_drive: dict[Config, dict[str, Config]] = {}
@@ -128,7 +128,7 @@ def _drive_of(config: Config) -> Config:
 
 def points_per_job(points: int, workers: int) -> int:
     """Return how many points share a drive: few enough that all workers have something to do."""
-    return min(DRAW_BATCH, max(1, math.ceil(points / (2 * workers))))
+    return min(MOST_POINTS, max(1, math.ceil(points / (2 * workers))))
 
 
 def _batches(items: Iterable[tuple[str, Config]], most: int) -> list[list[tuple[str, Config]]]:
