@@ -6,7 +6,7 @@ import os
 
 from sim.hat.devices.motor_figures import figures_named
 from sim.hat_emulator.control import Control
-from sim.hat_emulator.emulator import InitialState, Emulator
+from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.surroundings import Surroundings, Table
 

@@ -9,7 +9,14 @@ from pyarrow import parquet
 from sweep_files import write
 
 from app.command_line import main
-from app.lab.sweep.points import MOST_POINTS, _map_digest, points_per_job, jobs_of, key_of, points_of
+from app.lab.sweep.points import (
+    MOST_POINTS,
+    _map_digest,
+    jobs_of,
+    key_of,
+    points_of,
+    points_per_job,
+)
 from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.table import TableError, require_format, write_table
 from app.settings.config import Config, with_settings
