@@ -45,6 +45,30 @@ def test_a_range_ends_on_the_line_and_its_entry_is_moved_there() -> None:
     assert edges[1].tolist() == [100, 120] and edges[0, 1] == 120
 
 
+@pytest.mark.parametrize(
+    "line",
+    [(0.0, 1.0, 0.2), (-1e-9, 1.0, 0.2), (-1.0, 0.0, -7.0), (-1.0, 0.0, 0.1), (-1.0, 0.0, -0.01)],
+    ids=["along the ray", "all but along it", "far beyond", "behind the robot", "before its start"],
+)
+def test_a_ray_that_meets_its_line_out_of_sight_has_no_range(line: tuple[float, ...]) -> None:
+    """Clutter made such a line once, and the division by zero stopped the robot."""
+    pairs = np.array([[[100.0, 120.0]]])
+    none = np.zeros(1, dtype=np.int8)
+    ranges, edges = ranges_of(np.array([line]), pairs, none, none, DISTANCES[:1], DIRECTIONS[:1])
+    assert ranges.tolist() == [np.inf]
+    assert edges.tolist() == [[100, 120]]
+
+
+@given(st.tuples(*[st.floats(-1, 1)] * 2, st.floats(-9, 9)), st.floats(0, 199))
+def test_whatever_the_line_a_range_is_on_the_ray_or_none(
+    line: tuple[float, ...], entry: float
+) -> None:
+    pairs = np.array([[[entry, entry]]])
+    none = np.zeros(1, dtype=np.int8)
+    ranges, _ = ranges_of(np.array([line]), pairs, none, none, DISTANCES[:1], DIRECTIONS[:1])
+    assert ranges[0] == np.inf or 0 < ranges[0] < 2 * DISTANCES[0, -1]
+
+
 def test_what_was_exposed_late_is_moved_by_what_the_robot_drove() -> None:
     """Ahead an edge at a slant of 45 degrees: driving 1 mm brings it 1 mm nearer along the ray."""
     slanted = np.array([[-np.sqrt(0.5), -np.sqrt(0.5), -0.3 * np.sqrt(0.5)]])

@@ -61,8 +61,9 @@ def ranges_of(
         directions: (k, 2) unit vectors along the rays.
 
     Returns:
-        Ranges (k,) [m], inf for rays that do not count; chosen entries and exits (k, 2) [samples].
-        Entries that count are moved to the position of their range.
+        Ranges (k,) [m], inf for rays that do not count, and for those that meet the line of their
+        edge outside of what they see; chosen entries and exits (k, 2) [samples]. Entries that
+        count are moved to the position of their range.
     """
     ranges = np.full(len(lines), np.inf)
     edges = np.empty((len(lines), 2))
@@ -70,15 +71,26 @@ def ranges_of(
         position, edges[ray, 1] = pairs[ray, chosen[ray], 0], pairs[ray, chosen[ray], 1]
         if verdicts[ray] == 0:
             facing = lines[ray, 0] * directions[ray, 0] + lines[ray, 1] * directions[ray, 1]
-            ranges[ray] = lines[ray, 2] / facing
-            # Convert metres to samples; three steps of Newton's method are exact to a nanometre.
-            for _ in range(3):
-                slope = between(distances[ray], position + 0.5) - between(
-                    distances[ray], position - 0.5
-                )
-                position += (ranges[ray] - between(distances[ray], position)) / slope
+            reach = lines[ray, 2] / facing if facing != 0.0 else np.inf
+            moved = _sample_at(reach, distances[ray], position)
+            if moved >= 0.0:
+                ranges[ray], position = reach, moved
         edges[ray, 0] = position
     return ranges, edges
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _sample_at(reach: float, distances: Array, position: float) -> float:
+    """Return the position [samples] of a distance [m] along a ray, from one that is near; else -1.
+
+    Three steps of Newton's method are exact to a nanometre.
+    """
+    for _ in range(3):
+        slope = between(distances, position + 0.5) - between(distances, position - 0.5)
+        if slope <= 0.0:
+            return -1.0
+        position += (reach - between(distances, position)) / slope
+    return max(position, 0.0) if -1.0 < position < len(distances) else -1.0
 
 
 @njit(cache=True, nogil=True)
