@@ -12,11 +12,11 @@ from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.integrity import Alert, Cause, State
 from robot.localization.monitoring.claims import (
-    CERTAIN,
     HEADING_QUANTILE,
     LEAST_HEADING,
     LEAST_PLACE,
     NARROW,
+    ONLY_PLACE,
     PLACE_QUANTILE,
     bounds,
     claim,
@@ -38,8 +38,8 @@ def places(*weights: float) -> tuple[Hypothesis, ...]:
         ((0.999,), Standing.UNCONFIRMED, State.APPROXIMATE),
         ((0.999,), Standing.LOST, State.LOST),
         ((0.6, 0.39), Standing.CONFIRMED, State.AMBIGUOUS),
-        ((CERTAIN, 0.04), Standing.CONFIRMED, State.AMBIGUOUS),
-        ((CERTAIN + 0.001, 0.04), Standing.CONFIRMED, State.CERTAIN),
+        ((ONLY_PLACE, 0.04), Standing.CONFIRMED, State.AMBIGUOUS),
+        ((ONLY_PLACE + 0.001, 0.04), Standing.CONFIRMED, State.CERTAIN),
         ((0.3, 0.1), Standing.CONFIRMED, State.SEARCHING),
         ((0.3, 0.1), Standing.LOST, State.LOST),
     ],

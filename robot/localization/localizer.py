@@ -9,7 +9,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Cloud, Filter
 from robot.localization.integrity import SEARCHING, Integrity
-from robot.localization.monitoring.claims import claim
+from robot.localization.monitoring.claims import claim, propagate_claim
 from robot.localization.monitoring.monitor import NO_DOUBT, Monitor
 from robot.localization.parameters import FilterParameters
 from robot.localization.refinement import Refinement
@@ -84,6 +84,7 @@ class Localizer:
         if due:
             self._odometry = odometry
             self.filter.predict(self._as_wheels_are(moved))
+            self.integrity = propagate_claim(self.integrity, moved)
         return due
 
     def update(self, odometry: Pose2, scan: Scan) -> Estimate | None:

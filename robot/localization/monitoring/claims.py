@@ -22,7 +22,7 @@ TURNED, WAY, TURN = 0.3, 0.03, 0.05
 and of a turn as a share of it."""
 MAX_RADIUS = 1.0
 """With a wider bound, the robot's place is unknown [m]: a single Gaussian may become so wide."""
-CERTAIN = 0.95
+ONLY_PLACE = 0.95
 """Weight above which a place counts as the only one."""
 ANY = 0.5
 """If all places together weigh less, the robot may be anywhere."""
@@ -40,7 +40,7 @@ def claim(hypotheses: tuple[Hypothesis, ...], standing: Standing, doubt: Doubt) 
         return Integrity(State.LOST, alerts=doubt.alerts)
     if sum(hypothesis.weight for hypothesis in hypotheses) < ANY:
         return Integrity(State.SEARCHING, alerts=doubt.alerts)
-    if hypotheses[0].weight <= CERTAIN:
+    if hypotheses[0].weight <= ONLY_PLACE:
         return Integrity(State.AMBIGUOUS, alerts=doubt.alerts)
     radius, heading = bounds(hypotheses[0].covariance + doubt.unknown)
     if radius > MAX_RADIUS:
