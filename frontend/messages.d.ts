@@ -124,7 +124,7 @@ export interface IntegrityMessage {
   radius: number | null;
   /** Its heading is within this angle of the estimate's [rad]; null if nothing is claimed. */
   heading_bound: number | null;
-  /** Reasons for doubt in plain words, the likeliest first; empty if there are none. */
+  /** Reasons for doubt in plain words, the newest first; empty if there are none. */
   alerts: string[];
 }
 

@@ -115,10 +115,10 @@ def test_a_command_holds_for_half_a_second_and_not_a_tick_longer() -> None:
 
 
 def test_the_time_out_is_the_one_set() -> None:
-    controller = DriveController(DRIVE, DriveSettings(cmd_vel_timeout=0.1))
+    controller = DriveController(DRIVE, DriveSettings(cmd_vel_timeout=0.2))
     run(controller, Twist2(0.2, 0), 1.0)
-    assert controller.update(0.98 + 0.099) != Twist2()
-    assert controller.update(0.98 + 0.1) == Twist2()
+    assert controller.update(0.98 + 0.199) != Twist2()
+    assert controller.update(0.98 + 0.2) == Twist2()
 
 
 def test_after_a_time_out_it_starts_from_standstill(controller: DriveController) -> None:

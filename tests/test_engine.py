@@ -1,20 +1,22 @@
 """The engine without threads, faster than real time."""
 
 import threading
+from typing import get_args
 
 import numpy as np
 import pytest
 from engine_runs import EIGHT, drive, kinematic, run
 
 from app.engine.build import build_program
-from app.engine.commands import MOST_WAITING, check
+from app.engine.commands import MOST_WAITING, RULES, check
 from app.engine.mailboxes.command_queue import MOST_COMMANDS
-from app.messages.commands import PingCommand, ShowCommand, StopCommand
+from app.messages.commands import Command, PauseCommand, PingCommand, ShowCommand, StopCommand
 from app.messages.parsing import CommandError
 from app.settings.config import Config
 from robot.driving.odometry import OdometrySettings
 from robot.geometry import Pose2
 from robot.interface import RobotError
+from robot.localization.integrity import State
 from sim.floor_camera import CameraSettings
 from sim.settings import SimSettings
 from sim.simulated import PERIOD
@@ -183,3 +185,21 @@ def _without_frame(reading):
     return type(reading)(
         reading.stamp, reading.positions, reading.velocities, None, None, reading.truth
     )
+
+
+def test_a_pause_does_not_keep_what_was_claimed():
+    """Odometry goes on, and errs: what is claimed grows with the way."""
+    program = kinematic()
+    run(program, 8.0, EIGHT)
+    program.engine.commands.put(PauseCommand(type="pause"))
+    shown = run(program, 40.0, EIGHT)
+    radii = np.array([snapshot.integrity.radius for snapshot in shown[1:]])
+    assert (np.diff(radii) > -1e-9).all()
+    assert radii[-1] > 0.1
+    for snapshot in shown:
+        error = snapshot.pose.distance_to(snapshot.truth)
+        assert error < snapshot.integrity.radius or snapshot.integrity.state is not State.CERTAIN
+
+
+def test_every_command_has_a_rule():
+    assert set(RULES) == set(get_args(get_args(Command)[0]))

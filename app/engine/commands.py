@@ -66,13 +66,16 @@ def _nothing(*_: object) -> None:
 class Rule:
     """How commands of one type are checked, carried out and repeated."""
 
-    apply: Callable[[Any, Controls, OdometryState], None] = _nothing
+    apply: Callable[[Any, Controls, OdometryState], None]
     """Carries the command out, in the engine's thread."""
-    repeat: Repeat = Repeat.NEVER
+    repeat: Repeat
     check: Callable[[Any, Program], None] = _nothing
     """Raises a CommandError if this robot or these parameters do not allow the command."""
     check_field: Callable[[Any, Field], None] = _nothing
-    """Raises a CommandError if the field does not allow it, or the numbers make no sense."""
+    """Raises a CommandError if the field does not allow it, or the numbers make no sense; replays
+    ask it of recorded commands as well."""
+    drives: bool = False
+    """Whether the robot has to stop when everybody has left who sent such commands."""
 
 
 def check(command: Command, program: Program) -> None:
@@ -225,9 +228,9 @@ def _check_replay(_command: ReplayCommand, program: Program) -> None:
 
 RULES: Mapping[type[Command], Rule] = MappingProxyType(
     {
-        DriveCommand: Rule(_drive, check=_check_driving),
-        FigureEightCommand: Rule(_figure_eight, check=_check_driving),
-        StopCommand: Rule(_stop),
+        DriveCommand: Rule(_drive, Repeat.NEVER, _check_driving, drives=True),
+        FigureEightCommand: Rule(_figure_eight, Repeat.NEVER, _check_driving, drives=True),
+        StopCommand: Rule(_stop, Repeat.NEVER),
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
         SetParticlesCommand: Rule(_set_particles, Repeat.MOMENT, _check_room, _check_particles),
         ScatterCommand: Rule(_scatter, Repeat.MOMENT),
@@ -237,10 +240,10 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PlaceCommand: Rule(_place, Repeat.RECORDED, _check_placeable, _check_inside),
         ResetCommand: Rule(_reset, Repeat.SETTING),
         SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),
-        ShowCommand: Rule(_show),
-        ReplayCommand: Rule(check=_check_replay),
-        RecordCommand: Rule(),
-        PingCommand: Rule(),
+        ShowCommand: Rule(_show, Repeat.NEVER),
+        ReplayCommand: Rule(_nothing, Repeat.NEVER, _check_replay),
+        RecordCommand: Rule(_nothing, Repeat.NEVER),
+        PingCommand: Rule(_nothing, Repeat.NEVER),
     }
 )
 """Rules by command; ``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never reach the

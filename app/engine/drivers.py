@@ -6,8 +6,9 @@ import threading
 import time
 from collections.abc import Hashable
 
+from app.engine.commands import RULES
 from app.engine.mailboxes.command_queue import CommandQueue
-from app.messages.commands import Command, DriveCommand, FigureEightCommand, StopCommand
+from app.messages.commands import Command, StopCommand
 
 
 class Drivers:
@@ -23,7 +24,7 @@ class Drivers:
     def took(self, who: Hashable, command: Command) -> None:
         """Note who put a command into the queue."""
         with self._lock:
-            if isinstance(command, (DriveCommand, FigureEightCommand)):
+            if RULES[type(command)].drives:
                 self._last[who] = time.monotonic()
             elif isinstance(command, StopCommand):
                 self._last.clear()

@@ -118,7 +118,7 @@ class IntegrityMessage(Message):
     heading_bound: float | None
     """Its heading is within this angle of the estimate's [rad]; null if nothing is claimed."""
     alerts: list[str]
-    """Reasons for doubt in plain words, the likeliest first; empty if there are none."""
+    """Reasons for doubt in plain words, the newest first; empty if there are none."""
 
 
 class RecordingMessage(Message):

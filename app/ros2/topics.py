@@ -109,7 +109,7 @@ TOPICS: tuple[Topic, ...] = (
         "command",
         "std_msgs/msg/String",
         robot_state.told_stamp,
-        robot_state.wheel_commands,
+        robot_state.commands_as_json,
         live=False,
     ),
 )

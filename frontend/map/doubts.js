@@ -13,7 +13,7 @@ export class Doubts {
     this.list = list;
   }
 
-  /** @param {string[]} alerts the likeliest first */
+  /** @param {string[]} alerts the newest first */
   show(alerts) {
     const text = alerts.join("\n");
     // Screen readers would read the same text out again.

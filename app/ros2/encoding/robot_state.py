@@ -54,7 +54,7 @@ def told_stamp(snapshot: Snapshot) -> float | None:
     return snapshot.stamp if _recorded_commands(snapshot) else None
 
 
-def wheel_commands(source: TopicSource, snapshot: Snapshot) -> Message:
+def commands_as_json(source: TopicSource, snapshot: Snapshot) -> Message:
     """The tick's commands as a JSON list, oldest first."""
     return new("std_msgs/msg/String", data=json.dumps(_recorded_commands(snapshot)))
 

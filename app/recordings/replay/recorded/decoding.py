@@ -142,7 +142,7 @@ def volts_of(cdr: bytes) -> float | None:
 def health_of(cdr: bytes) -> tuple[bool, tuple[str, ...]] | None:
     """Whether the robot was connected, and its faults; None if the message is not BrickPose's."""
     message = from_cdr(cdr, "diagnostic_msgs/msg/DiagnosticArray")
-    status = {statu.name: statu for statu in message.status}
+    status = {item.name: item for item in message.status}
     program, robot = status.get("brickpose: program"), status.get("brickpose: robot")
     if program is None or robot is None:
         return None
