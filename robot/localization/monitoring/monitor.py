@@ -56,7 +56,7 @@ they err BLIND times as much as each step alone, because slip lasts for about a 
 are never exactly as drawn."""
 DOUBT_KEPT = 5.0
 """Time after an alert for which the pose may still be off [s]."""
-SCALE_SD, SCALE_DOUBTED = 0.007, 0.015
+SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is."""
 LEAST_LATE = 0.001
 """A smaller lateness is not corrected [s]."""
