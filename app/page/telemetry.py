@@ -103,9 +103,9 @@ class TelemetryWriter:
         )
 
     def _pixels(
-        self, line_scan: LineScan, which: int, counted: np.ndarray
+        self, line_scan: LineScan, column: int, counted: np.ndarray
     ) -> list[tuple[float, float] | None]:
-        pixels = self._scanner.pixels(line_scan.edges[:, which]).tolist()
+        pixels = self._scanner.pixels(line_scan.edges[:, column]).tolist()
         return [
             (round(u, 1), round(v, 1)) if shown else None
             for (u, v), shown in zip(pixels, counted.tolist(), strict=True)

@@ -174,4 +174,4 @@ def _project_out_pose(sums: Array, caused: Array) -> tuple[Array, Array]:
 def _strongest(information: Array) -> float:
     """Return the largest information on the position along any direction [1/m²]."""
     xx, xy, yy = information[0, 0], information[0, 1], information[1, 1]
-    return 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
+    return float(0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy))
