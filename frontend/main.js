@@ -89,7 +89,6 @@ function take(news) {
   problems.show(news);
   record.show(news.recording ?? null);
   if (replay.show(news.replay ?? null)) showReplay(replay.shown);
-  camera.addScan(news.scan);
   tape.add(news.scan);
   map.show(news);
   if (history.add(news, delay)) plots.refresh();

@@ -35,6 +35,15 @@ export interface DriveCommand {
   omega: number;
 }
 
+/** Where the scanner found tape in a picture. */
+export interface EdgesMessage {
+  /** Pixel (u, v) where each ray enters the tape; null for a ray that did not count. */
+  entry_px: ([number, number] | null)[];
+  exit_px: ([number, number] | null)[];
+  /** Median width measured over the rays that counted [m]. */
+  tape_width: number | null;
+}
+
 /** The command was refused, and why. */
 export interface ErrorMessage {
   type: "error";
@@ -177,6 +186,18 @@ export interface PauseCommand {
   type: "pause";
 }
 
+/**
+ * Head of each binary message of ``/api/camera``. The message is the head's length in bytes
+ * (uint32, little-endian), the head as JSON, and the picture as JPEG.
+ */
+export interface PictureMessage {
+  type: "picture";
+  /** Exposure [s]. */
+  stamp: number;
+  /** What the scanner found in this very picture; null if it was not scanned. */
+  edges: EdgesMessage | null;
+}
+
 /** Do nothing; the answer's stamp serves to align the clocks. */
 export interface PingCommand {
   /** Repeated in the answer. */
@@ -304,7 +325,7 @@ export interface RobotMessage {
   can_be_placed: boolean;
 }
 
-/** The newest scan, and where its edges are in the picture. */
+/** The newest scan; ``PictureMessage`` has its edges in the picture. */
 export interface ScanMessage {
   /** Exposure of the frame it comes from [s]. */
   stamp: number;
@@ -315,9 +336,6 @@ export interface ScanMessage {
   robot_from_scan: PoseMessage;
   /** The estimate at the scan's stamp, to draw the scan from. */
   robot: PoseMessage | null;
-  /** Pixel (u, v) where each ray enters the tape; null for a ray that did not count. */
-  entry_px: ([number, number] | null)[];
-  exit_px: ([number, number] | null)[];
   /** Median width measured over the rays that counted [m]. */
   tape_width: number | null;
 }

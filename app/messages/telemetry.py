@@ -56,7 +56,7 @@ class ParticlesMessage(Message):
 
 
 class ScanMessage(Message):
-    """The newest scan, and where its edges are in the picture."""
+    """The newest scan; ``PictureMessage`` has its edges in the picture."""
 
     stamp: float
     """Exposure of the frame it comes from [s]."""
@@ -67,9 +67,6 @@ class ScanMessage(Message):
     """Where the rays start, in the robot frame."""
     robot: PoseMessage | None
     """The estimate at the scan's stamp, to draw the scan from."""
-    entry_px: list[tuple[float, float] | None]
-    """Pixel (u, v) where each ray enters the tape; null for a ray that did not count."""
-    exit_px: list[tuple[float, float] | None]
     tape_width: float | None
     """Median width measured over the rays that counted [m]."""
 
