@@ -144,6 +144,7 @@ async function loadField(name) {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
     drive.setField(field);
+    problems.setField(field);
     tape.setField(field);
     camera.setField(field);
     view3d.setField(field);
@@ -173,6 +174,8 @@ connection.onState((state) => {
   problems.showLink(state);
   record.enable(state === "open");
   if (state === "open") filter.load();
+  // Another program may answer next.
+  else fieldName = "";
 });
 setInterval(() => {
   for (const panel of [camera, plots]) panel.describe();

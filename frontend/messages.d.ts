@@ -60,7 +60,7 @@ export interface EstimateMessage {
   covariance: number[];
 }
 
-/** The field and the robot on it: what a map view needs once. */
+/** The field, the robot on it, and limits: what a page needs once. */
 export interface FieldMessage {
   name: string;
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
@@ -70,6 +70,15 @@ export interface FieldMessage {
   robot_outline: [number, number][];
   max_v: number;
   max_omega: number;
+  /** How long a drive command holds that is not renewed [s]. */
+  drive_timeout: number;
+  /** Telemetry older than this [s] does not show the present. */
+  stale_after: number;
+  /** A longer step from telemetry to telemetry [m] was not driven. */
+  longest_step: number;
+  initial_sd_xy: number;
+  /** Configured spread of a pose that is set without one [m, rad]. */
+  initial_sd_theta: number;
   image_width: number;
   /** Size of the camera's picture [px]. */
   image_height: number;
@@ -169,6 +178,13 @@ export interface ParticlesMessage {
   effective: number;
   /** Where the robot may be, heaviest first; empty while nothing is known. */
   hypotheses: HypothesisMessage[];
+  /**
+   * How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
+   * if none does.
+   */
+  alike: number;
+  /** How many of them are likely enough to be drawn. */
+  likely: number;
   /** xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span. */
   extent: number[];
   /**

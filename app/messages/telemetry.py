@@ -47,6 +47,11 @@ class ParticlesMessage(Message):
     """Effective sample size, 1 to count."""
     hypotheses: list[HypothesisMessage]
     """Where the robot may be, heaviest first; empty while nothing is known."""
+    alike: int
+    """How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
+    if none does."""
+    likely: int
+    """How many of them are likely enough to be drawn."""
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span."""
     cloud: str

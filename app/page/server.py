@@ -10,7 +10,6 @@ from pathlib import Path
 
 import anyio
 import cv2
-import numpy as np
 from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
@@ -37,15 +36,13 @@ from app.page.live import Live
 from app.page.outlets import Outlets
 from app.page.profile import profile
 from app.page.telemetry import field_message, parameter_messages
+from app.page.thresholds import STALE_S
 from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.contents_route import contents_router
 from app.recordings.routes import recordings_router
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
-
-STALE_S = 2.0
-"""After this time without a tick [s], the engine is reported as degraded."""
 
 
 def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
@@ -201,9 +198,7 @@ def _health(
 
 
 def _add_field(app: FastAPI, program: Program) -> None:
-    drive = program.config.drive
-    limits = np.array([drive.max_velocity, drive.max_angular_velocity])
-    field = field_message(program.field, program.robot, program.scanner, limits)
+    field = field_message(program)
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 

@@ -26,11 +26,11 @@ from app.page.belief import (
     particles_message,
 )
 from app.page.outlets import Outlets
-from robot.fields.field import Field
+from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from robot.geometry import Array, Pose2
-from robot.interface import RepositionableRobot, Robot
+from robot.interface import RepositionableRobot
 from robot.localization.parameters import LocalizationParameters
-from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.line_scanner import LineScan
 from robot.settings import Setting, describe
 
 
@@ -118,18 +118,25 @@ def pose_message(pose: Pose2 | None) -> PoseMessage | None:
     return None if pose is None else PoseMessage(x=pose.x, y=pose.y, theta=pose.theta)
 
 
-def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Array) -> FieldMessage:
-    """Return what a view needs once; ``limits`` (2,) are the greatest v [m/s], omega [rad/s]."""
+def field_message(program: Program) -> FieldMessage:
+    """Return what a page needs once."""
+    field, spec, scanner = program.field, program.robot.spec, program.scanner
+    drive, initial = program.config.drive, program.config.localization.filter
     lines = scanner.table.lines(9).round(1).tolist()
     return FieldMessage(
         name=field.name,
         extent=list(field.floor.extent),
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
-        robot_outline=[(x, y) for x, y in robot.spec.outline.round(4).tolist()],
-        max_v=float(limits[0]),
-        max_omega=float(limits[1]),
-        image_width=robot.spec.lens.width,
-        image_height=robot.spec.lens.height,
+        robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
+        max_v=drive.max_velocity,
+        max_omega=drive.max_angular_velocity,
+        drive_timeout=drive.cmd_vel_timeout,
+        stale_after=STALE_S,
+        longest_step=LONGEST_STEP_M,
+        initial_sd_xy=initial.initial_sd_xy,
+        initial_sd_theta=initial.initial_sd_theta,
+        image_width=spec.lens.width,
+        image_height=spec.lens.height,
         tape_width=scanner.settings.tape_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
     )

@@ -67,10 +67,12 @@ export class MapPanel {
 
   /** @param {FieldMessage} field @param {ImageBitmap} picture */
   setField(field, picture) {
+    const known = this.#field?.extent.join() === field.extent.join();
     this.#field = field;
     this.scene.setField(field, picture);
+    if (known) return this.refresh();
     // In an open form, the user may have typed something already.
-    if (find("numbers", HTMLElement).hidden) this.numbers.pose = field.start;
+    if (find("numbers", HTMLElement).hidden) this.numbers.setField(field);
     this.#fit();
   }
 
