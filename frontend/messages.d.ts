@@ -16,6 +16,7 @@ export type Command =
   | SetPoseCommand
   | ShowCommand
   | StopCommand
+  | UndoCommand
   | UpdateCommand;
 
 /** The command was accepted. */
@@ -100,6 +101,8 @@ export interface FilterMessage {
   paused: boolean;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
+  /** How many changes of the belief ``undo`` can take back. */
+  undoable: number;
   /**
    * What is wrong with a user's own model, with file and line; the robot stands still and the
    * filter pauses until it is fixed.
@@ -451,6 +454,13 @@ export interface TelemetryMessage {
 export interface TwistMessage {
   v: number;
   omega: number;
+}
+
+/** Take back the last set_pose, set_particles or scatter: restore what was believed before. */
+export interface UndoCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo";
 }
 
 /** Update once with the next frame, even if the filter is paused or the robot stands still. */

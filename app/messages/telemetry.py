@@ -102,6 +102,8 @@ class FilterMessage(Message):
     paused: bool
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
+    undoable: int
+    """How many changes of the belief ``undo`` can take back."""
     broken: str | None
     """What is wrong with a user's own model, with file and line; the robot stands still and the
     filter pauses until it is fixed."""

@@ -79,6 +79,7 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
     return FilterMessage(
         paused=snapshot.paused,
         updates=snapshot.updates,
+        undoable=snapshot.undoable,
         broken=snapshot.fault,
     )
 
