@@ -130,9 +130,9 @@ def _edges_message(line_scan: LineScan, scanner: LineScanner) -> EdgesMessage:
     counted = (line_scan.verdicts == Verdict.COUNTED).tolist()
     entry_px, exit_px = (
         [
-            (round(u, 1), round(v, 1)) if shown else None
-            for (u, v), shown in zip(scanner.pixels(edges).tolist(), counted, strict=True)
+            (u, v) if shown else None
+            for (u, v), shown in zip(pixels.round(1).tolist(), counted, strict=True)
         ]
-        for edges in line_scan.edges.T
+        for pixels in map(scanner.pixels, line_scan.edges.T)
     )
     return EdgesMessage(entry_px=entry_px, exit_px=exit_px, tape_width=tape_width(line_scan))
