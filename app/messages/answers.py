@@ -18,6 +18,12 @@ class HealthMessage(Message):
     step_hz: float
 
 
+class AccessMessage(Message):
+    """What the token of a request allows."""
+
+    role: Literal["drive", "watch"]
+
+
 class FieldMessage(Message):
     """The field, the robot on it, and limits: what a page needs once."""
 

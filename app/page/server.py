@@ -21,6 +21,7 @@ from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import (
+    AccessMessage,
     FieldMessage,
     HealthMessage,
     ParameterMessage,
@@ -37,6 +38,8 @@ from app.page.outlets import Outlets
 from app.page.profile import profile
 from app.page.telemetry import field_message, parameter_messages
 from app.page.thresholds import STALE_S
+from app.page.token_guard import TokenRequired, role_in
+from app.page.tokens import Role, Tokens
 from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.contents_route import contents_router
@@ -45,8 +48,13 @@ from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
 
 
-def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
-    """Make the application of a program; the engine's thread runs as long as the application."""
+def create_app(
+    program: Program, thread: EngineThread, outlets: Outlets, tokens: Tokens | None = None
+) -> FastAPI:
+    """Make the application of a program; the engine's thread runs as long as the application.
+
+    With tokens, each request must bring one of them.
+    """
     view = View(program.field, program.robot.spec, program.engine.latest)
     keeper = PoseKeeper(
         program.pose_file,
@@ -72,6 +80,9 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
     # FastAPI's own documentation page fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     config = program.config
+    if tokens is not None:
+        app.add_middleware(TokenRequired, tokens=tokens)
+    # Added last, so it comes first: pages of other sites learn nothing of tokens.
     names, origins = own_names(config.host), config.allowed_origins
     app.add_middleware(SameOriginOnly, names=names, origins=origins)
     _add_page(app)
@@ -89,6 +100,11 @@ def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
     def index() -> FileResponse:
         return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
+
+    @app.get("/api/access")
+    def access(request: Request) -> AccessMessage:
+        """What this request's token allows; 401 without one."""
+        return AccessMessage.model_validate({"role": role_in(request.scope).value})
 
     @app.get("/docs", include_in_schema=False)
     def docs() -> HTMLResponse:
@@ -263,4 +279,4 @@ def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
     @app.websocket("/")
     @app.websocket("/rosbridge")
     async def follow_topics(socket: WebSocket) -> None:
-        await rosbridge.serve(socket)
+        await rosbridge.serve(socket, watches=role_in(socket.scope) is Role.WATCH)

@@ -12,8 +12,10 @@ import uvicorn
 
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
+from app.page.access_options import Certificate
 from app.page.outlets import Outlets
 from app.page.server import create_app
+from app.page.tokens import Tokens
 from app.page.view.view import SMALL_BUFFER
 
 HAND_OVER_S = 0.001
@@ -55,11 +57,19 @@ def listen(host: str, port: int) -> socket.socket:
 class Server:
     """The web application of one program, with the engine's thread."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(
+        self,
+        program: Program,
+        tokens: Tokens | None = None,
+        certificate: Certificate | None = None,
+    ) -> None:
+        """Prepare to serve; requests need one of the tokens, if there are any."""
         self._thread = EngineThread(program.engine, program.loop)
         self._outlets = Outlets(program)
         config = uvicorn.Config(
-            create_app(program, self._thread, self._outlets),
+            create_app(program, self._thread, self._outlets, tokens),
+            ssl_certfile=certificate.certfile if certificate else None,
+            ssl_keyfile=certificate.keyfile if certificate else None,
             log_level="warning",
             ws="websockets-sansio",
             # Compressing arrays of particles costs ten times the rest, and gains little.
@@ -89,10 +99,15 @@ class Server:
         self._uvicorn.should_exit = True
 
 
-def serve(program: Program, listening: socket.socket) -> None:
+def serve(
+    program: Program,
+    listening: socket.socket,
+    tokens: Tokens | None = None,
+    certificate: Certificate | None = None,
+) -> None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next."""
     try:
-        server = Server(program)
+        server = Server(program, tokens, certificate)
         # These handle signals before uvicorn does, and when it raises them again at its end.
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda number, frame: server.stop())

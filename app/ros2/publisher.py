@@ -132,8 +132,8 @@ class TopicPublisher:
         self.remove(route)
         self._complain(route.name, error)
 
-    def _complain(self, what: str, error: Exception) -> None:
-        message = f"{what} failed: {error}"
+    def _complain(self, name: str, error: Exception) -> None:
+        message = f"{name} failed: {error}"
         if message != self.failure:
             LOG.exception(message)
         self._failure = (time.monotonic(), message)

@@ -83,8 +83,8 @@ class Control:
 
     def _do(self, words: list[str]) -> str:
         if not words or words[0] not in self._commands:
-            what = words[0] if words else ""
-            raise ControlError(f"no command {what!r}; valid are {', '.join(self._commands)}")
+            name = words[0] if words else ""
+            raise ControlError(f"no command {name!r}; valid are {', '.join(self._commands)}")
         name, *arguments = words
         command = self._commands[name]
         if len(arguments) not in command.counts:
@@ -216,8 +216,8 @@ class Control:
         parts.append("bootloader" if board.in_bootloader else "firmware")
         for port, name in enumerate(PORTS):
             device, plant = board.devices.get(port), plants.plant(port)
-            what = "-" if device is None else f"{device.type_id:02X}"
-            parts.append(f"{name} {what} {plant.angle:z.1f} {plant.speed:z.1f}")
+            type_id = "-" if device is None else f"{device.type_id:02X}"
+            parts.append(f"{name} {type_id} {plant.angle:z.1f} {plant.speed:z.1f}")
         parts.append(f"lost {self._emulator.loop.lost:.3f}")
         return "; ".join(parts)
 

@@ -29,15 +29,15 @@ class Rosbridge:
         self._bridge: Bridge | None = None
         self._clients = 0
 
-    async def serve(self, socket: WebSocket) -> None:
-        """Talk to one client until it leaves."""
+    async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
+        """Talk to one client until it leaves; whether it only watches."""
         if self._clients >= MOST_CLIENTS:
             await socket.close(TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are connected already")
             return
         self._clients += 1
         try:
             await socket.accept()
-            await _Client(socket, await self._shared()).talk()
+            await _Client(socket, await self._shared(), watches).talk()
         finally:
             self._clients -= 1
 
@@ -55,12 +55,12 @@ class Rosbridge:
 
 
 class _Client:
-    def __init__(self, socket: WebSocket, bridge: Bridge) -> None:
+    def __init__(self, socket: WebSocket, bridge: Bridge, watches: bool) -> None:
         self._socket = socket
         self._loop = asyncio.get_running_loop()
         self._waiting = asyncio.Event()
         self._outgoing = WebsocketWriter(socket)
-        self._session = Session(bridge, self._wake)
+        self._session = Session(bridge, self._wake, watches=watches)
 
     async def talk(self) -> None:
         try:

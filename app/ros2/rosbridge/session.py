@@ -28,6 +28,9 @@ from app.ros2.topic import Topic
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one."""
 
+WATCHES = "this token only watches; ask for the link to drive"
+"""Answer to commands of a client that only watches."""
+
 
 class Session(Route):
     """A route to one client.
@@ -37,15 +40,17 @@ class Session(Route):
 
     name = "rosbridge"
 
-    def __init__(self, bridge: Bridge, wake: Callable[[], None]) -> None:
+    def __init__(self, bridge: Bridge, wake: Callable[[], None], *, watches: bool = False) -> None:
         """Start a session.
 
         Args:
             bridge: the objects that all sessions share.
             wake: called from the topics' thread when ``next`` has a message.
+            watches: whether the client only watches: its commands are refused.
         """
         self._bridge = bridge
         self._wake = wake
+        self._watches = watches
         self._level = "error"
         self._outbox = Outbox()
         self._pieces = Pieces()
@@ -124,6 +129,7 @@ class Session(Route):
 
     def _publish(self, request: Request) -> list[Request]:
         topic = self._bridge.names.incoming_topic(text(request, "topic"), None)
+        self._refuse_watchers()
         try:
             message = message_of(request.get("msg", {}), topic.type)
         except MessageError:
@@ -131,6 +137,10 @@ class Session(Route):
             raise
         self._took(self._bridge.inbox.take(topic.name, topic.type, message))
         return []
+
+    def _refuse_watchers(self) -> None:
+        if self._watches:
+            raise MessageError(WATCHES)
 
     def _took(self, command: Command) -> None:
         self._bridge.drivers.took(self, command)
@@ -200,6 +210,7 @@ class Session(Route):
         if given is not None:
             return given
         service = self._bridge.service(name)
+        self._refuse_watchers()
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
         self._took(self._bridge.inbox.call(service.name, message))
