@@ -137,4 +137,5 @@ class _Unpickler(pickle.Unpickler):
 
 def _is_immutable(obj: object) -> bool:
     kind = type(obj)
-    return kind in IMMUTABLE or (kind is not type and kind.__module__.startswith(MODELS))
+    model = kind is not type and kind.__module__.startswith(MODELS)
+    return kind is Checkpoint or kind in IMMUTABLE or model

@@ -30,6 +30,7 @@ from app.messages.commands import (
     SetPoseCommand,
     ShowCommand,
     StopCommand,
+    UndoCommand,
     UpdateCommand,
 )
 from app.messages.parsing import CommandError
@@ -124,6 +125,7 @@ def _stop(_command: Command, controls: Controls, _odometry: OdometryState) -> No
 
 
 def _set_pose(command: SetPoseCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.keep_belief()
     pose, covariance = Pose2(command.x, command.y, command.theta), covariance_of(command)
     if covariance is None:
         controls.localization.set_pose(pose, command.sd_xy, command.sd_theta)
@@ -142,6 +144,7 @@ def _check_pose(command: SetPoseCommand, field: Field) -> None:
 def _set_particles(
     command: SetParticlesCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
+    controls.localization.keep_belief()
     controls.localization.set_cloud(cloud_of(command))
 
 
@@ -182,7 +185,15 @@ def _require_inside(pose: Pose2, field: Field) -> None:
 
 
 def _scatter(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.keep_belief()
     controls.localization.scatter()
+
+
+def _undo(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    if controls.localization.undoable:
+        controls.localization.undo()
+    else:
+        controls.problems.note(controls.stamp, "There was nothing to undo.")
 
 
 def _pause(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
@@ -234,6 +245,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
         SetParticlesCommand: Rule(_set_particles, Repeat.MOMENT, _check_room, _check_particles),
         ScatterCommand: Rule(_scatter, Repeat.MOMENT),
+        UndoCommand: Rule(_undo, Repeat.MOMENT),
         PauseCommand: Rule(_pause, Repeat.MOMENT),
         ResumeCommand: Rule(_resume, Repeat.MOMENT),
         UpdateCommand: Rule(_update, Repeat.MOMENT),

@@ -139,5 +139,6 @@ class Controls:
         if isinstance(self.robot, RepositionableRobot):
             self.driving.stop()
             self.robot.place(pose)
+        self.localization.forget_earlier()
         # Dead reckoning continues from the new pose: the wheels did not turn on the way there.
         self.map_from_odom = pose @ odometry.odom_from_robot.inverse()

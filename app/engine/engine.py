@@ -209,6 +209,7 @@ class Engine:
             scan_pose=scan_pose,
             paused=localization.paused,
             updates=localization.updates,
+            undoable=localization.undoable,
             parameters=localization.parameters,
             own=localization.own.choice,
             fault=localization.fault,

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 
 import numpy as np
 
 from app.engine.belief import Belief
+from app.engine.checkpoint import Checkpoint, CheckpointError, CheckpointWriter
 from app.engine.own_models.own_models import OwnChoice, OwnModels
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
@@ -28,6 +30,9 @@ from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner
+
+MOST_UNDOABLE = 20
+"""Most changes of the belief that can be undone."""
 
 
 class Localization:
@@ -75,6 +80,8 @@ class Localization:
         self._rng = rng
         self._entries = entries
         self._once = False
+        self._earlier: deque[Checkpoint] = deque(maxlen=MOST_UNDOABLE)
+        """The beliefs before each change."""
         setup = self._setup()
         self._monitor = Monitor(setup.evidence, _mounting(scanner))
         self._localizer = Localizer(
@@ -118,6 +125,11 @@ class Localization:
     def fault(self) -> str | None:
         """What is wrong with a user's own model; the filter pauses until it is fixed."""
         return self.own.fault
+
+    @property
+    def undoable(self) -> int:
+        """How many changes of the belief can be undone."""
+        return len(self._earlier)
 
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""
@@ -164,6 +176,27 @@ class Localization:
         """Start the filter scattered: the robot may be anywhere on the field."""
         self._localizer.scatter()
         self.belief = None
+
+    def keep_belief(self) -> None:
+        """Keep the belief before it is changed, for ``undo``."""
+        own = self.own
+        unchanging = (self._field, self._field.edges, own, own.sensor, own.motion)
+        belief = (self._localizer, self._monitor, self.belief, self._rng)
+        try:
+            self._earlier.append(CheckpointWriter(unchanging).keep(belief))
+        except CheckpointError:
+            self._earlier.clear()
+
+    def undo(self) -> None:
+        """Restore the belief before its last change, which odometry has moved since."""
+        odom_from_robot = self._localizer.now
+        self._localizer, self._monitor, self.belief, self._rng = self._earlier.pop().restore()
+        self._localizer.now = odom_from_robot
+        self.use(self.parameters)
+
+    def forget_earlier(self) -> None:
+        """Forget all earlier beliefs: after the robot was put elsewhere, they are of no use."""
+        self._earlier.clear()
 
     def update_once(self) -> None:
         """Update with the next picture, even if the filter is paused or the robot stands."""
@@ -212,7 +245,7 @@ class Localization:
         """Change the parameters; the filter keeps its belief."""
         if parameters != self.parameters:
             self.own.rebuild(parameters)
-        other = parameters.filter.filter != self.parameters.filter.filter
+        other = parameters.filter.filter != self._localizer.parameters.filter
         self.parameters = parameters
         setup = self._setup()
         if other:

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import anyio
 import cv2
-import numpy as np
 from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
@@ -38,6 +37,7 @@ from app.page.live import Live
 from app.page.outlets import Outlets
 from app.page.profile import profile
 from app.page.telemetry import field_message, parameter_messages
+from app.page.thresholds import STALE_S
 from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
 from app.page.view.view import View
@@ -46,9 +46,6 @@ from app.recordings.contents_route import contents_router
 from app.recordings.routes import recordings_router
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
-
-STALE_S = 2.0
-"""After this time without a tick [s], the engine is reported as degraded."""
 
 
 def create_app(
@@ -91,7 +88,8 @@ def create_app(
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
-    _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
+    camera = CameraStream(program.engine.latest, program.scanner, thread.stopping)
+    _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
@@ -216,9 +214,7 @@ def _health(
 
 
 def _add_field(app: FastAPI, program: Program) -> None:
-    drive = program.config.drive
-    limits = np.array([drive.max_velocity, drive.max_angular_velocity])
-    field = field_message(program.field, program.robot, program.scanner, limits)
+    field = field_message(program)
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 
