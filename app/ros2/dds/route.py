@@ -21,6 +21,7 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
 from app.ros2.topic import Topic
 from app.settings.ros2 import Ros2Settings
+from robot.worker_thread import WorkerThread
 
 FIRST_WAIT_S = 1.0
 LONGEST_WAIT_S = 30.0
@@ -36,7 +37,6 @@ PAUSE_S = 0.005
 TELL_S = 5.0
 """Least time between two log lines about refused commands [s]."""
 
-LOOK_S = 0.2
 JOIN_S = 3.0
 
 NO_CYCLONE = (
@@ -75,8 +75,9 @@ class DdsRoute(Route):
         self._down: str | None = None
         self._trouble: str | None = None
         self._told_at = -math.inf
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._thread = WorkerThread(
+            "dds", self._keep_running, owner="DDS", patience=JOIN_S, wake=self._let_end
+        )
 
     @property
     def failure(self) -> str | None:
@@ -94,7 +95,6 @@ class DdsRoute(Route):
             raise DdsError(NO_CYCLONE)
         self._plan = plan(self._settings, self._host, self._inbox.incoming())
         self._numbers = {writer.topic: number for number, writer in enumerate(self._plan.writers)}
-        self._thread = threading.Thread(target=self._keep_running, name="dds", daemon=True)
         self._thread.start()
         self._publisher.add(self)
 
@@ -116,43 +116,41 @@ class DdsRoute(Route):
     def close(self) -> None:
         """End the process and its thread here; may be called twice."""
         self._publisher.remove(self)
-        self._stop.set()
+        self._thread.stop()
+
+    def _let_end(self) -> None:
         child = self.child
         if child is not None:
             child.let_end()
-        if self._thread is not None:
-            self._thread.join(JOIN_S)
-            if self._thread.is_alive():
-                LOG.error("the thread of DDS did not end within %g s", JOIN_S)
-            self._thread = None
 
-    def _keep_running(self) -> None:
+    def _keep_running(self, stopping: threading.Event) -> None:
         wait = FIRST_WAIT_S
-        while not self._stop.is_set():
+        while not stopping.is_set():
             began = time.monotonic()
             try:
-                self._live()
+                self._live(stopping)
             except (ChildError, OSError) as error:
-                if self._stop.is_set():
+                if stopping.is_set():
                     return
                 wait = FIRST_WAIT_S if time.monotonic() - began > SOUND_S else wait
                 self._down = f"{error}; it is started again in {wait:g} s"
                 LOG.error(self._down)
-            self._stop.wait(wait)
+            stopping.wait(wait)
             wait = min(2 * wait, LONGEST_WAIT_S)
 
-    def _live(self) -> None:
+    def _live(self, stopping: threading.Event) -> None:
         """Run one process from its start to its end; the end is always an error."""
         child = self.child = Child(self._plan)
         try:
-            if self._stop.is_set():
+            if stopping.is_set():
                 return
             child.wait_until_ready()
             self._mailbox.begin_anew()
             self._down = self._trouble = None
             self.ready.set()
             while True:
-                self._hear(child)
+                if self._hear(child):
+                    stopping.wait(PAUSE_S)
         finally:
             self.ready.clear()
             child.close()
@@ -166,7 +164,8 @@ class DdsRoute(Route):
             else:
                 yield self._numbers[self._settings.full_name(message.topic.name)], data
 
-    def _hear(self, child: Child) -> None:
+    def _hear(self, child: Child) -> bool:
+        """Carry out what the process passes on; return whether anything came."""
         came = child.receive_some()
         newest = {number: data for number, data in came if number < len(self._plan.readers)}
         for number, data in came:
@@ -174,8 +173,7 @@ class DdsRoute(Route):
                 self._complain(data.decode(errors="replace"))
         for number, data in newest.items():
             self._carry_out(number, data)
-        if came:
-            self._stop.wait(PAUSE_S)
+        return bool(came)
 
     def _carry_out(self, number: int, data: bytes) -> None:
         topic = self._inbox.incoming()[number]
