@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from robot.description.spec import RobotSpec
+from robot.errors import PackageError
 from robot.geometry import Pose2
-from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
+from sim.bullet import BulletSettings, BulletWorld, load_pybullet
 from sim.hat.devices.motor_figures import figures_named
 from sim.hat.devices.plants import FreeMotor, PlantError
 from sim.hat_emulator.bullet_wheels import BulletWheels
@@ -24,7 +25,7 @@ FORWARD = {LEFT: SPEC.joints[0].direction, RIGHT: SPEC.joints[1].direction}
 def pybullet() -> None:
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         pytest.skip("pybullet is not installed")
 
 

@@ -11,9 +11,9 @@ from app.engine.build import build_program
 from app.engine.commands import MOST_WAITING, RULES, check
 from app.engine.mailboxes.command_queue import MOST_COMMANDS
 from app.messages.commands import Command, PauseCommand, PingCommand, ShowCommand, StopCommand
-from app.messages.parsing import CommandError
 from app.settings.config import Config
 from robot.driving.odometry import OdometrySettings
+from robot.errors import CommandError
 from robot.geometry import Pose2
 from robot.interface import RobotError
 from robot.localization.integrity import State

@@ -32,9 +32,9 @@ from app.messages.commands import (
     StopCommand,
     UpdateCommand,
 )
-from app.messages.parsing import CommandError
 from robot.covariance import CovarianceError
 from robot.driving.odometry import OdometryState
+from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import RepositionableRobot
@@ -212,7 +212,7 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
     current = latest.parameters if latest else program.config.localization
     try:
         with_values_and_models(current, latest.own if latest else OwnChoice(), command.values)
-    except ValueError as error:
+    except BrickPoseError as error:
         raise CommandError(str(error)) from error
 
 

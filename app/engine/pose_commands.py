@@ -6,11 +6,12 @@ import numpy as np
 
 from app.messages.commands import SetParticlesCommand, SetPoseCommand
 from robot.covariance import covariance_from
+from robot.errors import BrickPoseError
 from robot.geometry import Array, wrap_angle
 from robot.localization.filter import Cloud
 
 
-class HypothesisError(ValueError):
+class HypothesisError(BrickPoseError, ValueError):
     """A command describes no valid hypothesis; the message says what is valid."""
 
 

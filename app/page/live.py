@@ -25,6 +25,7 @@ from app.messages.parsing import parse
 from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
 from app.recordings.replay.opening import ReplayProgram
+from robot.errors import BrickPoseError
 
 
 class Live:
@@ -86,7 +87,7 @@ class _Viewer:
             command = parse(text)
             check(command, self._live.program)
             self._take(command)
-        except ValueError as error:
+        except BrickPoseError as error:
             return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
@@ -94,7 +95,7 @@ class _Viewer:
         """Pass a command to recorder, replay or engine.
 
         Raises:
-            ValueError: the command cannot be carried out; the message says why.
+            BrickPoseError: the command cannot be carried out; the message says why.
         """
         outlets = self._live.outlets
         if isinstance(command, RecordCommand):

@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
-from robot.hat.serial_port import PortError, SerialPort
+from robot.errors import BrickPoseError, PortError
+from robot.hat.serial_port import SerialPort
 from robot.worker_thread import WorkerThread
 
 LOG = logging.getLogger("brickpose")
@@ -148,9 +149,9 @@ class SerialLink(WorkerThread):
     def _reset_board(self) -> None:
         try:
             if self._reset is None:
-                raise RuntimeError("this program has no reset pin")
+                raise BrickPoseError("this program has no reset pin")
             self._reset()
-        except (OSError, RuntimeError, ValueError) as error:
+        except (BrickPoseError, OSError) as error:
             self._talker.cannot_reset(str(error), self._clock())
         else:
             self._talker.was_reset(self._clock())

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from robot.cameras.picture_socket import HEADER, MARK
+from robot.errors import BrickPoseError
 from robot.geometry import Pose2, Twist2
 from robot.worker_thread import WorkerThread
 from sim.floor_camera import FloorCamera
@@ -28,7 +29,7 @@ ROOM = 1 << 20
 """Size of the system's send buffer for a reader [bytes]: more than a picture."""
 
 
-class PictureServerError(RuntimeError):
+class PictureServerError(BrickPoseError, RuntimeError):
     """The server's thread has failed, or does not end."""
 
 

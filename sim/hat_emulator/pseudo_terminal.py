@@ -7,11 +7,13 @@ import tty
 from contextlib import suppress
 from pathlib import Path
 
+from robot.errors import BrickPoseError
+
 CHUNK = 4096
 """Most bytes in one read."""
 
 
-class TerminalError(OSError):
+class TerminalError(BrickPoseError, OSError):
     """The serial port cannot be created under the requested name, or it is closed."""
 
 

@@ -6,8 +6,10 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
+from robot.errors import BrickPoseError
 
-class SocketError(OSError):
+
+class SocketError(BrickPoseError, OSError):
     """A socket cannot listen under that name."""
 
 

@@ -21,6 +21,7 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
 from app.ros2.topic import Topic
 from app.settings.ros2 import Ros2Settings
+from robot.errors import BrickPoseError, PackageError
 from robot.worker_thread import WorkerThread
 
 FIRST_WAIT_S = 1.0
@@ -43,10 +44,6 @@ NO_CYCLONE = (
     "ROS 2 over DDS needs the package cyclonedds: pip install '.[ros2]' (for a Raspberry Pi, "
     "which it has no ready wheel for, docs/ros2.md says how)"
 )
-
-
-class DdsError(RuntimeError):
-    """DDS cannot be used here; says what to do."""
 
 
 class DdsRoute(Route):
@@ -88,11 +85,11 @@ class DdsRoute(Route):
         """Start to publish; the process needs a second for that.
 
         Raises:
-            DdsError: the package is missing.
+            PackageError: the package is missing.
             DomainError: ROS_DOMAIN_ID is not a valid domain.
         """
         if find_spec("cyclonedds") is None:
-            raise DdsError(NO_CYCLONE)
+            raise PackageError(NO_CYCLONE)
         self._plan = plan(self._settings, self._host, self._inbox.incoming())
         self._numbers = {writer.topic: number for number, writer in enumerate(self._plan.writers)}
         self._thread.start()
@@ -179,7 +176,7 @@ class DdsRoute(Route):
         topic = self._inbox.incoming()[number]
         try:
             self._inbox.take(topic.name, topic.type, data)
-        except ValueError as error:
+        except BrickPoseError as error:
             self.refused = str(error)
             if time.monotonic() - self._told_at > TELL_S:
                 self._told_at = time.monotonic()

@@ -24,6 +24,7 @@ from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
 from app.ros2.topic import Topic
+from robot.errors import BrickPoseError
 
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one."""
@@ -73,7 +74,7 @@ class Session(Route):
         try:
             request = parse(data)
             answers = self._do(request)
-        except ValueError as error:
+        except BrickPoseError as error:
             answers = self._status(request, str(error))
         return [json.dumps(answer, separators=(",", ":"), allow_nan=False) for answer in answers]
 
@@ -189,7 +190,7 @@ class Session(Route):
         answer: Request = {"op": "service_response", "service": name}
         try:
             answer |= {"values": self._called(name, request), "result": True}
-        except ValueError as error:
+        except BrickPoseError as error:
             answer |= {"values": str(error), "result": False}
         return [_with_id(request, answer)]
 

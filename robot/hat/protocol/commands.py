@@ -11,6 +11,8 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
+from robot.errors import BrickPoseError
+
 LONGEST = 256
 """Number of characters of a line that the firmware keeps; to be safe, the CR is counted too."""
 
@@ -19,7 +21,7 @@ EXPONENT = re.compile(r"(?:^|[ ;])[+-]?[0-9]*\.?[0-9]*[0-9.][eE][+-]?[0-9]")
 STX, ETX, CR = b"\x02", b"\x03", b"\r"
 
 
-class LineError(ValueError):
+class LineError(BrickPoseError, ValueError):
     """The text is not a valid command line."""
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
+from robot.errors import BrickPoseError
+
 PORTS = 4
 """Number of ports of a board: A to D, on the wire 0 to 3."""
 
@@ -116,7 +118,7 @@ class Device(Protocol):
         ...
 
 
-class DeviceError(ValueError):
+class DeviceError(BrickPoseError, ValueError):
     """A device does not have what was asked for."""
 
 

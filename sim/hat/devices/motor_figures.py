@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from robot.errors import BrickPoseError
+
 SUPPLY_V = 8.0
 """Nominal supply voltage of a Build HAT [V]."""
 
@@ -15,7 +17,7 @@ USUAL = "medium angular"
 """Motor of a joint whose description names none."""
 
 
-class KindError(ValueError):
+class KindError(BrickPoseError, ValueError):
     """No motor of that kind is known."""
 
 

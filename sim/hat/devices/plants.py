@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from robot.errors import BrickPoseError
 from sim.hat.devices.device import PORTS
 from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
 
 
-class PlantError(ValueError):
+class PlantError(BrickPoseError, ValueError):
     """A port, duty or load of a motor is not valid."""
 
 
