@@ -90,7 +90,7 @@ def check(command: Command, program: Program) -> None:
     if not isinstance(command, PingCommand):
         if engine.failure is not None:
             raise CommandError(engine.failure)
-        if engine.commands.qsize() >= MOST_WAITING and not isinstance(command, StopCommand):
+        if len(engine.commands) >= MOST_WAITING and not isinstance(command, StopCommand):
             raise CommandError(
                 f"{MOST_WAITING} commands wait already; send fewer, or wait for answers"
             )
@@ -146,7 +146,7 @@ def _set_particles(
 
 
 def _check_room(_command: SetParticlesCommand, program: Program) -> None:
-    if program.engine.commands.qsize() >= MOST_WAITING_SETS:
+    if len(program.engine.commands) >= MOST_WAITING_SETS:
         raise CommandError("commands wait already; a set of poses would fill the memory")
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import errno
 import threading
-from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from app.engine.mailboxes.backlog import Backlog
 from app.engine.problems import LOG
 from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile
@@ -53,8 +53,7 @@ class RecordingRun(Route):
         self._publisher = publisher
         self._contents = contents
         self._pace = Pace(lambda topic: settings.period(topic.name, topic.rate))
-        self._waiting: deque[Published] = deque()
-        self._lost = 0
+        self._waiting = Backlog[Published](MOST_WAITING)
         self._ticks_lost_before = publisher.lost
         self._unfit: dict[str, str] = {}
         self._thread = WorkerThread(
@@ -73,9 +72,10 @@ class RecordingRun(Route):
         """What is missing in the recording, in words; None if nothing is."""
         parts = [f"{name} is not recorded: {why}." for name, why in dict(self._unfit).items()]
         ticks = max(0, self._publisher.lost - self._ticks_lost_before)
-        if self._lost or ticks:
+        messages = self._waiting.lost
+        if messages or ticks:
             parts.append(
-                f"{self._lost} messages and {ticks} ticks are missing: the disk or the computer "
+                f"{messages} messages and {ticks} ticks are missing: the disk or the computer "
                 "is too slow."
             )
         return " ".join(parts) or None
@@ -86,10 +86,7 @@ class RecordingRun(Route):
 
     def take(self, published: Published) -> None:
         """Leave a message for the thread; if there is no room, it is lost and counted."""
-        if len(self._waiting) < MOST_WAITING:
-            self._waiting.append(published)
-        else:
-            self._lost += 1
+        self._waiting.put(published)
 
     def stop(self) -> None:
         """Ask the recording to finish; from any thread."""
@@ -129,8 +126,8 @@ class RecordingRun(Route):
     def _write_waiting(self, file: RecordingFile) -> None:
         if not self._waiting:
             file.flush()  # the robot has stopped answering: the last messages may matter most
-        while self._waiting:
-            self._write(file, self._waiting.popleft())
+        while (published := self._waiting.get()) is not None:
+            self._write(file, published)
         self.size, self.duration = file.size, file.duration
 
     def _write(self, file: RecordingFile, published: Published) -> None:

@@ -9,12 +9,12 @@ import time
 from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 
+from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
 from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.framing import TROUBLE
-from app.ros2.dds.mailbox import Mailbox
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
@@ -49,7 +49,7 @@ NO_CYCLONE = (
 class DdsRoute(Route):
     """Sends messages to the DDS process, and takes commands from it; restarts it when it fails.
 
-    Nothing here can block the engine. Messages wait in a mailbox, one per topic, until the process
+    Nothing here can block the engine. Messages wait in an outbox, one per topic, until the process
     has room. A thread receives from the process. ``failure`` says what goes wrong.
     """
 
@@ -68,7 +68,9 @@ class DdsRoute(Route):
         self._settings = settings
         self._host = host
         self._pace = Pace(lambda topic: settings.period(topic.rate))
-        self._mailbox = Mailbox()
+        self._outbox = Outbox[Published]()
+        self._latched: dict[str, Published] = {}
+        self._filling = threading.Lock()
         self._down: str | None = None
         self._trouble: str | None = None
         self._told_at = -math.inf
@@ -100,15 +102,19 @@ class DdsRoute(Route):
         return topic.live and self._pace.due(topic, stamp)
 
     def take(self, published: Published) -> None:
-        """Put the message into the mailbox."""
-        self._mailbox.put(published)
+        """Let the message wait, in place of an older one of its topic."""
+        name = published.topic.name
+        with self._filling:
+            self._outbox.put(name, published)
+            if published.topic.quality.latched:
+                self._latched[name] = published
 
     def flush(self) -> None:
         """Send the waiting messages if the process has room; the other thread reports failures."""
         child = self.child
         if child is not None and self.ready.is_set():
             with contextlib.suppress(ChildError):
-                child.offer(lambda: self._in_bytes(self._mailbox.take_all()))
+                child.offer(lambda: self._in_bytes(iter(self._outbox.take, None)))
 
     def close(self) -> None:
         """End the process and its thread here; may be called twice."""
@@ -142,7 +148,7 @@ class DdsRoute(Route):
             if stopping.is_set():
                 return
             child.wait_until_ready()
-            self._mailbox.begin_anew()
+            self._begin_anew()
             self._down = self._trouble = None
             self.ready.set()
             while True:
@@ -151,6 +157,14 @@ class DdsRoute(Route):
         finally:
             self.ready.clear()
             child.close()
+
+    def _begin_anew(self) -> None:
+        """Prepare for a new process: latched messages wait again, the others are dropped as old."""
+        with self._filling:
+            for _ in iter(self._outbox.take, None):
+                pass
+            for name, published in self._latched.items():
+                self._outbox.put(name, published)
 
     def _in_bytes(self, messages: Iterable[Published]) -> Iterator[tuple[int, bytes]]:
         for message in messages:
