@@ -17,4 +17,4 @@ class PackageError(BrickPoseError, ImportError):
 
 
 class PortError(BrickPoseError, OSError):
-    """A serial or network port cannot be used; the message says what to do."""
+    """A serial port, a network port or a socket cannot be used; the message says what to do."""

@@ -11,7 +11,7 @@ from typing import Any
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
-from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
+from app.engine.pose_commands import cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
     Command,
@@ -135,7 +135,7 @@ def _check_pose(command: SetPoseCommand, field: Field) -> None:
     _require_inside(Pose2(command.x, command.y, command.theta), field)
     try:
         covariance_of(command)
-    except (HypothesisError, CovarianceError) as error:
+    except CovarianceError as error:
         raise CommandError(str(error)) from error
 
 
@@ -153,10 +153,7 @@ def _check_room(_command: SetParticlesCommand, program: Program) -> None:
 def _check_particles(command: SetParticlesCommand, field: Field) -> None:
     for pose in command.poses:
         _require_inside(Pose2(*pose), field)
-    try:
-        cloud_of(command)
-    except HypothesisError as error:
-        raise CommandError(str(error)) from error
+    cloud_of(command)
 
 
 def _place(command: PlaceCommand, controls: Controls, odometry: OdometryState) -> None:

@@ -55,7 +55,7 @@ class LineServer:
         """Listen at ``path``.
 
         Raises:
-            SocketError: it cannot listen there.
+            PortError: it cannot listen there.
         """
         self._answer = answer
         self._loop = loop

@@ -70,7 +70,7 @@ class PictureServer:
         """Listen at ``path``; call ``start`` to serve.
 
         Raises:
-            SocketError: it cannot listen there.
+            PortError: it cannot listen there.
         """
         self._listening = listen(path)
         self._camera = camera

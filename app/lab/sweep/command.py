@@ -15,10 +15,6 @@ from app.options import config_of
 from robot.errors import BrickPoseError
 
 
-class SweepError(BrickPoseError, RuntimeError):
-    """A sweep was interrupted, or all its runs failed."""
-
-
 def sweep_command(parsed: argparse.Namespace) -> int:
     """Do the points of a sweep that are not done yet."""
     file, base = load_sweep(parsed.file), config_of(vars(parsed))
@@ -32,7 +28,7 @@ def sweep_command(parsed: argparse.Namespace) -> int:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:
         kept = len(list((folder / "points").glob("*.json")))
-        raise SweepError(
+        raise BrickPoseError(
             f"interrupted; {kept} runs are kept in {folder}, and the same command goes on"
         ) from None
     finally:
@@ -42,6 +38,6 @@ def sweep_command(parsed: argparse.Namespace) -> int:
     if failed:
         say(f"the first that failed: {failed[0]['error']}")
     if len(failed) == len(swept.rows):
-        raise SweepError(f"all runs of {parsed.file} failed")
+        raise BrickPoseError(f"all runs of {parsed.file} failed")
     say(f"the table is {folder / f'results.{parsed.format}'}, the plots are in {folder / 'plots'}")
     return 0

@@ -24,7 +24,8 @@ from robot.geometry import Twist2
 from robot.settings import SettingError
 from sim.bullet import BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
-from sim.hat.devices.motor_figures import KindError, MotorFigures, figures_described, figures_named
+from sim.hat.devices.device import DeviceError
+from sim.hat.devices.motor_figures import MotorFigures, figures_described, figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.line_server import LineServer, TypedLines
@@ -161,6 +162,6 @@ def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorFigures]:
             raise SettingError(f"--motors: no port {port!r}; valid are {', '.join(PORTS)}")
         try:
             motors[PORTS.index(port)] = figures_named(name)
-        except KindError as error:
+        except DeviceError as error:
             raise SettingError(f"--motors: {error}") from error
     return motors

@@ -119,7 +119,7 @@ class Device(Protocol):
 
 
 class DeviceError(BrickPoseError, ValueError):
-    """A device does not have what was asked for."""
+    """A device does not exist, or not have what was asked for; the message says what is valid."""
 
 
 class Plant(Protocol):
