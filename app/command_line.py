@@ -24,6 +24,7 @@ from app.settings.config import ROBOTS, ROOT, Config
 from app.tools.doctor.options import add_doctor
 from app.tools.hat_emulator.options import add_emulate_hat
 from app.tools.replay.options import add_replay
+from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
@@ -38,10 +39,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(parsed.command(parsed))
     except (SettingError, FieldError, TrajectoryError) as error:
         return _complain(error, 2)
-    except (OSError, ValueError, ImportError, RuntimeError) as error:
+    except (BrickPoseError, OSError) as error:
         return _complain(error, 1)
     except KeyboardInterrupt:
-        return 0 if parsed.command is _run else _complain(RuntimeError("interrupted"), 1)
+        return 0 if parsed.command is _run else _complain(BrickPoseError("interrupted"), 1)
 
 
 def _parser() -> argparse.ArgumentParser:

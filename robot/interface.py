@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.description.spec import RobotSpec
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 
 
-class RobotError(RuntimeError):
+class RobotError(BrickPoseError, RuntimeError):
     """The robot cannot go on: unplugged, silent or broken."""
 
 

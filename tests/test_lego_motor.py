@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from sim.hat.devices.device import Device, DeviceError, ValueType
 from sim.hat.devices.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.devices.motor_figures import MOTOR_FIGURES
 from sim.hat.devices.passive import LIGHT, PassiveDevice
 
 
@@ -204,7 +204,7 @@ def test_a_mode_that_is_not_there_is_refused(mode: int) -> None:
 
 
 def test_a_type_that_is_no_angular_motor_is_refused() -> None:
-    with pytest.raises(KindError, match="4C"):
+    with pytest.raises(DeviceError, match="4C"):
         LegoMotor(0x3D, Shaft())
 
 

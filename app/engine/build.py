@@ -21,6 +21,7 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
+from robot.errors import PackageError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
@@ -29,7 +30,7 @@ from robot.interface import RepositionableRobot, Robot
 from robot.localization.models.entry_field import EntryField
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
-from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.bullet import BulletWorld, load_pybullet
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections, draw
 from sim.kinematic import KinematicWorld
@@ -72,7 +73,7 @@ def build_program(
 
     Raises:
         ValueError: the field or the robot's description cannot be used.
-        BulletMissingError: the configuration names the simulator, which is not installed.
+        PackageError: the configuration names the simulator, which is not installed.
     """
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
@@ -199,6 +200,6 @@ def resolve_robot(config: Config) -> tuple[Config, str | None]:
         return config, None
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         return replace(config, robot="kinematic"), str(error)
     return replace(config, robot="sim"), None

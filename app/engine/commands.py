@@ -11,7 +11,7 @@ from typing import Any
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
-from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
+from app.engine.pose_commands import cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
     Command,
@@ -33,9 +33,9 @@ from app.messages.commands import (
     UndoCommand,
     UpdateCommand,
 )
-from app.messages.parsing import CommandError
 from robot.covariance import CovarianceError
 from robot.driving.odometry import OdometryState
+from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import RepositionableRobot
@@ -91,7 +91,7 @@ def check(command: Command, program: Program) -> None:
     if not isinstance(command, PingCommand):
         if engine.failure is not None:
             raise CommandError(engine.failure)
-        if engine.commands.qsize() >= MOST_WAITING and not isinstance(command, StopCommand):
+        if len(engine.commands) >= MOST_WAITING and not isinstance(command, StopCommand):
             raise CommandError(
                 f"{MOST_WAITING} commands wait already; send fewer, or wait for answers"
             )
@@ -137,7 +137,7 @@ def _check_pose(command: SetPoseCommand, field: Field) -> None:
     _require_inside(Pose2(command.x, command.y, command.theta), field)
     try:
         covariance_of(command)
-    except (HypothesisError, CovarianceError) as error:
+    except CovarianceError as error:
         raise CommandError(str(error)) from error
 
 
@@ -149,17 +149,14 @@ def _set_particles(
 
 
 def _check_room(_command: SetParticlesCommand, program: Program) -> None:
-    if program.engine.commands.qsize() >= MOST_WAITING_SETS:
+    if len(program.engine.commands) >= MOST_WAITING_SETS:
         raise CommandError("commands wait already; a set of poses would fill the memory")
 
 
 def _check_particles(command: SetParticlesCommand, field: Field) -> None:
     for pose in command.poses:
         _require_inside(Pose2(*pose), field)
-    try:
-        cloud_of(command)
-    except HypothesisError as error:
-        raise CommandError(str(error)) from error
+    cloud_of(command)
 
 
 def _place(command: PlaceCommand, controls: Controls, odometry: OdometryState) -> None:
@@ -223,7 +220,7 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
     current = latest.parameters if latest else program.config.localization
     try:
         with_values_and_models(current, latest.own if latest else OwnChoice(), command.values)
-    except ValueError as error:
+    except BrickPoseError as error:
         raise CommandError(str(error)) from error
 
 

@@ -7,14 +7,14 @@ import time
 from collections.abc import Hashable
 
 from app.engine.commands import RULES
-from app.engine.mailboxes.command_queue import CommandQueue
+from app.engine.mailboxes.backlog import Backlog
 from app.messages.commands import Command, StopCommand
 
 
 class Drivers:
     """Viewers and other clients that drive the robot; any thread may call it."""
 
-    def __init__(self, commands: CommandQueue, timeout: float) -> None:
+    def __init__(self, commands: Backlog[Command], timeout: float) -> None:
         self._commands = commands
         self._timeout = timeout
         self._last: dict[Hashable, float] = {}

@@ -16,8 +16,8 @@ from collections.abc import Callable
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
+from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
-from app.engine.mailboxes.command_queue import CommandQueue
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
@@ -50,7 +50,7 @@ class Engine:
         self.controls = controls
         self.latest: Latest[Snapshot] = Latest()
         self.every: Broadcast[Snapshot] = Broadcast()
-        self.commands = CommandQueue()
+        self.commands: Backlog[Command] = Backlog()
         self.failure: str | None = None
         """Why the engine failed; None while it has not."""
         self._apply = apply

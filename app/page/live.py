@@ -27,6 +27,7 @@ from app.page.telemetry import TelemetryWriter
 from app.page.token_guard import role_in
 from app.page.tokens import Role
 from app.recordings.replay.opening import ReplayProgram
+from robot.errors import BrickPoseError
 
 WATCHES = "This link only watches; ask for the link to drive."
 """Answer to commands of a viewer who only watches."""
@@ -94,7 +95,7 @@ class _Viewer:
                 raise ValueError(WATCHES)
             check(command, self._live.program)
             self._take(command)
-        except ValueError as error:
+        except BrickPoseError as error:
             return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
@@ -102,7 +103,7 @@ class _Viewer:
         """Pass a command to recorder, replay or engine.
 
         Raises:
-            ValueError: the command cannot be carried out; the message says why.
+            BrickPoseError: the command cannot be carried out; the message says why.
         """
         outlets = self._live.outlets
         if isinstance(command, RecordCommand):

@@ -35,7 +35,7 @@ from app.page.camera_stream import CameraStream
 from app.page.docs_page import docs_page
 from app.page.live import Live
 from app.page.outlets import Outlets
-from app.page.profile import profile
+from app.page.profile import RayError, profile
 from app.page.telemetry import field_message, parameter_messages
 from app.page.thresholds import STALE_S
 from app.page.token_guard import TokenRequired, role_in
@@ -246,7 +246,7 @@ def _add_field(app: FastAPI, program: Program) -> None:
             raise HTTPException(503, "The camera has sent no picture yet.")
         try:
             return profile(program.scanner, latest.line_scan, ray)
-        except IndexError as error:
+        except RayError as error:
             raise HTTPException(404, str(error)) from error
 
 

@@ -17,13 +17,10 @@ from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
 from app.page.view.view import SMALL_BUFFER
+from robot.errors import PortError
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
-
-
-class PortError(OSError):
-    """The program cannot listen on the port; the message says what to do."""
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -46,9 +43,10 @@ def listen(host: str, port: int) -> socket.socket:
             listening.bind(address)
             listening.listen(128)
             unless_it_listens.pop_all()
-    except OSError as error:
+    except (OSError, UnicodeError) as error:  # UnicodeError: no name of a machine is like this
+        why = getattr(error, "strerror", None) or error
         raise PortError(
-            f"cannot listen on {host} port {port}: {error.strerror or error}; "
+            f"cannot listen on {host} port {port}: {why}; "
             "another port is chosen by --port (or PORT=9000 make run)"
         ) from error
     return listening

@@ -9,7 +9,8 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable, Generator
 
-from sim.hat.language.words import CommandError, Words
+from robot.errors import CommandError
+from sim.hat.language.words import Words
 from sim.hat.upload import Stage, Upload
 
 VERSION = "1631704133 2021-09-15T12:08:53+01:00"

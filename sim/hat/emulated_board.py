@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.device import PORTS, Device, Plants
+from sim.hat.devices.device import PORTS, Device, DeviceError, Plants
 from sim.hat.firmware.bridge import STEPS
 from sim.hat.firmware.connection import SetupFault
 from sim.hat.firmware.power import ORANGE, Power
@@ -15,10 +15,6 @@ from sim.hat.transmitter import Receiver, Transmitter
 
 TICK = 0.001
 """Time step of the emulation [s]."""
-
-
-class BoardError(ValueError):
-    """The board does not have what was asked for."""
 
 
 class EmulatedBoard:
@@ -48,7 +44,7 @@ class EmulatedBoard:
             seed: seed of ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         self._plants = plants
         self._ticks = 0
@@ -150,7 +146,7 @@ class EmulatedBoard:
         """Return the output of a port's driver, -1..1; None: it is switched off.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         firmware = self._processor.firmware
@@ -160,7 +156,7 @@ class EmulatedBoard:
         """Plug a device in, replacing any other; it gets power and starts.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         device.power_up()
@@ -172,7 +168,7 @@ class EmulatedBoard:
         """Unplug the device at a port, if there is one; its motor coasts.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         self._devices.pop(port, None)
@@ -192,20 +188,20 @@ class EmulatedBoard:
         """Make the next setup of a device on a port fail: "framing", "checksum" or "silence".
 
         Raises:
-            BoardError: an unknown fault, a port outside 0..3, or no firmware runs.
+            DeviceError: an unknown fault, a port outside 0..3, or no firmware runs.
         """
         _check(port)
         names = {fault.name.lower(): fault for fault in SetupFault}
         fault = how if isinstance(how, SetupFault) else names.get(how)
         if fault is None:
-            raise BoardError(f"setup cannot fail by {how!r}; valid are {', '.join(names)}")
+            raise DeviceError(f"setup cannot fail by {how!r}; valid are {', '.join(names)}")
         self._firmware_that_runs.fail_setup(port, fault)
 
     def data_fails(self, port: int, framing: int = 0, checksum: int = 6) -> None:
         """Set the numbers of errors in a device's data; more than five in total disconnect it.
 
         Raises:
-            BoardError: a port outside 0..3, or no firmware runs.
+            DeviceError: a port outside 0..3, or no firmware runs.
         """
         _check(port)
         self._firmware_that_runs.fail_data(port, framing, checksum)
@@ -214,10 +210,10 @@ class EmulatedBoard:
         """Set the duration of the firmware's next pass; above 2 ms the firmware reports it.
 
         Raises:
-            BoardError: less than 1 ms.
+            DeviceError: less than 1 ms.
         """
         if milliseconds < 1:
-            raise BoardError(f"a pass takes {milliseconds} ms; valid is 1 or more")
+            raise DeviceError(f"a pass takes {milliseconds} ms; valid is 1 or more")
         self._processor.stall(milliseconds)
 
     def print_text(self, text: str) -> None:
@@ -232,10 +228,10 @@ class EmulatedBoard:
         """Let time pass [s]; return the bytes that have left the board meanwhile.
 
         Raises:
-            BoardError: the time is negative.
+            DeviceError: the time is negative.
         """
         if not seconds >= 0:
-            raise BoardError(f"{seconds} s cannot pass; valid is 0 or more")
+            raise DeviceError(f"{seconds} s cannot pass; valid is 0 or more")
         # The small term makes ten steps of 0.1 ms one tick, in spite of rounding.
         ticks = int((self._rest + seconds) / TICK + 1e-6)
         self._rest = max(self._rest + seconds - ticks * TICK, 0.0)
@@ -255,7 +251,7 @@ class EmulatedBoard:
     @property
     def _firmware_that_runs(self) -> Firmware:
         if self._processor.firmware is None:
-            raise BoardError("no firmware runs; the bootloader waits for one")
+            raise DeviceError("no firmware runs; the bootloader waits for one")
         return self._processor.firmware
 
     def _drive(self) -> None:
@@ -272,10 +268,10 @@ class EmulatedBoard:
 
 def _probability(name: str, value: float) -> float:
     if not 0 <= value <= 1:
-        raise BoardError(f"{name} is {value}; valid is a probability, 0 to 1")
+        raise DeviceError(f"{name} is {value}; valid is a probability, 0 to 1")
     return value
 
 
 def _check(port: int) -> None:
     if not 0 <= port < PORTS:
-        raise BoardError(f"port is {port}; valid are 0 to {PORTS - 1}")
+        raise DeviceError(f"port is {port}; valid are 0 to {PORTS - 1}")

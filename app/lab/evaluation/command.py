@@ -12,8 +12,9 @@ from app.lab.evaluation.recorded import evaluate_recording
 from app.lab.evaluation.report.report import millimetres, seconds
 from app.lab.workers import Workers, workers
 from app.options import config_of
+from robot.errors import PackageError
 from robot.settings import SettingError
-from sim.bullet import BulletMissingError, load_pybullet
+from sim.bullet import load_pybullet
 
 Given = dict[str, Any]
 """The options that the user gave on the command line."""
@@ -51,7 +52,7 @@ def worlds_from_options(given: Given) -> tuple[str, ...]:
         return named
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         say(f"In the kinematic world, with perfect wheels: {error}")
         return ("kinematic",)
     return ("sim", "as-real")

@@ -20,6 +20,7 @@ from app.settings.config import MAPS, Config
 from app.settings.start_pose import StartPoseSettings
 from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
+from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2, Twist2, interpolate
@@ -32,7 +33,7 @@ NO_PICTURE = np.zeros((1, 1), np.uint8)
 """Replaces a picture that was already searched for tape."""
 
 
-class EvaluationError(ValueError):
+class EvaluationError(BrickPoseError, ValueError):
     """The requested evaluation is impossible; the message says why and what is possible."""
 
 

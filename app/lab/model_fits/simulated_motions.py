@@ -116,7 +116,7 @@ def run_motion(trial: MotionTrial) -> MotionRun:
     Odometry and truth both begin at the pose (0, 0, 0).
 
     Raises:
-        BulletMissingError: the physics engine is not installed.
+        PackageError: the physics engine is not installed.
     """
     robot, name = trial.robot, zlib.crc32(trial.motion.encode())
     rng = np.random.default_rng([robot.seed, name, trial.repeat])

@@ -12,6 +12,7 @@ from app.lab.sweep.sweep import sweep
 from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.table import require_format
 from app.options import config_of
+from robot.errors import BrickPoseError
 
 
 def sweep_command(parsed: argparse.Namespace) -> int:
@@ -27,7 +28,7 @@ def sweep_command(parsed: argparse.Namespace) -> int:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:
         kept = len(list((folder / "points").glob("*.json")))
-        raise RuntimeError(
+        raise BrickPoseError(
             f"interrupted; {kept} runs are kept in {folder}, and the same command goes on"
         ) from None
     finally:
@@ -37,6 +38,6 @@ def sweep_command(parsed: argparse.Namespace) -> int:
     if failed:
         say(f"the first that failed: {failed[0]['error']}")
     if len(failed) == len(swept.rows):
-        raise RuntimeError(f"all runs of {parsed.file} failed")
+        raise BrickPoseError(f"all runs of {parsed.file} failed")
     say(f"the table is {folder / f'results.{parsed.format}'}, the plots are in {folder / 'plots'}")
     return 0

@@ -14,6 +14,7 @@ from app.ros2.dds.shapes import shapes
 from app.ros2.message_types import type_hash
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings
+from robot.errors import BrickPoseError
 
 NODE = "brickpose"
 MOST_DOMAIN = 232
@@ -58,7 +59,7 @@ ONE_ADDRESS = (
 )
 
 
-class DomainError(ValueError):
+class DomainError(BrickPoseError, ValueError):
     """The domain is not a valid domain of DDS."""
 
 

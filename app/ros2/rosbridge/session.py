@@ -6,12 +6,12 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from app.engine.mailboxes.outbox import Outbox
 from app.messages.commands import Command
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
-from app.ros2.rosbridge.outbox import Data, Outbox
 from app.ros2.rosbridge.requests import (
     Pieces,
     Request,
@@ -24,6 +24,12 @@ from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
 from app.ros2.topic import Topic
+from robot.errors import BrickPoseError
+
+MOST_BYTES = 16_000_000
+"""Most bytes that wait for one client; beyond it, older messages of a name are dropped."""
+
+Data = str | bytes
 
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one."""
@@ -52,7 +58,7 @@ class Session(Route):
         self._wake = wake
         self._watches = watches
         self._level = "error"
-        self._outbox = Outbox()
+        self._outbox = Outbox[Data](MOST_BYTES)
         self._pieces = Pieces()
         self._subscriptions: dict[str, Subscription] = {}
         self._by_topic: dict[str, tuple[Subscription, ...]] = {}
@@ -78,7 +84,7 @@ class Session(Route):
         try:
             request = parse(data)
             answers = self._do(request)
-        except ValueError as error:
+        except BrickPoseError as error:
             answers = self._status(request, str(error))
         return [json.dumps(answer, separators=(",", ":"), allow_nan=False) for answer in answers]
 
@@ -104,7 +110,7 @@ class Session(Route):
         """Put the message into the outbox, where the event loop finds it."""
         for item in self._due:
             data = self._bridge.encoder.encode(published, item.name, item.compression)
-            self._outbox.put(item.name, data, item.queue)
+            self._outbox.put(item.name, data, item.queue, len(data))
         self._wake()
 
     def _do(self, request: Request) -> list[Request]:
@@ -199,7 +205,7 @@ class Session(Route):
         answer: Request = {"op": "service_response", "service": name}
         try:
             answer |= {"values": self._called(name, request), "result": True}
-        except ValueError as error:
+        except BrickPoseError as error:
             answer |= {"values": str(error), "result": False}
         return [_with_id(request, answer)]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from robot.hat.protocol.bootloader_events import BootloaderPrompt
-from robot.hat.protocol.events import BusError, Echo, Event, Unknown
+from robot.hat.protocol.events import BusFault, Echo, Event, Unknown
 from robot.hat.protocol.grammar import read_line
 
 LONGEST = 512
@@ -82,7 +82,7 @@ class Decoder:
     def _unglued(self, line: bytes, events: list[Event]) -> bytes:
         """Return a line without bus errors and prompts, which have no line end of their own."""
         for error in GLUED_ERROR.findall(line):
-            events.append(BusError(error.decode("utf-8", "replace")))
+            events.append(BusFault(error.decode("utf-8", "replace")))
         line = GLUED_ERROR.sub(b"", line)
         prompts = FIRMWARE_PROMPTS.match(line)
         if prompts is None:

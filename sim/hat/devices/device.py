@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Protocol
 
+from robot.errors import BrickPoseError
+
 PORTS = 4
 """Number of ports of a board: A to D, on the wire 0 to 3."""
 
@@ -116,8 +118,8 @@ class Device(Protocol):
         ...
 
 
-class DeviceError(ValueError):
-    """A device does not have what was asked for."""
+class DeviceError(BrickPoseError, ValueError):
+    """A device does not exist, or not have what was asked for; the message says what is valid."""
 
 
 class Plant(Protocol):

@@ -13,7 +13,7 @@ from sim.hat.devices.device import (
     Plant,
     ValueType,
 )
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.devices.motor_figures import MOTOR_FIGURES
 
 POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
 
@@ -66,13 +66,13 @@ class LegoMotor:
                 by its own clock, so the samples in reports have every age up to 10 ms.
 
         Raises:
-            KindError: no angular motor has this type number.
+            DeviceError: no angular motor has this type number.
         """
         if type_id not in MOTOR_FIGURES:
             valid = ", ".join(
                 f"{number:02X} ({item.name})" for number, item in MOTOR_FIGURES.items()
             )
-            raise KindError(f"no angular motor has type {type_id:02X}; valid are {valid}")
+            raise DeviceError(f"no angular motor has type {type_id:02X}; valid are {valid}")
         self.type_id = type_id
         self.connect_seconds = connect_seconds
         self.responding = True

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from sim.hat.devices.device import DeviceError
+
 SUPPLY_V = 8.0
 """Nominal supply voltage of a Build HAT [V]."""
 
@@ -13,10 +15,6 @@ RAIL_V = 7.2
 
 USUAL = "medium angular"
 """Motor of a joint whose description names none."""
-
-
-class KindError(ValueError):
-    """No motor of that kind is known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +87,7 @@ def figures_described(kind: str | None) -> MotorFigures:
     """Return the figures of a motor by its kind in a robot's description; None: a medium motor.
 
     Raises:
-        KindError: there is no such kind; names the valid ones.
+        DeviceError: there is no such kind; names the valid ones.
     """
     return _first("kind", kind or USUAL)
 
@@ -98,7 +96,7 @@ def figures_named(name: str) -> MotorFigures:
     """Return the figures of a motor by its name in commands.
 
     Raises:
-        KindError: there is no such name; names the valid ones.
+        DeviceError: there is no such name; names the valid ones.
     """
     return _first("name", name)
 
@@ -108,5 +106,5 @@ def _first(field: str, wanted: str) -> MotorFigures:
     for figures in MOTOR_FIGURES.values():
         known.setdefault(getattr(figures, field), figures)
     if wanted not in known:
-        raise KindError(f"no motor is called {wanted!r}; valid are {', '.join(known)}")
+        raise DeviceError(f"no motor is called {wanted!r}; valid are {', '.join(known)}")
     return known[wanted]

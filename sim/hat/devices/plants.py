@@ -5,12 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sim.hat.devices.device import PORTS
+from sim.hat.devices.device import PORTS, DeviceError
 from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
-
-
-class PlantError(ValueError):
-    """A port, duty or load of a motor is not valid."""
 
 
 class FreeMotor:
@@ -47,10 +43,10 @@ class FreeMotor:
         """Set the share of its voltage that the driver puts out; see ``Plant``.
 
         Raises:
-            PlantError: the duty is outside -1..1, or not a number.
+            DeviceError: the duty is outside -1..1, or not a number.
         """
         if duty is not None and not -1 <= duty <= 1:
-            raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
+            raise DeviceError(f"duty is {duty}; valid is -1 to 1, or None to coast")
         self._duty = duty
         self._pull = self._gain * self._supply_v * (duty or 0.0)
 
@@ -62,7 +58,7 @@ class FreeMotor:
     @load.setter
     def load(self, torque: float) -> None:
         if not math.isfinite(torque):
-            raise PlantError(f"load is {torque}; valid is a torque [N m]")
+            raise DeviceError(f"load is {torque}; valid is a torque [N m]")
         self._load = torque * self.figures.speed_per_torque
 
     @property
@@ -133,7 +129,7 @@ class FreeMotors:
         """Put motors at the ports, with ``figures`` by port; the default is a medium motor.
 
         Raises:
-            PlantError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         figures = {} if figures is None else figures
         for port in figures:
@@ -156,7 +152,7 @@ class FreeMotors:
         """Return the motor at a port.
 
         Raises:
-            PlantError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         return self._motors[port]
@@ -169,4 +165,4 @@ class FreeMotors:
 
 def _check(port: int) -> None:
     if not 0 <= port < PORTS:
-        raise PlantError(f"port is {port}; valid are 0 to {PORTS - 1}")
+        raise DeviceError(f"port is {port}; valid are 0 to {PORTS - 1}")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from robot.errors import CommandError
 from sim.hat.devices.device import PORTS
 from sim.hat.firmware.power import supply_text
 from sim.hat.language import data_commands, drive_commands
 from sim.hat.language.help_text import HELP
 from sim.hat.language.session import Session
-from sim.hat.language.words import CommandError, Words
+from sim.hat.language.words import Words
 
 LIGHT_MODES = (-1, 3)
 

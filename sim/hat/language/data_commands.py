@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from robot.errors import CommandError
 from sim.hat.firmware.reports import DEFAULT_PERIOD, ONCE, WHOLE_MODE
 from sim.hat.firmware.variables import MODES, PAYLOAD
 from sim.hat.language.session import Session
-from sim.hat.language.words import CommandError, Words
+from sim.hat.language.words import Words
 
 LAST_OFFSET = 127
 LAST_SLOT = 7

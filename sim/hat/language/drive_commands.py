@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from robot.errors import CommandError
 from sim.hat.devices.device import PORTS
 from sim.hat.firmware.bridge import fixed_point
 from sim.hat.firmware.controllers import Control
 from sim.hat.firmware.variables import MODES, Variable
 from sim.hat.firmware.waveforms import Shape
 from sim.hat.language.session import Session
-from sim.hat.language.words import CommandError, Words
+from sim.hat.language.words import Words
 
 LAST_OFFSET = 127
 SHAPES = {shape.value: shape for shape in Shape}

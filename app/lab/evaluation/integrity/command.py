@@ -12,7 +12,8 @@ from app.lab.evaluation.integrity.evaluate_integrity import evaluate_integrity
 from app.lab.evaluation.integrity.experiment import IntegrityExperiment
 from app.lab.workers import Workers
 from app.settings.config import Config, load_config
-from sim.bullet import BulletMissingError, load_pybullet
+from robot.errors import PackageError
+from sim.bullet import load_pybullet
 
 OUT = Path("evaluation") / "integrity"
 SEVERAL = {"map": "maps", "condition": "conditions", "start": "starts"}
@@ -47,7 +48,7 @@ def _config(given: dict[str, Any]) -> Config:
     config = load_config(given["config"]) if "config" in given else Config()
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         say(f"In the kinematic world, with perfect wheels: {error}")
         return replace(config, robot="kinematic")
     return config

@@ -17,10 +17,11 @@ from app.recordings.replay.recorded.picture_size import size_of
 from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import from_cdr
 from robot.covariance import by_rows
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2
 
 
-class ContentError(ValueError):
+class ContentError(BrickPoseError, ValueError):
     """A message has no usable content; says why."""
 
 

@@ -24,6 +24,7 @@ from app.ros2.dds.domain import graph
 from app.ros2.dds.domain.loopback import confine_to_this_machine
 from app.ros2.dds.domain.raw_types import RawSample, filled, raw_types
 from app.ros2.dds.plan import Endpoint, Plan, dds_topic
+from robot.errors import BrickPoseError
 
 BLOCKING_S = 0.01
 """Longest time that a writer waits for a slow reader [s]; the other writers wait too."""
@@ -31,7 +32,7 @@ BLOCKING_S = 0.01
 UNREAD = ViewState.Any | SampleState.NotRead | InstanceState.Any
 
 
-class WriteError(ValueError):
+class WriteError(BrickPoseError, ValueError):
     """DDS refuses a message."""
 
 
