@@ -12,7 +12,7 @@ from matplotlib.colors import LogNorm
 
 from app.lab.evaluation.convergence import PLACE_XY, Mask
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
-from app.lab.evaluation.report.figures import svg_figure
+from app.lab.figure_style import svg_figure
 from robot.geometry import Array
 from robot.localization.monitoring.claims import NARROW
 
