@@ -22,6 +22,7 @@ import { ReplayBar } from "./replay/bar.js";
 import { ReplayKeys } from "./replay/keys.js";
 import { getJson } from "./wire/http.js";
 
+/** @typedef {import("./messages").AccessMessage} AccessMessage */
 /** @typedef {import("./messages").Command} Command */
 /** @typedef {import("./messages").FieldMessage} FieldMessage */
 /** @typedef {import("./messages").TelemetryMessage} TelemetryMessage */
@@ -86,6 +87,7 @@ function take(news) {
   telemetry = news;
   probe.telemetry = news;
   if (news.map !== fieldName) loadField(news.map);
+  drive.follow(news);
   problems.show(news);
   record.show(news.recording ?? null);
   if (replay.show(news.replay ?? null)) showReplay(replay.shown);
@@ -107,7 +109,7 @@ function showTruth(known) {
 
 /** A recording cannot be driven, but has more parts to show. @param {boolean} replayed */
 function showReplay(replayed) {
-  drive.drive.possible = !replayed;
+  drive.setReplay(replayed);
   document.body.toggleAttribute("data-replay", replayed);
   for (const part of document.querySelectorAll("[data-needs-replay]")) {
     part.toggleAttribute("hidden", !replayed);
@@ -135,6 +137,18 @@ function drawn(stamp) {
   addDelay(probe, (now - stamp) * 1000);
   const last = probe.delays.slice(-PICTURES).sort((a, b) => a - b);
   delay = last[Math.floor(last.length / 2)];
+}
+
+/** Ask what this page's link allows; if it allows nothing any more, say so. */
+async function checkAccess() {
+  const answer = await fetch("/api/access", { cache: "no-store" }).catch(() => null);
+  if (answer?.status === 401) {
+    toasts.show("This link no longer holds: open the one that the program printed.");
+  } else if (answer?.ok) {
+    /** @type {AccessMessage} */
+    const { role } = await answer.json();
+    drive.setRole(role);
+  }
 }
 
 /** @param {string} name of the field in telemetry */
@@ -173,6 +187,7 @@ connection.onState((state) => {
   topBar.showLink(state);
   problems.showLink(state);
   record.enable(state === "open");
+  if (state !== "connecting") checkAccess();
   if (state === "open") filter.load();
   // Another program may answer next.
   else fieldName = "";

@@ -16,8 +16,14 @@ export type Command =
   | SetPoseCommand
   | ShowCommand
   | StopCommand
+  | TakeCommand
   | UndoCommand
   | UpdateCommand;
+
+/** What the token of a request allows. */
+export interface AccessMessage {
+  role: "drive" | "watch";
+}
 
 /** The command was accepted. */
 export interface AckMessage {
@@ -34,6 +40,16 @@ export interface DriveCommand {
   type: "drive";
   v: number;
   omega: number;
+}
+
+/** Who drives. */
+export interface DriverMessage {
+  /** Null while nobody does. */
+  name: string | null;
+  /** Whether it is this connection. */
+  mine: boolean;
+  /** Whether a stop holds: drive commands are refused until ``take``, or after a second's rest. */
+  stopped: boolean;
 }
 
 /** Where the scanner found tape in a picture. */
@@ -421,6 +437,13 @@ export interface StopCommand {
   type: "stop";
 }
 
+/** Take the drive from whoever has it, and end a stop that holds. */
+export interface TakeCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "take";
+}
+
 /** Everything that one tick shows. */
 export interface TelemetryMessage {
   type: "telemetry";
@@ -434,6 +457,7 @@ export interface TelemetryMessage {
   integrity: IntegrityMessage;
   twist: TwistMessage;
   mode: "idle" | "drive" | "figure_eight";
+  driver: DriverMessage;
   particles: ParticlesMessage;
   scan: ScanMessage;
   robot: RobotMessage;

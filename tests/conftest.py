@@ -60,6 +60,8 @@ def live(server):
     with server.live() as socket:
         yield socket
         ask(socket, type="stop")
+        # Ends the hold of the stop, for the next test.
+        ask(socket, type="take")
 
 
 @pytest.fixture(scope="module")

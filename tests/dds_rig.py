@@ -8,6 +8,7 @@ from dataclasses import replace
 from mcap_ros2._dynamic import generate_dynamic
 
 from app.engine.build import build_program
+from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
 from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.route import DdsRoute
@@ -58,7 +59,7 @@ class Rig:
         self.source = TopicSource.of(self.program)
         self.source.clock.hold()  # a busy machine changes no stamp
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
-        inbox = Inbox(self.program, self.source)
+        inbox = Inbox(self.program, self.source, Drivers.of(self.program))
         self.route = DdsRoute(self.publisher, inbox, self.source.settings, "127.0.0.1")
         self._thread = EngineThread(self.program.engine)
         self.seen = []

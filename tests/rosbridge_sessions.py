@@ -5,7 +5,7 @@ import json
 import cbor2
 from engine_runs import run
 
-from app.engine.drivers import Drivers
+from app.engine.drivers import Driver, Drivers
 from app.engine.snapshot import Snapshot
 from app.ros2.commands.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
@@ -32,8 +32,7 @@ class ByHand(TopicPublisher):
 def bridge_of(program) -> Bridge:
     source = TopicSource.of(program)
     source.clock.hold()  # time goes faster here than on the wall
-    drivers = Drivers(program.engine.commands, program.config.drive.cmd_vel_timeout)
-    return Bridge(ByHand(source, program.engine.every), Inbox(program, source), drivers)
+    return Bridge(ByHand(source, program.engine.every), Inbox(program, source, Drivers.of(program)))
 
 
 def deliver(bridge, program, seconds=0.02):
@@ -46,7 +45,7 @@ class Client:
 
     def __init__(self, bridge: Bridge) -> None:
         self.woken = 0
-        self.session = Session(bridge, self._wake)
+        self.session = Session(bridge, self._wake, Driver.numbered("rosbridge"))
 
     def _wake(self) -> None:
         self.woken += 1

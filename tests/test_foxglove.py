@@ -9,6 +9,7 @@ from engine_runs import kinematic
 from node_peers import needs_node, start_node
 
 from app.engine.build import build_program
+from app.engine.drivers import Drivers
 from app.messages.commands import DriveCommand, ScatterCommand
 from app.ros2.commands.inbox import Inbox
 from app.ros2.foxglove.route import FoxgloveRoute
@@ -38,7 +39,7 @@ class Rig:
         self.program = build_program(Config(robot="kinematic", ros2=ros2), RealTime())
         self.source = TopicSource.of(self.program)
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
-        inbox = Inbox(self.program, self.source)
+        inbox = Inbox(self.program, self.source, Drivers.of(self.program))
         self.route = FoxgloveRoute(self.publisher, inbox, ros2, "127.0.0.1")
         self.shown = []
 
@@ -161,7 +162,12 @@ def test_what_nobody_looks_at_is_not_made(rig):
 
 def test_a_port_that_is_taken_is_named(rig):
     settings = Ros2Settings(foxglove_port=rig.route.port)
-    second = FoxgloveRoute(rig.publisher, Inbox(rig.program, rig.source), settings, "127.0.0.1")
+    second = FoxgloveRoute(
+        rig.publisher,
+        Inbox(rig.program, rig.source, Drivers.of(rig.program)),
+        settings,
+        "127.0.0.1",
+    )
     with pytest.raises(PortError, match=f"port {rig.route.port}: .*foxglove_port"):
         second.start()
     second.close()
@@ -172,7 +178,9 @@ def test_without_the_sdk_the_cure_is_told(monkeypatch):
     program = kinematic()
     source = TopicSource.of(program)
     publisher = TopicPublisher(source, program.engine.every)
-    route = FoxgloveRoute(publisher, Inbox(program, source), source.settings, "127.0.0.1")
+    route = FoxgloveRoute(
+        publisher, Inbox(program, source, Drivers.of(program)), source.settings, "127.0.0.1"
+    )
     with pytest.raises(PackageError, match=r"brickpose\[foxglove\]"):
         route.start()
     route.close()

@@ -9,6 +9,7 @@ from engine_runs import kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.engine.drivers import Driver, Drivers
 from app.messages.commands import DriveCommand, ScatterCommand, SetPoseCommand, UpdateCommand
 from app.ros2.commands.inbox import Inbox
 from app.ros2.encoding.frames import pose_with_covariance, turned, vector
@@ -49,8 +50,11 @@ def program():
     return program
 
 
+ME = Driver("ROS 2")
+
+
 def inbox_of(program) -> Inbox:
-    return Inbox(program, TopicSource.of(program))
+    return Inbox(program, TopicSource.of(program), Drivers.of(program))
 
 
 @pytest.fixture
@@ -59,23 +63,25 @@ def inbox(program):
 
 
 def test_cmd_vel_drives(program, inbox):
-    inbox.take("cmd_vel", STAMPED, stamped(0.1, 0.2))
+    inbox.take("cmd_vel", STAMPED, stamped(0.1, 0.2), ME)
     (last,) = run(program, 0.02)
     assert last.commands == (DriveCommand(type="drive", v=0.1, omega=0.2),)
     assert run(program, 0.3)[-1].twist.v == pytest.approx(0.1)
 
 
 def test_bytes_are_as_good(program, inbox):
-    inbox.take("cmd_vel", STAMPED, to_cdr(stamped(0.1), STAMPED))
+    inbox.take("cmd_vel", STAMPED, to_cdr(stamped(0.1), STAMPED), ME)
     assert run(program, 0.02)[0].commands[0].v == 0.1
 
 
 def test_the_type_of_cmd_vel_is_a_setting(program):
     old = kinematic(ros2=Ros2Settings(stamped_cmd_vel=False))
     inbox = inbox_of(old)
-    assert inbox.take("cmd_vel", PLAIN, twist(0.1)) == DriveCommand(type="drive", v=0.1, omega=0.0)
+    assert inbox.take("cmd_vel", PLAIN, twist(0.1), ME) == DriveCommand(
+        type="drive", v=0.1, omega=0.0
+    )
     with pytest.raises(MessageError, match=r"cmd_vel \(geometry_msgs/msg/Twist\)"):
-        inbox.take("cmd_vel", STAMPED, stamped(0.1))
+        inbox.take("cmd_vel", STAMPED, stamped(0.1), ME)
 
 
 @pytest.mark.parametrize(
@@ -91,31 +97,31 @@ def test_the_type_of_cmd_vel_is_a_setting(program):
     ],
 )
 def test_what_cannot_be_driven_is_refused_and_stops_the_robot(program, inbox, message, words):
-    inbox.take("cmd_vel", STAMPED, stamped(0.2))
+    inbox.take("cmd_vel", STAMPED, stamped(0.2), ME)
     assert run(program, 0.3)[-1].twist.v > 0
     with pytest.raises(ValueError, match=words):
-        inbox.take("cmd_vel", STAMPED, message)
+        inbox.take("cmd_vel", STAMPED, message, ME)
     assert run(program, 0.2)[-1].twist.v == 0
 
 
 def test_a_stamp_ahead_of_us_is_refused_too(inbox):
     with pytest.raises(MessageError, match="ahead"):
-        inbox.take("cmd_vel", STAMPED, stamped(0.1, stamp_ns=time.time_ns() + 10**10))
+        inbox.take("cmd_vel", STAMPED, stamped(0.1, stamp_ns=time.time_ns() + 10**10), ME)
 
 
 def test_a_fresh_stamp_is_taken(inbox):
-    inbox.take("cmd_vel", STAMPED, stamped(0.1, stamp_ns=time.time_ns()))
+    inbox.take("cmd_vel", STAMPED, stamped(0.1, stamp_ns=time.time_ns()), ME)
 
 
 def test_the_wrong_type_is_answered_with_the_right_one(inbox):
     with pytest.raises(MessageError, match=r"valid are cmd_vel \(geometry_msgs/msg/TwistStamped\)"):
-        inbox.take("cmd_vel", PLAIN, twist(0.1))
+        inbox.take("cmd_vel", PLAIN, twist(0.1), ME)
     with pytest.raises(MessageError, match=r"goal_pose .* is not listened to"):
-        inbox.take("goal_pose", POSE, pose())
+        inbox.take("goal_pose", POSE, pose(), ME)
 
 
 def test_a_pose_is_told(inbox):
-    command = inbox.take("initialpose", POSE, pose())
+    command = inbox.take("initialpose", POSE, pose(), ME)
     assert isinstance(command, SetPoseCommand)
     assert (command.x, command.y) == (0.1, 0.2)
     assert command.theta == pytest.approx(0.3)
@@ -126,7 +132,7 @@ def test_a_covariance_is_taken_from_the_floor(inbox):
     whole = np.zeros((6, 6))
     whole[0, 0], whole[1, 1], whole[5, 5] = 0.25, 0.09, 0.07
     whole[0, 5] = whole[5, 0] = 0.01
-    command = inbox.take("initialpose", POSE, pose(covariance=whole.ravel()))
+    command = inbox.take("initialpose", POSE, pose(covariance=whole.ravel()), ME)
     assert command.covariance == [0.25, 0, 0.01, 0, 0.09, 0, 0.01, 0, 0.07]
 
 
@@ -156,7 +162,7 @@ def no_quaternion():
 )
 def test_a_pose_that_cannot_be_is_refused(program, inbox, message, words):
     with pytest.raises(ValueError, match=words):
-        inbox.take("initialpose", POSE, message)
+        inbox.take("initialpose", POSE, message, ME)
     assert len(program.engine.commands) == 0
 
 
@@ -171,13 +177,15 @@ def test_any_heading_is_read_back(theta, length):
 
 def test_services_do_what_amcl_does(program, inbox):
     empty = new("std_srvs/srv/Empty_Request", structure_needs_at_least_one_member=0)
-    assert isinstance(inbox.call("reinitialize_global_localization", empty), ScatterCommand)
-    assert isinstance(inbox.call("request_nomotion_update", empty), UpdateCommand)
-    told = inbox.call("set_initial_pose", new("nav2_msgs/srv/SetInitialPose_Request", pose=pose()))
+    assert isinstance(inbox.call("reinitialize_global_localization", empty, ME), ScatterCommand)
+    assert isinstance(inbox.call("request_nomotion_update", empty, ME), UpdateCommand)
+    told = inbox.call(
+        "set_initial_pose", new("nav2_msgs/srv/SetInitialPose_Request", pose=pose()), ME
+    )
     assert (told.x, told.y) == (0.1, 0.2)
     assert [one.type for one in run(program, 0.02)[0].commands] == ["scatter", "update", "set_pose"]
     with pytest.raises(MessageError, match="valid are reinitialize_global_localization"):
-        inbox.call("get_map", empty)
+        inbox.call("get_map", empty, ME)
 
 
 @given(st.binary(max_size=200))
@@ -185,7 +193,7 @@ def test_no_bytes_do_anything_but_be_refused_or_taken(data):
     inbox = INBOX
     for name, kind in (("cmd_vel", STAMPED), ("initialpose", POSE)):
         try:
-            inbox.take(name, kind, data)
+            inbox.take(name, kind, data, ME)
         except ValueError:
             continue
 

@@ -58,12 +58,33 @@ def test_a_viewer_that_does_not_drive_may_leave(server, live):
     assert still["stamp"] - moving["stamp"] > 0.4
 
 
-def test_one_of_two_drivers_may_leave(server, live):
+def test_of_two_who_drive_the_first_has_the_drive_and_both_see_it(server, live):
     with server.live() as other:
-        ask(other, type="figure_eight")
-        ask(live, type="figure_eight")
-        until(live, lambda t: t["mode"] == "figure_eight")
-    assert {telemetry(live)["mode"] for _ in range(10)} == {"figure_eight"}
+        assert ask(other, type="drive", v=0.1, omega=0)["type"] == "ack"
+        assert "take the drive" in ask(live, type="drive", v=0.1, omega=0)["message"]
+        mine = until(other, lambda t: t["driver"]["name"])["driver"]
+        assert (mine["mine"], mine["stopped"]) == (True, False)
+        theirs = until(live, lambda t: t["driver"]["name"])["driver"]
+        assert theirs == {**mine, "mine": False}
+        assert ask(live, type="take")["type"] == "ack"
+        assert "take the drive" in ask(other, type="drive", v=0.1, omega=0)["message"]
+        assert until(live, lambda t: t["driver"]["mine"])
+
+
+def test_a_stop_holds_against_renewals_of_others(server, live):
+    with server.live() as other:
+        for _ in range(5):
+            ask(other, type="drive", v=0.1, omega=0)
+        until(live, lambda t: t["twist"]["v"] > 0)
+        ask(live, type="stop")
+        still = until(live, lambda t: t["twist"]["v"] == 0)
+        while telemetry(live)["stamp"] < still["stamp"] + 1.5:
+            assert "a stop holds" in ask(other, type="drive", v=0.1, omega=0)["message"]
+            assert telemetry(live)["twist"]["v"] == 0
+        assert telemetry(live)["driver"] == {"name": None, "mine": False, "stopped": True}
+        ask(other, type="take")
+        ask(other, type="drive", v=0.1, omega=0)
+        until(live, lambda t: t["twist"]["v"] > 0)
 
 
 def test_set_pose_and_place(live):

@@ -30,6 +30,7 @@ from app.messages.commands import (
     SetPoseCommand,
     ShowCommand,
     StopCommand,
+    TakeCommand,
     UndoCommand,
     UpdateCommand,
 )
@@ -239,6 +240,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         DriveCommand: Rule(_drive, Repeat.NEVER, _check_driving, drives=True),
         FigureEightCommand: Rule(_figure_eight, Repeat.NEVER, _check_driving, drives=True),
         StopCommand: Rule(_stop, Repeat.NEVER),
+        TakeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
         SetParticlesCommand: Rule(_set_particles, Repeat.MOMENT, _check_room, _check_particles),
         ScatterCommand: Rule(_scatter, Repeat.MOMENT),
@@ -255,5 +257,5 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PingCommand: Rule(_nothing, Repeat.NEVER),
     }
 )
-"""Rules by command; ``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never reach the
-engine."""
+"""Rules by command; ``TakeCommand``, ``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never
+reach the engine."""

@@ -1,38 +1,147 @@
-"""Notes who drives the robot, and stops it when the last driver leaves."""
+"""Who drives: one client at a time, until another takes the drive; and a stop holds for all."""
 
 from __future__ import annotations
 
+import itertools
 import threading
 import time
-from collections.abc import Hashable
+from collections.abc import Callable
+from dataclasses import dataclass
 
 from app.engine.commands import RULES
 from app.engine.mailboxes.backlog import Backlog
-from app.messages.commands import Command, StopCommand
+from app.engine.program import Program
+from app.messages.commands import Command, StopCommand, TakeCommand
+from robot.errors import CommandError
+
+SILENCE = 1.0
+"""After this time without a drive command [s], a client has let go."""
+
+_numbers = itertools.count(1)
+
+
+@dataclass(eq=False)
+class Driver:
+    """A client that may drive; its identity tells it from others."""
+
+    name: str
+    """What others see, as ``ROS 2``."""
+
+    @classmethod
+    def numbered(cls, kind: str, address: str | None = None) -> Driver:
+        """Return a new client of a kind of which there may be many, such as ``page``."""
+        place = f" at {address}" if address else ""
+        return cls(f"{kind} {next(_numbers)}{place}")
+
+
+@dataclass(frozen=True, slots=True)
+class DriveState:
+    """Who drives now."""
+
+    driver: Driver | None
+    """The client that has the drive; None while nobody drives."""
+    stopped: bool
+    """Whether a stop holds: drive commands are refused until somebody takes the drive."""
 
 
 class Drivers:
-    """Viewers and other clients that drive the robot; any thread may call it."""
+    """Passes commands on to the engine, drive commands of one client alone; for any thread.
 
-    def __init__(self, commands: Backlog[Command], timeout: float) -> None:
+    The first who drives while nobody does has the drive, until a second after the last drive
+    command. A stop of any client holds for all clients: a drive command ends it only if its client
+    sent none for a second, and the stop is a second old. ``TakeCommand`` ends it at once, and gives
+    its client the drive: a page sends it when somebody presses a key anew.
+    """
+
+    def __init__(
+        self,
+        commands: Backlog[Command],
+        timeout: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Start with nobody driving.
+
+        Args:
+            commands: the engine's queue.
+            timeout: how long a drive command holds [s].
+            clock: the computer's time [s].
+        """
         self._commands = commands
         self._timeout = timeout
-        self._last: dict[Hashable, float] = {}
-        """When each driver last sent a drive command, on the computer's clock [s]."""
+        self._clock = clock
+        self._driver: Driver | None = None
+        self._heard: dict[Driver, float] = {}
+        """When each client last sent a drive command, refused ones too [s]."""
+        self._stopped: float | None = None
+        """When the stop was given that holds [s]."""
         self._lock = threading.Lock()
 
-    def took(self, driver: Hashable, command: Command) -> None:
-        """Note that a driver put a command into the queue."""
-        with self._lock:
-            if RULES[type(command)].drives:
-                self._last[driver] = time.monotonic()
-            elif isinstance(command, StopCommand):
-                self._last.clear()
+    @classmethod
+    def of(cls, program: Program) -> Drivers:
+        """Return the drivers of a program."""
+        return cls(program.engine.commands, program.config.drive.cmd_vel_timeout)
 
-    def leave(self, driver: Hashable) -> None:
-        """Forget a viewer who leaves; stop the robot if only this viewer drove it."""
+    @property
+    def state(self) -> DriveState:
+        """Who drives now."""
         with self._lock:
-            drove = self._last.pop(driver, None) is not None
-            recent = time.monotonic() - self._timeout
-            if drove and all(last < recent for last in self._last.values()):
+            return DriveState(self._current(), self._stopped is not None)
+
+    def put(self, driver: Driver, command: Command) -> None:
+        """Pass a client's command on to the engine.
+
+        Raises:
+            CommandError: another client drives, or a stop holds; the message says what to do.
+        """
+        with self._lock:
+            if isinstance(command, TakeCommand):
+                self._take(driver)
+                return
+            if isinstance(command, StopCommand):
+                self._driver, self._stopped = None, self._clock()
+            elif RULES[type(command)].drives:
+                self._drive(driver)
+            self._commands.put(command)
+
+    def refuse(self, driver: Driver) -> None:
+        """Stop the robot, as a client's drive command cannot be read, unless another one drives."""
+        with self._lock:
+            if self._current() in (None, driver):
                 self._commands.put(StopCommand(type="stop"))
+
+    def leave(self, driver: Driver) -> None:
+        """Forget a client who leaves; stop the robot if this client drove it."""
+        with self._lock:
+            heard = self._heard.pop(driver, None)
+            if self._driver is driver:
+                self._driver = None
+                if heard is not None and self._clock() - heard < self._timeout:
+                    self._commands.put(StopCommand(type="stop"))
+
+    def _take(self, driver: Driver) -> None:
+        self._stopped = None
+        if self._current() not in (None, driver):
+            # What the other one ordered must not go on in the hands of nobody.
+            self._commands.put(StopCommand(type="stop"))
+        self._driver = driver
+        self._heard[driver] = self._clock()
+
+    def _drive(self, driver: Driver) -> None:
+        stamp = self._clock()
+        last = self._heard.get(driver, -SILENCE)
+        self._heard[driver] = stamp
+        current = self._current()
+        if current not in (None, driver):
+            raise CommandError(f"{current.name} drives; take the drive to drive yourself")
+        if self._stopped is not None:
+            if stamp - max(last, self._stopped) < SILENCE:
+                raise CommandError("a stop holds; take the drive, or wait a second")
+            self._stopped = None
+        self._driver = driver
+
+    def _current(self) -> Driver | None:
+        if self._driver is not None:
+            heard = self._heard.get(self._driver)
+            if heard is None or self._clock() - heard >= SILENCE:
+                self._driver = None
+        return self._driver

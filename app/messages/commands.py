@@ -50,6 +50,12 @@ class FigureEightCommand(CommandMessage):
     type: Literal["figure_eight"]
 
 
+class TakeCommand(CommandMessage):
+    """Take the drive from whoever has it, and end a stop that holds."""
+
+    type: Literal["take"]
+
+
 class SetPoseCommand(CommandMessage):
     """Tell the filter where the robot is, and how sure that is."""
 
@@ -167,6 +173,7 @@ class PingCommand(CommandMessage):
 Command = Annotated[
     DriveCommand
     | StopCommand
+    | TakeCommand
     | FigureEightCommand
     | SetPoseCommand
     | SetParticlesCommand

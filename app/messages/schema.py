@@ -7,6 +7,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from app.messages.answers import (
+    AccessMessage,
     FieldMessage,
     HealthMessage,
     ParameterMessage,
@@ -21,8 +22,8 @@ from app.messages.telemetry import TelemetryMessage
 def schema() -> dict[str, Any]:
     """Return the JSON schema of every message."""
     adapters: list[Any] = [
-        TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, HealthMessage,
-        FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
+        TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, AccessMessage,
+        HealthMessage, FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

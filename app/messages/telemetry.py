@@ -153,6 +153,17 @@ class ReplayMessage(Message):
     """The recorded estimate."""
 
 
+class DriverMessage(Message):
+    """Who drives."""
+
+    name: str | None
+    """Null while nobody does."""
+    mine: bool
+    """Whether it is this connection."""
+    stopped: bool
+    """Whether a stop holds: drive commands are refused until ``take``, or after a second's rest."""
+
+
 class TelemetryMessage(Message):
     """Everything that one tick shows."""
 
@@ -167,6 +178,7 @@ class TelemetryMessage(Message):
     integrity: IntegrityMessage
     twist: TwistMessage
     mode: Literal["idle", "drive", "figure_eight"]
+    driver: DriverMessage
     particles: ParticlesMessage
     scan: ScanMessage
     robot: RobotMessage

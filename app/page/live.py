@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import time
+from dataclasses import dataclass
 from typing import Any
 
 import anyio
 from starlette.websockets import WebSocket
 
 from app.engine.commands import check
+from app.engine.drivers import Driver
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
@@ -29,6 +31,8 @@ from app.page.tokens import Role
 from app.recordings.replay.opening import ReplayProgram
 from robot.errors import BrickPoseError
 
+NOT_MINE, MINE = '"mine":false', '"mine":true'
+"""The only places where telemetry differs between viewers."""
 WATCHES = "This link only watches; ask for the link to drive."
 """Answer to commands of a viewer who only watches."""
 
@@ -40,16 +44,19 @@ class Live:
         self.program = program
         self.outlets = outlets
         self._writer = TelemetryWriter(program, outlets)
-        self._written: tuple[Snapshot, str] | None = None
+        self._written: _Written | None = None
 
-    def text(self, snapshot: Snapshot) -> str:
-        """Return the telemetry of a snapshot as JSON; it is written once for all viewers."""
+    def text(self, snapshot: Snapshot, viewer: Driver | None = None) -> str:
+        """Return the telemetry of a snapshot as JSON, for a viewer; it is written once for all."""
         # Read the attribute only once: another thread may replace it by another snapshot's.
         written = self._written
-        if written is None or written[0] is not snapshot:
+        if written is None or written.snapshot is not snapshot:
+            driver = self.outlets.drivers.state.driver
             text = self._writer.message(snapshot).model_dump_json()
-            self._written = written = (snapshot, text)
-        return written[1]
+            self._written = written = _Written(snapshot, driver, text)
+        if viewer is None or viewer is not written.driver:
+            return written.text
+        return written.text.replace(NOT_MINE, MINE, 1)
 
     async def serve(self, socket: WebSocket) -> None:
         """Serve one viewer until it leaves; then stop the robot if only this viewer drove it."""
@@ -61,7 +68,16 @@ class Live:
                 await viewer.take_commands()
                 tasks.cancel_scope.cancel()
         finally:
-            self.outlets.drivers.leave(viewer)
+            self.outlets.drivers.leave(viewer.driver)
+
+
+@dataclass(frozen=True, slots=True)
+class _Written:
+    """The telemetry of one snapshot, for all who do not drive."""
+
+    snapshot: Snapshot
+    driver: Driver | None
+    text: str
 
 
 class _Viewer:
@@ -70,12 +86,15 @@ class _Viewer:
         self._engine = live.program.engine
         self._socket = socket
         self._role = role_in(socket.scope)
+        self.driver = Driver.numbered("page", socket.client and socket.client.host)
         self._outgoing = WebsocketWriter(socket)
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot as soon as the last one is sent."""
         with self._engine.latest.subscribe() as subscription:
-            while await self._outgoing.send(self._live.text(await subscription.next())):
+            while await self._outgoing.send(
+                self._live.text(await subscription.next(), self.driver)
+            ):
                 pass
 
     async def take_commands(self) -> None:
@@ -115,8 +134,7 @@ class _Viewer:
                 command.paused, command.speed, command.position_s, command.step
             )
         elif not isinstance(command, PingCommand):
-            self._engine.commands.put(command)
-            outlets.drivers.took(self, command)
+            outlets.drivers.put(self.driver, command)
 
     def _robot_time(self) -> float | None:
         """Return the robot's clock now: the newest stamp plus the time since its publication."""

@@ -39,13 +39,13 @@ class Outlets:
 
     def __init__(self, program: Program) -> None:
         config = program.config
-        self.drivers = Drivers(program.engine.commands, config.drive.cmd_vel_timeout)
+        self.drivers = Drivers.of(program)
         self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
-        self.inbox = Inbox(program, self.publisher.source)
+        self.inbox = Inbox(program, self.publisher.source, self.drivers)
         self.recorder = Recorder(
             self.publisher, config.recording, lambda: contents_of(program), datetime.now
         )
-        self.rosbridge = Rosbridge(self.publisher, self.inbox, self.drivers)
+        self.rosbridge = Rosbridge(self.publisher, self.inbox)
         self._record = config.recording.record
         self._routes = tuple(self._live_routes(program))
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 
+from app.engine.drivers import DriveState
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
 from app.engine.replay_state import ReplayState
 from app.engine.snapshot import LAYERS, Snapshot
 from app.messages.answers import FieldMessage, ParameterMessage
 from app.messages.telemetry import (
+    DriverMessage,
     LoopMessage,
     PoseMessage,
     ReplayMessage,
@@ -54,6 +56,7 @@ class TelemetryWriter:
             integrity=integrity_message(snapshot.integrity),
             twist=TwistMessage(v=snapshot.twist.v, omega=snapshot.twist.omega),
             mode=snapshot.mode,
+            driver=driver_message(self._outlets.drivers.state),
             particles=particles_message(snapshot, self._field.extent),
             scan=self._scan(snapshot),
             robot=RobotMessage(
@@ -97,6 +100,12 @@ class TelemetryWriter:
 def tape_width(line_scan: LineScan) -> float | None:
     """Return the tape's measured width [m]; None if no ray counted."""
     return None if math.isnan(line_scan.tape_width) else line_scan.tape_width
+
+
+def driver_message(state: DriveState) -> DriverMessage:
+    """Return who drives, for all who do not."""
+    name = None if state.driver is None else state.driver.name
+    return DriverMessage(name=name, mine=False, stopped=state.stopped)
 
 
 def _replay_message(state: ReplayState | None) -> ReplayMessage | None:

@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from app.engine.build import build_program
+from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.ros2.commands.inbox import Inbox
@@ -108,7 +109,7 @@ class Running:
         """Publish the topics on DDS, and give the route once everything has settled."""
         source = TopicSource.of(self.program)
         publisher = TopicPublisher(source, self.program.engine.every)
-        inbox = Inbox(self.program, source)
+        inbox = Inbox(self.program, source, Drivers.of(self.program))
         with closing(publisher):
             route = DdsRoute(publisher, inbox, source.settings, "127.0.0.1")
             with closing(route):

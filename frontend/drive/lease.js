@@ -23,8 +23,10 @@ export class Drive {
   /** How long a command holds that is not renewed [ms]. */
   timeout = 500;
   figureEight = false;
-  /** A recording cannot be driven. */
+  /** A recording cannot be driven, nor may everybody drive. */
   possible = true;
+  /** Another page or program that drives; null if none does. @type {string | null} */
+  other = null;
   /** @type {Map<string, Stick>} */
   #sticks = new Map();
   /** @type {ReturnType<typeof setInterval> | undefined} */
@@ -40,7 +42,7 @@ export class Drive {
   constructor(send, changed) {
     this.send = send;
     this.changed = changed;
-    addEventListener("pagehide", () => this.stop());
+    addEventListener("pagehide", () => this.#leave());
     document.addEventListener("visibilitychange", () => document.hidden && this.#leave());
     addEventListener("blur", () => this.release());
   }
@@ -52,16 +54,27 @@ export class Drive {
 
   /** @param {string} source which input @param {Stick | null} stick null when it is let go */
   hold(source, stick) {
-    if (!this.possible || (!stick && !this.#sticks.has(source))) return;
+    if (!this.possible || (stick ? this.other !== null : !this.#sticks.has(source))) return;
     if (stick) this.#sticks.set(source, stick);
     else this.#sticks.delete(source);
     this.figureEight = false;
     if (this.#sticks.size > 0) return this.#run();
     this.#rest();
-    this.send({ type: "stop" });
+    this.#slowDown();
   }
 
-  /** Stop at once, whatever drives; held inputs count again only after a new press. */
+  /** Note who else drives: held inputs of this page then end. @param {string | null} other */
+  follow(other) {
+    if (other !== null && this.other === null && this.#timer !== undefined) this.#forget();
+    this.other = other;
+  }
+
+  /** Take the drive from whoever has it. */
+  take() {
+    this.send({ type: "take" });
+  }
+
+  /** Stop at once, whoever drives; held inputs count again only after a new press. */
   stop() {
     if (!this.possible) return;
     this.#forget();
@@ -70,7 +83,7 @@ export class Drive {
 
   /** Stop if an input is held, as its release may not be seen; the figure-eight continues. */
   release() {
-    if (this.#sticks.size > 0) this.stop();
+    if (this.#sticks.size > 0) this.#leave();
   }
 
   /** Forget all inputs, as the connection is lost: driving must not start again by itself. */
@@ -80,8 +93,8 @@ export class Drive {
 
   /** @param {boolean} active */
   setFigureEight(active) {
-    if (!this.possible) return;
-    if (!active) return this.stop();
+    if (!this.possible || (active && this.other !== null)) return;
+    if (!active) return this.#leave();
     this.#forget();
     this.figureEight = true;
     this.#run();
@@ -97,8 +110,15 @@ export class Drive {
     return { forward: clamp(sum.forward), turn: clamp(sum.turn) };
   }
 
+  /** End this page's own driving; unlike a stop, this holds nobody else up. */
   #leave() {
-    if (this.#timer !== undefined) this.stop();
+    if (this.#timer === undefined) return;
+    this.#forget();
+    this.#slowDown();
+  }
+
+  #slowDown() {
+    if (this.other === null) this.send({ type: "drive", v: 0, omega: 0 });
   }
 
   #forget() {
@@ -116,7 +136,11 @@ export class Drive {
 
   #run() {
     this.changed();
-    if (this.#timer === undefined) this.#timer = setInterval(() => this.#renew(), RENEW_MS);
+    if (this.#timer === undefined) {
+      // A new press ends a stop that holds.
+      this.take();
+      this.#timer = setInterval(() => this.#renew(), RENEW_MS);
+    }
     if (performance.now() - this.#sent < SOONEST_MS) return;
     this.#renew();
   }

@@ -6,6 +6,7 @@ import { Joystick } from "./joystick.js";
 import { Keys } from "./keys.js";
 import { Drive } from "./lease.js";
 
+/** @typedef {import("../messages").AccessMessage} AccessMessage */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
@@ -16,6 +17,10 @@ export class DrivePanel {
   #slider = findInput("speed");
   #hint = find("drive-hint", HTMLElement);
   #pad = find("gamepad", HTMLElement);
+  #others = find("drive-others", HTMLElement);
+  #take = findButton("take");
+  #replayed = false;
+  #watches = false;
 
   /** @param {Connection} connection */
   constructor(connection) {
@@ -29,6 +34,7 @@ export class DrivePanel {
     this.gamepad = new GamepadInput(this.drive, (name) => setText(this.#pad, padText(name)));
     for (const stop of ["stop", "stop-thumb"]) this.#wireStop(findButton(stop));
     this.#eight.onclick = () => this.drive.setFigureEight(!this.drive.figureEight);
+    this.#take.onclick = () => this.drive.take();
     this.#slider.addEventListener("input", () => this.#setSpeed());
     connection.onState((state) => state === "lost" && this.#lost());
     this.#setSpeed();
@@ -43,15 +49,41 @@ export class DrivePanel {
     this.#setSpeed();
   }
 
+  /** @param {boolean} replayed whether a recording is shown, which cannot be driven */
+  setReplay(replayed) {
+    this.#replayed = replayed;
+    this.#allow();
+  }
+
+  /** @param {AccessMessage["role"]} role what this page's link allows */
+  setRole(role) {
+    this.#watches = role === "watch";
+    find("drive-watch", HTMLElement).hidden = !this.#watches;
+    this.#allow();
+  }
+
   /** @param {TelemetryMessage} telemetry */
   describe({ twist: { v, omega } }) {
     setText(this.#hint, `${plain(v, 2)} m/s, ${plain(omega, 1)} rad/s`);
+  }
+
+  /** Show who drives, at once. @param {TelemetryMessage} telemetry */
+  follow({ driver: { name, mine, stopped } }) {
+    this.drive.follow(mine ? null : name);
+    const free = stopped ? "Stopped: a new press drives on." : "";
+    setText(find("drive-who", HTMLElement), this.drive.other ? `${name} drives.` : free);
+    this.#others.hidden = !this.drive.other && !stopped;
+    this.#take.hidden = !this.drive.other || !this.drive.possible;
   }
 
   /** Stop acts on the press, not on the release. @param {HTMLButtonElement} button */
   #wireStop(button) {
     button.addEventListener("pointerdown", () => this.drive.stop());
     button.addEventListener("click", () => this.drive.stop());
+  }
+
+  #allow() {
+    this.drive.possible = !this.#replayed && !this.#watches;
   }
 
   #lost() {

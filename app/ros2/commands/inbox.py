@@ -5,8 +5,9 @@ from __future__ import annotations
 from pydantic import ValidationError
 
 from app.engine.commands import check
+from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
-from app.messages.commands import Command, StopCommand
+from app.messages.commands import Command
 from app.messages.parsing import in_words
 from app.ros2.commands.incoming import (
     INCOMING,
@@ -23,8 +24,9 @@ from app.ros2.source import TopicSource
 class Inbox:
     """Takes messages from any thread, and puts their commands into the engine's queue."""
 
-    def __init__(self, program: Program, source: TopicSource) -> None:
+    def __init__(self, program: Program, source: TopicSource, drivers: Drivers) -> None:
         self.source = source
+        self.drivers = drivers
         self._program = program
 
     def incoming(self) -> tuple[IncomingTopic, ...]:
@@ -36,7 +38,7 @@ class Inbox:
         """The services that the robot offers."""
         return SERVICES
 
-    def take(self, name: str, type_name: str, message: Message | bytes) -> Command:
+    def take(self, name: str, type_name: str, message: Message | bytes, driver: Driver) -> Command:
         """Carry out the command in a message, and return it.
 
         A message on cmd_vel that cannot be carried out stops the robot, because its sender wanted
@@ -46,6 +48,7 @@ class Inbox:
             name: the topic's name, without slash and namespace.
             type_name: the topic's type, as the sender gave it.
             message: an object of rosbags, or CDR with its header.
+            driver: the client that sent it.
 
         Raises:
             MessageError: there is no such topic or type, or the message is invalid; says why.
@@ -55,17 +58,20 @@ class Inbox:
             topic = self._topic(name, type_name)
             if isinstance(message, bytes | memoryview):
                 message = from_cdr(message, type_name)
-            return self._do(topic, message)
+            return self._do(topic, message, driver)
         except Exception:
-            self.refuse(name)
+            self.refuse(name, driver)
             raise
 
-    def refuse(self, name: str) -> None:
-        """Stop the robot if the topic is cmd_vel: its message could not be read or carried out."""
-        if name == "cmd_vel":
-            self._program.engine.commands.put(StopCommand(type="stop"))
+    def refuse(self, name: str, driver: Driver) -> None:
+        """Stop the robot if the topic is cmd_vel: its message could not be read or carried out.
 
-    def call(self, name: str, request: Message) -> Command:
+        It goes on if another client drives.
+        """
+        if name == "cmd_vel":
+            self.drivers.refuse(driver)
+
+    def call(self, name: str, request: Message, driver: Driver) -> Command:
         """Carry out a request to a service, and return its command.
 
         Raises:
@@ -74,7 +80,7 @@ class Inbox:
         """
         for service in self.services():
             if service.name == name:
-                return self._do(service, request)
+                return self._do(service, request, driver)
         valid = ", ".join(service.name for service in self.services())
         raise MessageError(f"{name} is no service; valid are {valid}")
 
@@ -86,11 +92,11 @@ class Inbox:
         listed = ", ".join(f"{topic.name} ({topic.type})" for topic in valid)
         raise MessageError(f"{name} ({type_name}) is not listened to; valid are {listed}")
 
-    def _do(self, wanted: IncomingTopic | Service, message: Message) -> Command:
+    def _do(self, wanted: IncomingTopic | Service, message: Message, driver: Driver) -> Command:
         try:
             command = wanted.command(self.source, message)
         except ValidationError as error:
             raise MessageError(f"{wanted.name}: {in_words(error)}") from error
         check(command, self._program)
-        self._program.engine.commands.put(command)
+        self.drivers.put(driver, command)
         return command

@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 
+from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
 from app.ros2.commands.inbox import Inbox
@@ -65,6 +66,7 @@ class DdsRoute(Route):
         """Set while a process publishes."""
         self._publisher = publisher
         self._inbox = inbox
+        self._driver = Driver("ROS 2")
         self._settings = settings
         self._host = host
         self._pace = Pace(lambda topic: settings.period(topic.rate))
@@ -189,7 +191,7 @@ class DdsRoute(Route):
     def _carry_out(self, number: int, data: bytes) -> None:
         topic = self._inbox.incoming()[number]
         try:
-            self._inbox.take(topic.name, topic.type, data)
+            self._inbox.take(topic.name, topic.type, data, self._driver)
         except BrickPoseError as error:
             self.refused = str(error)
             if time.monotonic() - self._told_at > TELL_S:

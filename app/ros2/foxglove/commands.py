@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from app.engine.drivers import Driver
 from app.ros2.commands.inbox import Inbox
 from app.ros2.commands.incoming import Service
 from app.ros2.message_types import (
@@ -36,6 +37,7 @@ class Commands:
         self._names = Names(inbox)
         self._channels: dict[tuple[int, int], tuple[str, str, str]] = {}
         """Topic, type and encoding by viewer and channel."""
+        self._drivers: dict[int, Driver] = {}
 
     def advertise(self, client: int, channel: Any) -> str | None:
         """Register a viewer's channel; return an error message if it is not allowed."""
@@ -62,12 +64,17 @@ class Commands:
             try:
                 message = _decoded(data, type_name, encoding)
             except MessageError:
-                self._inbox.refuse(name)
+                self._inbox.refuse(name, self._driver(client))
                 raise
-            self._inbox.take(name, type_name, message)
+            self._inbox.take(name, type_name, message, self._driver(client))
         except BrickPoseError as error:
             return str(error)
         return None
+
+    def _driver(self, client: int) -> Driver:
+        if client not in self._drivers:
+            self._drivers[client] = Driver.numbered("Foxglove")
+        return self._drivers[client]
 
     def services(self) -> list[OfferedService]:
         """The services as objects of the SDK."""
@@ -79,7 +86,7 @@ class Commands:
 
         def answer(request: ServiceRequest) -> bytes:
             message = _decoded(request.payload, f"{service.type}_Request", request.encoding)
-            self._inbox.call(service.name, message)
+            self._inbox.call(service.name, message, self._driver(request.client_id))
             return _empty(service, request.encoding)
 
         schema = ServiceSchema(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.engine.drivers import Drivers
 from app.ros2.commands.inbox import Inbox
 from app.ros2.commands.incoming import Service
 from app.ros2.message_types import Message, MessageError
@@ -19,10 +18,9 @@ from app.ros2.rosbridge.values.reading import message_of
 class Bridge:
     """One robot, as all clients see it."""
 
-    def __init__(self, publisher: TopicPublisher, inbox: Inbox, drivers: Drivers) -> None:
+    def __init__(self, publisher: TopicPublisher, inbox: Inbox) -> None:
         self.publisher = publisher
         self.inbox = inbox
-        self.drivers = drivers
         self.names = Names(inbox)
         self.rosapi = RosApi(self.names)
         self.encoder = Encoder()

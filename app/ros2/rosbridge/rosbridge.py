@@ -5,7 +5,7 @@ from __future__ import annotations
 import anyio
 from starlette.websockets import WebSocket
 
-from app.engine.drivers import Drivers
+from app.engine.drivers import Driver
 from app.engine.mailboxes.wakeup import Wakeup
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.ros2.commands.inbox import Inbox
@@ -22,8 +22,8 @@ TRY_AGAIN_LATER = 1013
 class Rosbridge:
     """All clients of one program."""
 
-    def __init__(self, publisher: TopicPublisher, inbox: Inbox, drivers: Drivers) -> None:
-        self._publisher, self._inbox, self._drivers = publisher, inbox, drivers
+    def __init__(self, publisher: TopicPublisher, inbox: Inbox) -> None:
+        self._publisher, self._inbox = publisher, inbox
         self._bridge: Bridge | None = None
         self._clients = 0
 
@@ -45,9 +45,7 @@ class Rosbridge:
         Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
         """
         if self._bridge is None:
-            made = await anyio.to_thread.run_sync(
-                Bridge, self._publisher, self._inbox, self._drivers
-            )
+            made = await anyio.to_thread.run_sync(Bridge, self._publisher, self._inbox)
             self._bridge = self._bridge or made
         return self._bridge
 
@@ -57,7 +55,12 @@ class _Client:
         self._socket = socket
         self._waiting = Wakeup()
         self._outgoing = WebsocketWriter(socket)
-        self._session = Session(bridge, self._waiting.set, watches=watches)
+        self._session = Session(
+            bridge,
+            self._waiting.set,
+            Driver.numbered("rosbridge", socket.client and socket.client.host),
+            watches=watches,
+        )
 
     async def talk(self) -> None:
         try:

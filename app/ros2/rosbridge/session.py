@@ -6,8 +6,8 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
-from app.messages.commands import Command
 from app.ros2.message_types import MessageError
 from app.ros2.published import Published
 from app.ros2.rosbridge.bridge import Bridge
@@ -46,16 +46,25 @@ class Session(Route):
 
     name = "rosbridge"
 
-    def __init__(self, bridge: Bridge, wake: Callable[[], None], *, watches: bool = False) -> None:
+    def __init__(
+        self,
+        bridge: Bridge,
+        wake: Callable[[], None],
+        driver: Driver,
+        *,
+        watches: bool = False,
+    ) -> None:
         """Start a session.
 
         Args:
             bridge: the objects that all sessions share.
             wake: called from the topics' thread when ``next`` has a message.
+            driver: the client, as other drivers see it.
             watches: whether the client only watches: its commands are refused.
         """
         self._bridge = bridge
         self._wake = wake
+        self._driver = driver
         self._watches = watches
         self._level = "error"
         self._outbox = Outbox[Data](MOST_BYTES)
@@ -97,7 +106,7 @@ class Session(Route):
         self._bridge.publisher.remove(self)
         self._by_topic = {}
         self._hold_the_clock(False)
-        self._bridge.drivers.leave(self)
+        self._bridge.inbox.drivers.leave(self._driver)
 
     def wants(self, topic: Topic, stamp: float) -> bool:
         """Whether one of the client's subscriptions to the topic is due."""
@@ -139,17 +148,14 @@ class Session(Route):
         try:
             message = message_of(request.get("msg", {}), topic.type)
         except MessageError:
-            self._bridge.inbox.refuse(topic.name)
+            self._bridge.inbox.refuse(topic.name, self._driver)
             raise
-        self._took(self._bridge.inbox.take(topic.name, topic.type, message))
+        self._bridge.inbox.take(topic.name, topic.type, message, self._driver)
         return []
 
     def _refuse_watchers(self) -> None:
         if self._watches:
             raise MessageError(WATCHES)
-
-    def _took(self, command: Command) -> None:
-        self._bridge.drivers.took(self, command)
 
     def _subscribe(self, request: Request) -> list[Request]:
         name = text(request, "topic")
@@ -219,7 +225,7 @@ class Session(Route):
         self._refuse_watchers()
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
-        self._took(self._bridge.inbox.call(service.name, message))
+        self._bridge.inbox.call(service.name, message, self._driver)
         return {}
 
     def _set_level(self, request: Request) -> list[Request]:
