@@ -36,8 +36,6 @@ DARK = 32
 _SHIFT = 4
 """Number of fractional bits in pixel coordinates for OpenCV."""
 
-_Canvas = NDArray[np.uint8]
-
 
 class _Painter:
     """Paints on a copy of a floor picture, in map coordinates [m]."""

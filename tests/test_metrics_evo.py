@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from wandering_paths import KINDS, moved, pair, rigid
+from wandering_paths import KINDS, moved, pair, relative_errors, rigid
 
 from app.lab.trajectories.association import associate
 from app.lab.trajectories.files.reading import read_trajectory
@@ -15,7 +15,6 @@ from app.lab.trajectories.metrics import (
     align,
     ate_rmse,
     heading_errors,
-    relative_errors,
     rms,
 )
 from app.lab.trajectories.scale import fit_scale

@@ -77,24 +77,6 @@ class FloorPicture:
         rim = [self.image[0], self.image[-1], self.image[:, 0], self.image[:, -1]]
         return int(np.bincount(np.concatenate(rim)).argmax())
 
-    def grey_at(self, points: Array) -> NDArray[np.uint8]:
-        """Return the grey levels (n,) of the pixels that contain points (n, 2) [m] of the map.
-
-        Points outside the picture get the grey level of its border.
-        """
-        column, row = np.floor(points @ self.pixel_from_map[:, :2].T + self._corner).T
-        height, width = self.image.shape
-        inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        grey = np.full(len(points), self.border, dtype=np.uint8)
-        grey[inside] = self.image[row[inside].astype(np.intp), column[inside].astype(np.intp)]
-        return grey
-
-    @property
-    def _corner(self) -> Array:
-        """The offset of ``pixel_from_map`` for pixels that begin at whole numbers."""
-        offset: Array = self.pixel_from_map[:, 2] + 0.5
-        return offset
-
 
 @dataclass(frozen=True)
 class Layer:

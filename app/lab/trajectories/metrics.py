@@ -156,30 +156,14 @@ def heading_errors(truth: Trajectory, estimate: Trajectory) -> Array:
     return _angles(_rotations(truth).inv() * _rotations(estimate))
 
 
-def relative_errors(
-    truth: Trajectory, estimate: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
-) -> tuple[Array, Array]:
-    """Return the errors of the motion over a time, a path length or a number of poses.
-
-    Translation (k,) [m] and rotation (k,) [rad] of
-    E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated, over all pairs of `relative_pairs`.
-
-    Raises:
-        TrajectoryError: not pairs, or no two poses are delta apart.
-    """
-    _check_pairs(truth, estimate)
-    i, j = relative_pairs(truth, delta, unit, tolerance)
-    if not len(i):
-        raise TrajectoryError(
-            f"{truth.name} has no two poses {delta:g} {unit} apart, within {tolerance:.0%}"
-        )
-    return motion_errors(truth, estimate, i, j)
-
-
 def motion_errors(
     truth: Trajectory, estimate: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
 ) -> tuple[Array, Array]:
-    """Return the errors of the motion from poses i (k,) to j (k,), as in `relative_errors`."""
+    """Return the errors of the motion from poses i (k,) to j (k,), as `relative_pairs` finds them.
+
+    Translation (k,) [m] and rotation (k,) [rad] of
+    E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated.
+    """
     (moved, turned), (true_moved, true_turned) = _motions(estimate, i, j), _motions(truth, i, j)
     translation: Array = np.linalg.norm(moved - true_moved, axis=1)
     return translation, _angles(true_turned.inv() * turned)
