@@ -1,4 +1,4 @@
-"""Supply, lights and fault lines."""
+"""Supply and fault lines."""
 
 from __future__ import annotations
 
@@ -32,22 +32,6 @@ def test_ten_volts_have_two_digits_before_the_point() -> None:
 def test_the_converter_ends_at_its_range() -> None:
     assert Power(supply_v=40.0).millivolts == 18805
     assert Power(supply_v=-1.0).millivolts == 0
-
-
-@pytest.mark.parametrize(
-    ("volts", "lights"),
-    [(4.7, 0), (4.9, 3), (5.9, 3), (6.1, 2), (8.4, 2), (8.6, 1)],
-)
-def test_the_lights_show_the_supply(volts: float, lights: int) -> None:
-    bench = Bench(motors=0)
-    bench.say("ledmode 0")
-    bench.say("ledmode -1")
-    bench.board.supply_v = volts
-    assert bench.board.lights == lights
-
-
-def test_the_bootloader_shows_the_orange_light() -> None:
-    assert Bench(motors=0, warm=False).board.lights == 1
 
 
 def test_a_lower_supply_turns_the_motor_more_slowly() -> None:

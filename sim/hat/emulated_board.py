@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.device import PORTS, Device, Plants
+from sim.hat.devices.device import PORTS, Plants
+from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.firmware.bridge import STEPS
 from sim.hat.firmware.connection import SetupFault
-from sim.hat.firmware.power import ORANGE, Power
+from sim.hat.firmware.power import Power
 from sim.hat.main_loop import Firmware
-from sim.hat.noise import Noise
 from sim.hat.processor import VERSION, Processor
-from sim.hat.transmitter import Receiver, Transmitter
+from sim.hat.transmitter import Noise, Receiver, Transmitter
 
 TICK = 0.001
 """Time step of the emulation [s]."""
@@ -30,7 +30,7 @@ class EmulatedBoard:
     def __init__(
         self,
         plants: Plants,
-        devices: Mapping[int, Device],
+        devices: Mapping[int, LegoMotor],
         *,
         warm: bool = True,
         version: int = VERSION,
@@ -62,7 +62,7 @@ class EmulatedBoard:
         self.supply_v = supply_v
         self.silent = False
         """Whether the serial line is dead in both directions."""
-        self._devices: dict[int, Device] = {}
+        self._devices: dict[int, LegoMotor] = {}
         self._driven: list[int | None] = [None] * PORTS
         self._processor = Processor(self._transmitter, self._power, self._devices)
         for port, device in devices.items():
@@ -131,13 +131,7 @@ class EmulatedBoard:
         self._loss.probability = _probability("loss", probability)
 
     @property
-    def lights(self) -> int:
-        """Bit 0: the orange light is on; bit 1: the green one. The bootloader shows orange."""
-        firmware = self._processor.firmware
-        return ORANGE if firmware is None else firmware.lights
-
-    @property
-    def devices(self) -> Mapping[int, Device]:
+    def devices(self) -> Mapping[int, LegoMotor]:
         """The plugged-in devices, by port."""
         return self._devices
 
@@ -156,7 +150,7 @@ class EmulatedBoard:
         firmware = self._processor.firmware
         return None if firmware is None else firmware.ports[port].bridge.duty
 
-    def plug(self, port: int, device: Device) -> None:
+    def plug(self, port: int, device: LegoMotor) -> None:
         """Plug a device in, replacing any other; it gets power and starts.
 
         Raises:

@@ -10,7 +10,7 @@ from typing import Protocol, runtime_checkable
 
 from robot.description.wiring import PORTS
 from robot.geometry import Pose2
-from sim.hat.devices.device import Device
+from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.devices.motor_figures import MOTOR_FIGURES, figures_named
 from sim.hat_emulator.emulator import Emulator
 
@@ -101,7 +101,7 @@ class Control:
 
     def _plug(self, words: list[str]) -> str:
         emulator, port = self._emulator, _port(words[0])
-        device: Device
+        device: LegoMotor
         if len(words) == 2:
             device = emulator.motor(port, figures_named(words[1]))
         elif port in emulator.unplugged:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.description.wiring import PORTS
-from sim.hat.devices.device import Device
 from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.devices.motor_figures import MotorFigures
 from sim.hat.emulated_board import EmulatedBoard
@@ -63,7 +62,7 @@ class Emulator:
         if not self._beginning.warm:
             self.board.advance(GREETING)
         self.loop = RealTimeBoard(self.board, terminal, clock)
-        self.unplugged: dict[int, Device] = {}
+        self.unplugged: dict[int, LegoMotor] = {}
         """The device that was unplugged last, by port."""
 
     def motor(self, port: int, figures: MotorFigures) -> LegoMotor:
@@ -88,6 +87,8 @@ class Emulator:
         self.board = self._new_board(dict(self.board.devices), version, warm=True)
         self.loop.take(self.board)
 
-    def _new_board(self, devices: Mapping[int, Device], version: int, warm: bool) -> EmulatedBoard:
+    def _new_board(
+        self, devices: Mapping[int, LegoMotor], version: int, warm: bool
+    ) -> EmulatedBoard:
         plants, seed = self.surroundings.plants, self._beginning.seed
         return EmulatedBoard(plants, devices, warm=warm, version=version, seed=seed)

@@ -96,22 +96,11 @@ def _rotation(cross: Array) -> tuple[float, Array]:
     """Return the largest singular value, and the rotation in space."""
     u, values, v = np.linalg.svd(cross)
     if values[1] <= RANK * values[0]:
-        return float(values[0]), _least_turn(v[0], u[:, 0])
+        least, _ = Rotation.align_vectors(u[:, :1].T, v[:1])
+        return float(values[0]), least.as_matrix()
     # A reflection is not a rigid motion: flip the weakest axis instead.
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(v))])
     return float(values[0]), (u * signs) @ v
-
-
-def _least_turn(start: Array, end: Array) -> Array:
-    """Return the smallest rotation that takes one unit vector to another."""
-    axis, cosine = np.cross(start, end), float(start @ end)
-    if cosine < RANK - 1:
-        aside = np.linalg.svd(start[None])[2][1]
-        return 2 * np.outer(aside, aside) - np.eye(3)
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Array = np.eye(3) + skew + skew @ skew / (1 + cosine)
-    return rotation
 
 
 def absolute_errors(truth: Trajectory, estimate: Trajectory) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from sim.hat.firmware.single import clamped
+from sim.hat.firmware.variables import clamped
 
 ONE = 65536
 """Full drive in the firmware's fixed point."""

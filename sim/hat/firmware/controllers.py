@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from enum import Enum
 
-from sim.hat.firmware.single import clamped, float_text, single
-from sim.hat.firmware.variables import Modes, Variable
+from sim.hat.firmware.variables import Modes, Variable, clamped, single
 
 TICK = 0.01
 """Time between two runs [s]."""
@@ -50,15 +48,12 @@ class Controller:
         self.dead_zone = 0.0
         self._value = self._integral = self._error = 0.0
 
-    def drive(
-        self, modes: Modes, setpoint: float, trace: Callable[[str], None] | None
-    ) -> float | None:
+    def drive(self, modes: Modes, setpoint: float) -> float | None:
         """Return the drive, without limits; None: no data of the variable, keep the last drive.
 
         Args:
             modes: data of all ports.
             setpoint: the wanted drive, value or rate.
-            trace: called with a text of all terms of the PID; None: no trace.
         """
         if self.control is Control.DIRECT:
             return setpoint
@@ -66,9 +61,9 @@ class Controller:
         if value is None:
             return None
         self._value = value
-        return self._run(value, setpoint, trace)
+        return self._run(value, setpoint)
 
-    def _run(self, value: float, setpoint: float, trace: Callable[[str], None] | None) -> float:
+    def _run(self, value: float, setpoint: float) -> float:
         error = single(value - setpoint)
         if abs(error) < self.dead_zone:
             error = 0.0
@@ -78,12 +73,4 @@ class Controller:
         self._integral = integral = clamped(integral, -self.windup, self.windup)
         proportional = single(error * self.proportional_gain)
         both = single(proportional + single(integral * self.integral_gain))
-        drive = -single(both + single(derivative * self.derivative_gain))
-        if trace is not None:
-            names = ("pv", "sp", ": e", "ie", "de", "cv")
-            terms = (value, setpoint, error, integral, derivative, drive)
-            given = " ".join(
-                f"{name}={float_text(term)}" for name, term in zip(names, terms, strict=True)
-            )
-            trace(given.replace(" :", ":"))
-        return drive
+        return -single(both + single(derivative * self.derivative_gain))

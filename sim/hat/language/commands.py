@@ -1,17 +1,26 @@
-"""Table of all commands, the commands about the board itself, and the execution of a line."""
+"""Commands of the firmware: about the board, about driving, and about reports."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 from sim.hat.devices.device import PORTS
+from sim.hat.firmware.bridge import fixed_point
+from sim.hat.firmware.controllers import Control
 from sim.hat.firmware.power import supply_text
-from sim.hat.language import data_commands, drive_commands
-from sim.hat.language.help_text import HELP
+from sim.hat.firmware.reports import DEFAULT_PERIOD
+from sim.hat.firmware.variables import MODES, Variable
+from sim.hat.firmware.waveforms import Shape
 from sim.hat.language.session import Session
 from sim.hat.language.words import CommandError, Words
 
-LIGHT_MODES = (-1, 3)
+LAST_OFFSET = 127
+LAST_SLOT = 7
+MOST_PAIRS = 15
+LONGEST_PERIOD = 1_000_000_000
+
+SHAPES = {shape.value: shape for shape in Shape}
+SHAPE_NAMES = tuple(SHAPES)
 
 Command = Callable[[Session, Words], None]
 
@@ -33,7 +42,7 @@ def _command(words: Words) -> Command:
 
 
 def _help(session: Session, words: Words) -> None:
-    session.write(HELP)
+    session.write(f"Commands: {' '.join(NAMES)}\r\n")
 
 
 def _clear_faults(session: Session, words: Words) -> None:
@@ -50,8 +59,8 @@ def _list(session: Session, words: Words) -> None:
 
 
 def _light_mode(session: Session, words: Words) -> None:
-    low, high = LIGHT_MODES
-    session.light_mode = max(low, min(high, words.integer()))
+    """Read the mode and do nothing: the emulated board has no lights."""
+    words.integer()
 
 
 def _supply(session: Session, words: Words) -> None:
@@ -63,7 +72,8 @@ def _echo(session: Session, words: Words) -> None:
 
 
 def _debug(session: Session, words: Words) -> None:
-    session.debug = words.integer()
+    """Read the kinds of traces and do nothing: no driver reads them."""
+    words.integer()
 
 
 def _version(session: Session, words: Words) -> None:
@@ -74,6 +84,131 @@ def _signature(session: Session, words: Words) -> None:
     session.write(f"Firmware signature: {session.signature.hex(' ').upper()}\r\n")
 
 
+def _pwm(session: Session, words: Words) -> None:
+    """Drive the motor directly by the setpoint, which stays as it is."""
+    session.port.controller.control = Control.DIRECT
+    session.port.coasting = False
+
+
+def _coast(session: Session, words: Words) -> None:
+    """Let the motor coast; the setpoint continues, but has no effect."""
+    session.port.coasting = True
+
+
+def _pid(session: Session, words: Words) -> None:
+    """Control a variable."""
+    _control(session, words, Control.VALUE)
+
+
+def _pid_diff(session: Session, words: Words) -> None:
+    """Control a variable's rate of change."""
+    _control(session, words, Control.RATE)
+
+
+def _control(session: Session, words: Words, control: Control) -> None:
+    """Read a controller's parameters.
+
+    After a mistake, the parameters before it are kept, and the old setpoint drives the motor.
+    """
+    controller = session.port.controller
+    session.port.coasting = False
+    controller.control = Control.DIRECT
+    controller.variable = _variable(words)
+    controller.proportional_gain = words.decimal()
+    controller.integral_gain = words.decimal()
+    controller.derivative_gain = words.decimal()
+    controller.windup = words.decimal()
+    controller.dead_zone = words.decimal()
+    controller.control = control
+
+
+def _variable(words: Words) -> Variable:
+    return Variable(
+        port=min(words.unsigned(), PORTS - 1),
+        mode=min(words.unsigned(), MODES - 1),
+        offset=min(words.unsigned(), LAST_OFFSET),
+        format=words.format(),
+        scale=words.decimal(),
+        unwrap=words.decimal(),
+    )
+
+
+def _set_point(session: Session, words: Words) -> None:
+    """Set a constant setpoint, or a pulse or a ramp; a fourth number is read and means nothing."""
+    name = words.choice(SHAPE_NAMES)
+    if name is None:
+        _hold(session, words.decimal())
+        return
+    start, end, length, _ = (words.decimal() for _ in range(4))
+    session.port.wave.begin(SHAPES[name], start, end, length)
+    session.port.coasting = False
+
+
+def _set_zero(session: Session, words: Words) -> None:
+    """Set the setpoint to 0, in any control mode."""
+    _hold(session, 0.0)
+
+
+def _set_one(session: Session, words: Words) -> None:
+    """Set the setpoint to 1, in any control mode."""
+    _hold(session, 1.0)
+
+
+def _hold(session: Session, value: float) -> None:
+    session.port.wave.hold(value)
+    session.port.coasting = False
+
+
+def _limit_all(session: Session, words: Words) -> None:
+    """Set the largest drive of all ports, 0..1."""
+    most = fixed_point(words.decimal())
+    for port in session.ports:
+        port.bridge.limit = most
+
+
+def _limit(session: Session, words: Words) -> None:
+    """Set the largest drive of this port, 0..1."""
+    session.port.bridge.limit = fixed_point(words.decimal())
+
+
+def _pwm_parameters(session: Session, words: Words) -> None:
+    """Set the drive below which slots are used, and the one below which it is 0; both 0..1."""
+    threshold, least = words.decimal(), words.decimal()
+    session.port.bridge.threshold = fixed_point(threshold)
+    session.port.bridge.least = fixed_point(least)
+
+
+def _select(session: Session, words: Words) -> None:
+    """Report a mode every 100 ms; without a mode, end the reports."""
+    mode = words.integer_or_none()
+    if mode is None:
+        session.port.selection.clear()
+    else:
+        session.port.select(_within(mode, MODES - 1), DEFAULT_PERIOD)
+
+
+def _select_rate(session: Session, words: Words) -> None:
+    """Set the time between two reports [ms]; 0: one report for each message."""
+    session.port.selection.period = _within(words.integer(), LONGEST_PERIOD)
+
+
+def _combine(session: Session, words: Words) -> None:
+    """Set the modes of a slot, and forget the selected mode."""
+    port = session.port
+    slot = _within(words.integer(), LAST_SLOT)
+    port.combinations.pop(slot, None)
+    pairs: list[tuple[int, int]] = []
+    while len(pairs) < MOST_PAIRS and (mode := words.integer_or_none()) is not None:
+        pairs.append((_within(mode, MODES - 1), _within(words.integer(), 15)))
+        port.combinations[slot] = tuple(pairs)
+    port.selection.forget_mode()
+    port.combine(slot, pairs)
+
+
+def _within(value: int, highest: int) -> int:
+    return max(0, min(highest, value))
+
+
 COMMANDS: dict[str, Command] = {
     "help": _help,
     "?": _help,
@@ -81,23 +216,20 @@ COMMANDS: dict[str, Command] = {
     "port": _port,
     "list": _list,
     "ledmode": _light_mode,
-    "pwm": drive_commands.pwm,
-    "coast": drive_commands.coast,
-    "pid": drive_commands.pid,
-    "pid_diff": drive_commands.pid_diff,
-    "set": drive_commands.set_point,
-    "off": drive_commands.off,
-    "on": drive_commands.on,
+    "pwm": _pwm,
+    "coast": _coast,
+    "pid": _pid,
+    "pid_diff": _pid_diff,
+    "set": _set_point,
+    "off": _set_zero,
+    "on": _set_one,
     "vin": _supply,
-    "pwmparams": drive_commands.pwm_parameters,
-    "plimit": drive_commands.limit_all,
-    "port_plimit": drive_commands.limit,
-    "select": data_commands.select,
-    "selonce": data_commands.select_once,
-    "selrate": data_commands.select_rate,
-    "combi": data_commands.combine,
-    "write1": data_commands.write_one_header,
-    "write2": data_commands.write_two_headers,
+    "pwmparams": _pwm_parameters,
+    "plimit": _limit_all,
+    "port_plimit": _limit,
+    "select": _select,
+    "selrate": _select_rate,
+    "combi": _combine,
     "echo": _echo,
     "debug": _debug,
     "version": _version,

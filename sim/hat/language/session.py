@@ -6,11 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sim.hat.firmware.port import Port
-from sim.hat.firmware.power import BY_SUPPLY, Power
+from sim.hat.firmware.power import Power
 from sim.hat.firmware.reports import Writer
-
-TRACE_PAYLOADS, TRACE_CONTROLLERS = 8, 16
-"""Bits of ``debug``."""
 
 
 @dataclass(slots=True)
@@ -27,14 +24,8 @@ class Session:
     current: int = 0
     """Number of the port that commands act on, until another is named."""
     echo: int = 0
-    debug: int = 0
-    light_mode: int = BY_SUPPLY
 
     @property
     def port(self) -> Port:
         """The port that commands act on."""
         return self.ports[self.current]
-
-    def traces(self, bit: int) -> bool:
-        """Whether a kind of debug output is on."""
-        return self.debug & bit != 0
