@@ -20,8 +20,7 @@ from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, draw
-from sim.pictures.exposures import Exposures
-from sim.pictures.losses import GAP_EVERY
+from sim.pictures.exposures import GAP_EVERY, Exposures
 from sim.settings import SimSettings
 
 NAMES = [

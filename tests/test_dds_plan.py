@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 
 from app.ros2.commands.incoming import INCOMING
 from app.ros2.dds import configuration
-from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach
+from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach, shapes
 from app.ros2.dds.framing import Frames, FramingError, header
 from app.ros2.dds.plan import Plan, dds_topic, dds_type
-from app.ros2.dds.shapes import shapes
 from app.ros2.message_types import to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS

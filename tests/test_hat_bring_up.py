@@ -9,7 +9,7 @@ from robot.hat.protocol import bootloader_events as boot
 from robot.hat.protocol import events as ev
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import EXPECTED_VERSION
-from robot.hat.start.stage import Stage
+from robot.hat.start.upload import Stage
 
 
 def test_a_board_that_runs_is_ready_at_once():

@@ -10,9 +10,8 @@ import pytest
 from app.command_line import main
 from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.claims import follow_claims
-from app.lab.evaluation.integrity.course import RADII, course_on
-from app.lab.evaluation.integrity.drives import lap_drive
-from app.lab.evaluation.integrity.evaluate_integrity import evaluate_integrity
+from app.lab.evaluation.integrity.command import evaluate_integrity
+from app.lab.evaluation.integrity.drives import RADII, course_on, lap_drive
 from app.lab.evaluation.integrity.experiment import IntegrityExperiment
 from app.lab.evaluation.integrity.measures import measures, right
 from app.lab.evaluation.integrity.oracle import decided_stamp, field_decides

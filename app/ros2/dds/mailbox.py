@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import threading
 
-from app.ros2.published import Published
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 
 
 class Mailbox:

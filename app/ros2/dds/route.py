@@ -16,10 +16,9 @@ from app.ros2.dds.configuration import plan
 from app.ros2.dds.framing import TROUBLE
 from app.ros2.dds.mailbox import Mailbox
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from app.settings.ros2 import Ros2Settings
 
 FIRST_WAIT_S = 1.0

@@ -8,7 +8,6 @@ from typing import Any
 
 from app.messages.commands import Command
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
 from app.ros2.rosbridge.outbox import Data, Outbox
@@ -23,7 +22,7 @@ from app.ros2.rosbridge.requests import (
 from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one."""

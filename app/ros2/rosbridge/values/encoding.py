@@ -12,8 +12,8 @@ import cbor2
 import cv2
 import numpy as np
 
-from app.ros2.published import Published
 from app.ros2.rosbridge.values.writing import cbor_values, json_values
+from app.ros2.topic import Published
 
 SECOND_NS = 1_000_000_000
 
