@@ -13,8 +13,8 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Frame, Reading
 from sim.encoders import Encoders
+from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
-from sim.pictures.exposures import Exposures
 from sim.world import World
 
 HISTORY = 1.2

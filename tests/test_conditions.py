@@ -18,9 +18,9 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError
+from sim.exposures import GAP_EVERY, Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, draw
-from sim.pictures.exposures import GAP_EVERY, Exposures
 from sim.settings import SimSettings
 
 NAMES = [

@@ -10,7 +10,7 @@ from hat_boards import COMBINED, Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.firmware.controllers import Control, Controller
+from sim.hat.firmware.drive import Control, Controller
 from sim.hat.firmware.variables import MODES, ModeData, Variable
 
 SPEED_PID = "pid 0 0 0 s1 1 0 0.003 0.01 0 100 0.01"

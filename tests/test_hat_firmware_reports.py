@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hat_boards import COMBINED, Bench
 
-from sim.hat.devices.device import Mode, ValueType
+from sim.hat.devices.lego_motor import Mode, ValueType
 from sim.hat.firmware.reports import mode_line
 from sim.hat.firmware.variables import ModeData
 

@@ -8,7 +8,7 @@ from hat_boards import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.firmware.waveforms import Shape, Waveform
+from sim.hat.firmware.drive import Shape, Waveform
 
 
 def _next(wave: Waveform) -> float:

@@ -10,8 +10,17 @@ from hat_boards import LISTED_BLOCK
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.devices.device import DeviceError
-from sim.hat.devices.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
+from sim.hat.devices.lego_motor import (
+    APOS,
+    CALIB,
+    MODES,
+    POS,
+    POWER,
+    SPEED,
+    STATS,
+    DeviceError,
+    LegoMotor,
+)
 from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
 
 

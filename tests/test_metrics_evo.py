@@ -14,10 +14,10 @@ from app.lab.trajectories.metrics import (
     absolute_errors,
     align,
     ate_rmse,
+    fit_scale,
     heading_errors,
     rms,
 )
-from app.lab.trajectories.scale import fit_scale
 from app.lab.trajectories.trajectory import Trajectory
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"

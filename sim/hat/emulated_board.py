@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.device import PORTS, Plants
 from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.firmware.bridge import STEPS
+from sim.hat.devices.plants import PORTS, Plants
 from sim.hat.firmware.connection import SetupFault
+from sim.hat.firmware.drive import STEPS
 from sim.hat.firmware.power import Power
 from sim.hat.main_loop import Firmware
 from sim.hat.processor import VERSION, Processor

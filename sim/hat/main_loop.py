@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from sim.hat.devices.device import PORTS
 from sim.hat.devices.lego_motor import LegoMotor
+from sim.hat.devices.plants import PORTS
 from sim.hat.firmware.connection import Connection, SetupFault
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.power import FaultWatch, Power

@@ -10,13 +10,12 @@ import numpy as np
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
 from sim.bullet import BulletWorld
+from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings
-from sim.hat.devices.device import Plants
 from sim.hat.devices.motor_figures import MotorFigures
-from sim.hat.devices.plants import FreeMotors
+from sim.hat.devices.plants import FreeMotors, Plants
 from sim.hat_emulator.bullet_wheels import BulletWheels
 from sim.hat_emulator.picture_server import Shot
-from sim.pictures.exposures import Exposures
 from sim.simulated import PastPoses
 from sim.world import World
 

@@ -20,12 +20,8 @@ from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.start_poses import (
-    Prior,
-    StartPose,
-    find_start_clusters,
-    start_tracks,
-)
+from robot.localization.hypotheses.prior import Prior
+from robot.localization.hypotheses.start_poses import StartPose, find_start_clusters, start_tracks
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
 from robot.localization.rays import rays_of

@@ -4,16 +4,58 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
 
-from sim.hat.devices.device import (
-    CONNECT_SECONDS,
-    SAMPLE_PERIOD,
-    DeviceError,
-    Mode,
-    Plant,
-    ValueType,
-)
 from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.devices.plants import Plant
+
+SAMPLE_PERIOD = 0.01
+"""Time between two data messages of a device [s]."""
+
+CONNECT_SECONDS = 2.0
+"""Usual time from plugging in until a device is usable [s]; real devices take up to 8 to 11 s."""
+
+
+class ValueType(IntEnum):
+    """Types of a mode's values on the wire; the numbers are those in the listing."""
+
+    INT8 = 0
+    INT16 = 1
+    INT32 = 2
+
+    @property
+    def size(self) -> int:
+        """Size of one value [bytes]."""
+        return (1, 2, 4)[self]
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """One kind of data that a device can send."""
+
+    name: str
+    """Name of the mode; it may contain a blank."""
+    unit: str
+    """Unit of the values; it may be empty."""
+    type: ValueType
+    count: int
+    """Number of values in one message."""
+    chars: int
+    """Number of characters that a display needs for one value."""
+    dp: int
+    """Number of digits after the decimal point."""
+    raw: int
+    """Largest raw value; the listing shows every smallest value as 0."""
+    pct: int
+    """Largest value in percent."""
+    si: int
+    """Largest value in ``unit``."""
+
+
+class DeviceError(ValueError):
+    """A device does not have what was asked for."""
+
 
 POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
 

@@ -1,12 +1,54 @@
-"""Motors that turn freely, without a robot: first-order model with friction, brake and coasting."""
+"""The motors that a board's drivers turn; those that turn freely, without a robot.
+
+A free motor is a first-order model with friction, brake and coasting.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
-from sim.hat.devices.device import PORTS
 from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
+
+PORTS = 4
+"""Number of ports of a board: A to D, on the wire 0 to 3."""
+
+
+class Plant(Protocol):
+    """The motor that one port's driver turns; angles are in degrees, which a motor counts."""
+
+    @property
+    def angle(self) -> float:
+        """Angle of the shaft [deg], never wrapped; clockwise is positive, as POS counts."""
+        ...
+
+    @property
+    def speed(self) -> float:
+        """Angular velocity of the shaft [deg/s]."""
+        ...
+
+    def drive(self, duty: float | None) -> None:
+        """Set the share of its voltage that the driver puts out, -1..1.
+
+        0 brakes, because the driver then shorts the motor. None disconnects the motor: it coasts.
+        """
+        ...
+
+
+class Plants(Protocol):
+    """The motors at all ports; time passes only in ``step``."""
+
+    supply_v: float
+    """Supply voltage of the board [V]; the board keeps it up to date."""
+
+    def plant(self, port: int) -> Plant:
+        """Return the motor at a port, 0 to 3, even if no device is plugged in there."""
+        ...
+
+    def step(self, seconds: float) -> None:
+        """Let time [s] pass for all of them together."""
+        ...
 
 
 class PlantError(ValueError):

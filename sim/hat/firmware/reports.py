@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from struct import Struct
 
-from sim.hat.devices.device import Mode, ValueType
+from sim.hat.devices.lego_motor import Mode, ValueType
 from sim.hat.firmware.variables import ModeData
 
 OFF, EACH_MESSAGE = -1, 0

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from sim.hat.devices.device import PORTS
-from sim.hat.firmware.bridge import fixed_point
-from sim.hat.firmware.controllers import Control
+from sim.hat.devices.plants import PORTS
+from sim.hat.firmware.drive import Control, Shape, fixed_point
 from sim.hat.firmware.power import supply_text
 from sim.hat.firmware.reports import DEFAULT_PERIOD
 from sim.hat.firmware.variables import MODES, Variable
-from sim.hat.firmware.waveforms import Shape
 from sim.hat.language.session import Session
 from sim.hat.language.words import CommandError, Words
 
