@@ -8,8 +8,7 @@ from dataclasses import dataclass, field
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.images import EQUAL
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.prior import Prior
-from robot.localization.hypotheses.start_poses import log_prior
+from robot.localization.hypotheses.prior import Prior, log_prior
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
 
