@@ -58,13 +58,13 @@ class EmulatedBoard:
         self._noise = Noise(seed)
         self._loss = Noise(seed + 1, kinds=1)
         self._noise_in = Noise(seed + 2)
-        self._power = Power()
+        self.power = Power()
         self.supply_v = supply_v
         self.silent = False
         """Whether the serial line is dead in both directions."""
         self._devices: dict[int, LegoMotor] = {}
         self._driven: list[int | None] = [None] * PORTS
-        self._processor = Processor(self._transmitter, self._power, self._devices)
+        self._processor = Processor(self._transmitter, self.power, self._devices)
         for port, device in devices.items():
             self.plug(port, device)
         if warm:
@@ -78,30 +78,12 @@ class EmulatedBoard:
     @property
     def supply_v(self) -> float:
         """Supply voltage of the board [V]."""
-        return self._power.supply_v
+        return self.power.supply_v
 
     @supply_v.setter
     def supply_v(self, volts: float) -> None:
-        self._power.supply_v = volts
+        self.power.supply_v = volts
         self._plants.supply_v = volts
-
-    @property
-    def motor_fault(self) -> bool:
-        """Whether the motor drivers' common fault line is low."""
-        return self._power.motor_fault
-
-    @motor_fault.setter
-    def motor_fault(self, present: bool) -> None:
-        self._power.motor_fault = present
-
-    @property
-    def port_fault(self) -> bool:
-        """Whether the devices' 3.3 V supply is overloaded."""
-        return self._power.port_fault
-
-    @port_fault.setter
-    def port_fault(self, present: bool) -> None:
-        self._power.port_fault = present
 
     @property
     def garble(self) -> float:

@@ -152,9 +152,9 @@ class Control:
     def _fault(self, words: list[str]) -> str:
         present = _switch(words[1])
         if words[0] == "motor":
-            self._emulator.board.motor_fault = present
+            self._emulator.board.power.motor_fault = present
         elif words[0] == "port":
-            self._emulator.board.port_fault = present
+            self._emulator.board.power.port_fault = present
         else:
             raise ControlError(f"no fault {words[0]!r}; valid are motor, port")
         return "ok"
