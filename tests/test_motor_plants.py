@@ -28,7 +28,9 @@ LOADS = st.floats(-0.2, 0.2)
 
 def at_test_voltage(figures: MotorFigures) -> FreeMotor:
     """At the voltage at which the figures were measured."""
-    return FreeMotor(figures, figures.volts * SUPPLY_V / RAIL_V)
+    motor = FreeMotor(figures)
+    motor.supply_v = figures.volts * SUPPLY_V / RAIL_V
+    return motor
 
 
 def run(motor: FreeMotor, seconds: float) -> None:
@@ -257,7 +259,7 @@ def test_free_motors_step_together_at_four_ports() -> None:
 
 
 def test_free_motors_share_the_supply() -> None:
-    motors = FreeMotors(supply_v=6.0)
+    motors = FreeMotors()
     motors.supply_v = 7.0
     assert [motors.plant(port).supply_v for port in range(4)] == [7.0] * 4
     assert motors.supply_v == 7.0

@@ -34,7 +34,6 @@ class EmulatedBoard:
         *,
         warm: bool = True,
         version: int = VERSION,
-        supply_v: float = 8.0,
         seed: int = 0,
     ) -> None:
         """Switch it on.
@@ -44,7 +43,6 @@ class EmulatedBoard:
             devices: the plugged-in devices, by port 0..3.
             warm: True: its firmware runs and knows the devices; False: its bootloader waits.
             version: version of the firmware that runs.
-            supply_v: supply voltage [V].
             seed: seed of ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
@@ -59,7 +57,7 @@ class EmulatedBoard:
         self._loss = Noise(seed + 1, kinds=1)
         self._noise_in = Noise(seed + 2)
         self.power = Power()
-        self.supply_v = supply_v
+        self.supply_v = self.power.supply_v
         self.silent = False
         """Whether the serial line is dead in both directions."""
         self._devices: dict[int, LegoMotor] = {}

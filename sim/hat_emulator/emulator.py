@@ -6,7 +6,7 @@ import selectors
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -28,29 +28,12 @@ LONGEST_LAG = 0.1
 """Longest time that is caught up after a stall [s]; the board skips the rest."""
 
 
-class Board(Protocol):
-    """A board with a clock of its own; ``EmulatedBoard`` is one."""
-
-    @property
-    def now(self) -> float:
-        """Its time [s]."""
-        ...
-
-    def receive(self, data: bytes) -> None:
-        """Take what the program has just written."""
-        ...
-
-    def advance(self, seconds: float) -> bytes:
-        """Let time pass [s]; return the bytes that the board has sent."""
-        ...
-
-
 class RealTimeBoard:
     """Event loop of a board; it has no thread of its own, ``run`` uses the caller's."""
 
     def __init__(
         self,
-        board: Board,
+        board: EmulatedBoard,
         terminal: PseudoTerminal,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -67,7 +50,7 @@ class RealTimeBoard:
         """Convert a time of the board [s] to a time of the real clock [s]."""
         return self._zero + stamp
 
-    def take(self, board: Board) -> None:
+    def take(self, board: EmulatedBoard) -> None:
         """Continue with another board."""
         self.board = board
         self._zero = self._clock() - board.now

@@ -65,7 +65,7 @@ class FreeMotor:
     back.
     """
 
-    def __init__(self, figures: MotorFigures, supply_v: float = SUPPLY_V) -> None:
+    def __init__(self, figures: MotorFigures) -> None:
         self.figures = figures
         self.angle = 0.0
         self.speed = 0.0
@@ -78,7 +78,7 @@ class FreeMotor:
         self._load = 0.0
         self._duty: float | None = None
         self._pull = 0.0
-        self._supply_v = supply_v
+        self._supply_v = SUPPLY_V
 
     @property
     def duty(self) -> float | None:
@@ -169,9 +169,7 @@ class FreeMotor:
 class FreeMotors:
     """Free motors at the four ports."""
 
-    def __init__(
-        self, figures: Mapping[int, MotorFigures] | None = None, supply_v: float = SUPPLY_V
-    ) -> None:
+    def __init__(self, figures: Mapping[int, MotorFigures] | None = None) -> None:
         """Put motors at the ports, with ``figures`` by port; the default is a medium motor.
 
         Raises:
@@ -181,7 +179,7 @@ class FreeMotors:
         for port in figures:
             _check(port)
         self._motors = tuple(
-            FreeMotor(figures.get(port, figures_named("medium")), supply_v) for port in range(PORTS)
+            FreeMotor(figures.get(port, figures_named("medium"))) for port in range(PORTS)
         )
 
     @property

@@ -83,22 +83,19 @@ class _Row:
     integrity: Integrity
 
 
-def follow_claims(
-    trial: TrialDrive, config: Config, start: str, believed: Field | None = None
-) -> Claims:
+def follow_claims(trial: TrialDrive, config: Config, start: str) -> Claims:
     """Let the program's localization follow a drive, and keep its claims.
 
     Args:
         trial: what the robot saw and where it was.
         config: seed, localization and the user's own models.
         start: one of ``STARTS``.
-        believed: the field that the filter assumes; by default the true one.
 
     Raises:
         EvaluationError: one of the user's own models is broken, or there are fewer than three
             pictures.
     """
-    field = believed or trial.drive.field
+    field = trial.drive.field
     following = follow_drive(
         trial.drive,
         config,
