@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_figures import figures_named
-from sim.hat.devices.plants import FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.motor_figures import figures_named
+from sim.hat.plants import FreeMotors
 
 LARGE = 0x4C
 COMBINED = "combi 0 1 0 2 0 3 0;select 0;selrate 10"

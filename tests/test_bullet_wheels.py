@@ -10,8 +10,8 @@ import pytest
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
 from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
-from sim.hat.devices.motor_figures import figures_named
-from sim.hat.devices.plants import FreeMotor, PlantError
+from sim.hat.motor_figures import figures_named
+from sim.hat.plants import FreeMotor, PlantError
 from sim.hat_emulator.bullet_wheels import BulletWheels
 
 SPEC = RobotSpec.load()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hat_boards import COMBINED, LARGE, Bench
 
-from sim.hat.devices.lego_motor import LegoMotor
+from sim.hat.lego_motor import LegoMotor
 
 
 def test_a_motor_is_seen_after_its_line_was_low_and_usable_two_seconds_later() -> None:

@@ -7,7 +7,7 @@ from hat_boards import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.language.commands import NAMES
+from sim.hat.commands import NAMES
 
 ORDER = [
     "help",

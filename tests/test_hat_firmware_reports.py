@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from hat_boards import COMBINED, Bench
 
-from sim.hat.devices.lego_motor import Mode, ValueType
 from sim.hat.firmware.reports import mode_line
 from sim.hat.firmware.variables import ModeData
+from sim.hat.lego_motor import Mode, ValueType
 
 
 def test_zero_is_a_blank_and_a_zero() -> None:

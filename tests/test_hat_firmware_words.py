@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.hat.firmware.variables import single
-from sim.hat.language.words import CommandError, Words
+from sim.hat.words import CommandError, Words
 
 DIGITS = st.text(st.sampled_from("0123456789"), max_size=12)
 

@@ -10,7 +10,7 @@ from hat_boards import LISTED_BLOCK
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.devices.lego_motor import (
+from sim.hat.lego_motor import (
     APOS,
     CALIB,
     MODES,
@@ -21,7 +21,7 @@ from sim.hat.devices.lego_motor import (
     DeviceError,
     LegoMotor,
 )
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.motor_figures import MOTOR_FIGURES, KindError
 
 
 class Shaft:

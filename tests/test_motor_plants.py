@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.devices.motor_figures import (
+from sim.hat.motor_figures import (
     MOTOR_FIGURES,
     RAIL_V,
     SUPPLY_V,
@@ -17,7 +17,7 @@ from sim.hat.devices.motor_figures import (
     figures_described,
     figures_named,
 )
-from sim.hat.devices.plants import FreeMotor, FreeMotors, Plant, PlantError, Plants
+from sim.hat.plants import FreeMotor, FreeMotors, Plant, PlantError, Plants
 
 KINDS = pytest.mark.parametrize(
     "figures", [figures_named(name) for name in ("medium", "large", "small")]

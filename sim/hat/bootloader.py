@@ -10,7 +10,7 @@ import hashlib
 from collections.abc import Callable, Generator
 from enum import Enum, auto
 
-from sim.hat.language.words import CommandError, Words
+from sim.hat.words import CommandError, Words
 
 STX, ETX = 0x02, 0x03
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.plants import PORTS, Plants
 from sim.hat.firmware.connection import SetupFault
 from sim.hat.firmware.drive import STEPS
 from sim.hat.firmware.power import Power
+from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware
+from sim.hat.plants import PORTS, Plants
 from sim.hat.processor import VERSION, Processor
 from sim.hat.transmitter import Noise, Receiver, Transmitter
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.plants import PORTS
+from sim.hat.commands import Session
 from sim.hat.firmware.connection import Connection, SetupFault
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.power import FaultWatch, Power
 from sim.hat.firmware.reports import Writer
-from sim.hat.language.session import Session
-from sim.hat.language.terminal import Terminal
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.plants import PORTS
+from sim.hat.terminal import Terminal
 
 DRIVE_PERIOD = 10
 """Time between two runs of the controllers [ms]; those of all ports run together."""

@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 
 from sim.hat.bootloader import Bootloader
-from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.firmware.power import Power
+from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware, version_text
 from sim.hat.transmitter import Transmitter
 

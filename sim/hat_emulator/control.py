@@ -10,8 +10,8 @@ from typing import Protocol, runtime_checkable
 
 from robot.description.wiring import PORTS
 from robot.geometry import Pose2
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, figures_named
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.motor_figures import MOTOR_FIGURES, figures_named
 from sim.hat_emulator.emulator import Emulator
 
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from robot.description.wiring import PORTS
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_figures import MotorFigures
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.motor_figures import MotorFigures
 from sim.hat.processor import VERSION
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 from sim.hat_emulator.surroundings import Surroundings

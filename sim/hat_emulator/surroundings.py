@@ -12,8 +12,8 @@ from robot.geometry import Pose2
 from sim.bullet import BulletWorld
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings
-from sim.hat.devices.motor_figures import MotorFigures
-from sim.hat.devices.plants import FreeMotors, Plants
+from sim.hat.motor_figures import MotorFigures
+from sim.hat.plants import FreeMotors, Plants
 from sim.hat_emulator.bullet_wheels import BulletWheels
 from sim.hat_emulator.picture_server import Shot
 from sim.simulated import PastPoses

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from app.ros2.commands.incoming import IncomingTopic
 from app.ros2.dds.plan import Endpoint, Kind, Plan, Shapes
+from app.ros2.incoming import IncomingTopic
 from app.ros2.message_types import type_hash, typestore
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 
 from app.engine.problems import LOG
-from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.framing import TROUBLE
 from app.ros2.dds.mailbox import Mailbox
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route

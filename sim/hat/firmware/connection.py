@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from enum import Enum
 
-from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.firmware.device_link import DeviceLink
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.reports import Writer
+from sim.hat.lego_motor import LegoMotor
 
 PROBE = 98
 """Duration of one probe of a device's resistors [ms]: 10 ms, then eight times 11 ms."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from struct import Struct
 
-from sim.hat.devices.lego_motor import LegoMotor, ValueType
+from sim.hat.lego_motor import LegoMotor, ValueType
 
 SELECT, COMBINE, EXTENDED = 0x43, 0x44, 0x46
 """Types of messages to a device; the bits outside ``TYPE_BITS`` give the length."""

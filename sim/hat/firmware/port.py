@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from sim.hat.devices.lego_motor import LegoMotor
 from sim.hat.firmware.device_link import COMBINE, EXTENDED, SELECT, DeviceLink
 from sim.hat.firmware.drive import Bridge, Controller, Waveform
 from sim.hat.firmware.reports import Selection, Writer, combination_line, mode_line
 from sim.hat.firmware.variables import MODES, ModeData, Modes
+from sim.hat.lego_motor import LegoMotor
 
 Pairs = tuple[tuple[int, int], ...]
 

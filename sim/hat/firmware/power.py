@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sim.hat.devices.plants import PORTS
+from sim.hat.plants import PORTS
 
 CONVERTER = 4095
 """Largest value of the analogue converter, which measures 0 to 3.3 V after a divider by 5.7."""

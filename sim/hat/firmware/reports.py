@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from struct import Struct
 
-from sim.hat.devices.lego_motor import Mode, ValueType
 from sim.hat.firmware.variables import ModeData
+from sim.hat.lego_motor import Mode, ValueType
 
 OFF, EACH_MESSAGE = -1, 0
 """Special values of a period, which are not times."""

@@ -2,15 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-from sim.hat.devices.plants import PORTS
 from sim.hat.firmware.drive import Control, Shape, fixed_point
-from sim.hat.firmware.power import supply_text
-from sim.hat.firmware.reports import DEFAULT_PERIOD
+from sim.hat.firmware.port import Port
+from sim.hat.firmware.power import Power, supply_text
+from sim.hat.firmware.reports import DEFAULT_PERIOD, Writer
 from sim.hat.firmware.variables import MODES, Variable
-from sim.hat.language.session import Session
-from sim.hat.language.words import CommandError, Words
+from sim.hat.plants import PORTS
+from sim.hat.words import CommandError, Words
+
+
+@dataclass(slots=True)
+class Session:
+    """State of one run of the firmware for its commands; it stays when a client disconnects."""
+
+    ports: Sequence[Port]
+    write: Writer
+    power: Power
+    version: str
+    """Number and date of the version."""
+    signature: bytes
+    """Signature of the running image (64 bytes)."""
+    current: int = 0
+    """Number of the port that commands act on, until another is named."""
+    echo: int = 0
+
+    @property
+    def port(self) -> Port:
+        """The port that commands act on."""
+        return self.ports[self.current]
+
 
 LAST_OFFSET = 127
 LAST_SLOT = 7

@@ -23,9 +23,9 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from app.ros2.dds.domain.loopback import confine_to_this_machine
-from app.ros2.dds.domain.raw_types import RawSample, filled, raw_types
+from app.ros2.dds.loopback import confine_to_this_machine
 from app.ros2.dds.plan import Endpoint, Plan, Shapes, dds_topic
+from app.ros2.dds.raw_types import RawSample, filled, raw_types
 
 TOPIC = "ros_discovery_info"
 """The topic's name in DDS; unlike others, it has no prefix ``rt/``."""

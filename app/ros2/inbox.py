@@ -8,7 +8,7 @@ from app.engine.commands import check
 from app.engine.program import Program
 from app.messages.commands import Command, StopCommand
 from app.messages.parsing import in_words
-from app.ros2.commands.incoming import (
+from app.ros2.incoming import (
     INCOMING,
     SERVICES,
     STAMPED_TWIST,

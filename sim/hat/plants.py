@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Protocol
 
-from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
+from sim.hat.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
 
 PORTS = 4
 """Number of ports of a board: A to D, on the wire 0 to 3."""

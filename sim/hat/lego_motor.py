@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, KindError
-from sim.hat.devices.plants import Plant
+from sim.hat.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.plants import Plant
 
 SAMPLE_PERIOD = 0.01
 """Time between two data messages of a device [s]."""
