@@ -174,11 +174,8 @@ def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
-    from app.page.serving import (  # noqa: PLC0415
-        address_of,
-        listen,
-        serve,
-    )
+    from app.page.address import address_of  # noqa: PLC0415
+    from app.page.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = resolve_robot(wanted)

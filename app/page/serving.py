@@ -114,12 +114,3 @@ class _StopsTheRobotFirst(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._thread.stopping.set()
         await super().shutdown(sockets)
-
-
-def address_of(listening: socket.socket) -> str:
-    """Return the page's address on a listening socket."""
-    host, port = listening.getsockname()[:2]
-    if host in ("0.0.0.0", "::"):
-        host = socket.gethostname()  # a browser cannot open "all addresses"
-    shown = f"[{host}]" if ":" in host else host
-    return f"http://{shown}:{port}"

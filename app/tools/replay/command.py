@@ -14,7 +14,8 @@ from app.console import say
 from app.files import make_folder
 from app.lab.trajectories.files.tum import write_tum
 from app.lab.trajectories.trajectory import Trajectory
-from app.page.serving import address_of, listen, serve
+from app.page.address import address_of
+from app.page.serving import listen, serve
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.recordings.replay.requests import FASTEST, SLOWEST
 from robot.geometry import Array, Pose2
