@@ -16,6 +16,7 @@ from app.lab.localize.options import add_localize
 from app.lab.sweep.options import add_sweep
 from app.lab.trajectories.trajectory import TrajectoryError
 from app.options import add_camera, add_condition, add_config, add_map, add_serial_port, config_from
+from app.page.access_options import add_access
 from app.recordings.options import add_record
 from app.ros2.export.options import add_export
 from app.settings.conditions import check_supported
@@ -23,6 +24,7 @@ from app.settings.config import ROBOTS, ROOT, Config
 from app.tools.doctor.options import add_doctor
 from app.tools.hat_emulator.options import add_emulate_hat
 from app.tools.replay.options import add_replay
+from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
@@ -37,10 +39,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(parsed.command(parsed))
     except (SettingError, FieldError, TrajectoryError) as error:
         return _complain(error, 2)
-    except (OSError, ValueError, ImportError, RuntimeError) as error:
+    except (BrickPoseError, OSError) as error:
         return _complain(error, 1)
     except KeyboardInterrupt:
-        return 0 if parsed.command is _run else _complain(RuntimeError("interrupted"), 1)
+        return 0 if parsed.command is _run else _complain(BrickPoseError("interrupted"), 1)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -99,6 +101,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
         default=argparse.SUPPRESS,
         help=f"seed of everything random (default: {default.seed})",
     )
+    add_access(run)
     add_condition(run)
     add_config(run)
     _add_models(run)
@@ -174,18 +177,20 @@ def _run(parsed: argparse.Namespace) -> int:
     wanted = config_from(parsed)
     # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
-    from app.page.address import address_of  # noqa: PLC0415
+    from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
     from app.page.serving import listen, serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = resolve_robot(wanted)
     _refuse_without_effect(parsed, config)
+    certificate = certificate_of(vars(parsed))
     with listen(config.host, config.port) as listening:
+        tokens = tokens_of(vars(parsed), listening)
         if missing:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = build_program(config, RealTime())
-        say(f"BrickPose is at {address_of(listening)} (Ctrl-C ends it)")
-        serve(program, listening)
+        announce(listening, tokens, "http" if certificate is None else "https")
+        serve(program, listening, tokens, certificate)
     return 0
 
 

@@ -101,19 +101,23 @@ def track(clutter: str, seed: int) -> dict[str, Tracked]:
     drive = record(config, LAPS)
     start = drive.ticks[0].truth
     reckoned = [start @ drive.ticks[0].odometry.inverse() @ tick.odometry for tick in drive.ticks]
-    off = [a.distance_to(tick.truth) for a, tick in zip(reckoned, drive.ticks, strict=True)]
-    found = {}
+    odometry_errors = [
+        a.distance_to(tick.truth) for a, tick in zip(reckoned, drive.ticks, strict=True)
+    ]
+    errors = {}
     for name, parameters in TRACKERS.items():
         shown = try_filter(drive, parameters, seed, start, TOLD)
-        settled = [one for one in shown if one.stamp > SETTLED]
-        found[name] = Tracked(
-            rms([one.error for one in settled]), rms([one.turn_error for one in settled]), rms(off)
+        settled = [picture for picture in shown if picture.stamp > SETTLED]
+        errors[name] = Tracked(
+            rms([picture.error for picture in settled]),
+            rms([picture.turn_error for picture in settled]),
+            rms(odometry_errors),
         )
-    return found
+    return errors
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class Outcome:
     """Result of one filter on a drive that begins, or continues, at an unknown place."""
 
     right: bool
@@ -129,37 +133,37 @@ class Found:
     shown: list[PictureResult]
 
 
-Runs = list[tuple[float, dict[str, Found]]]
+Runs = list[tuple[float, dict[str, Outcome]]]
 """For each robot the time until the field decides [s], and the result of each filter."""
 
 
-def lap(of: str, seed: int) -> Drive:
+def lap(map_name: str, seed: int) -> Drive:
     """Record one lap from a random pose."""
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
     start = random_pose_on_eight(rng, elapsed)
-    return record(Config(robot="sim", seed=seed, map=of), LAP, start=start, elapsed=elapsed)
+    return record(Config(robot="sim", seed=seed, map=map_name), LAP, start=start, elapsed=elapsed)
 
 
-def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> Found:
+def find_with(change: Callable[[Setup], Setup], map_and_seed: tuple[str, int]) -> Outcome:
     """Scatter, and drive one lap with the default filter and a changed setup."""
-    of, seed = map_and_seed
-    drive, parameters = lap(of, seed), LocalizationParameters()
+    map_name, seed = map_and_seed
+    drive, parameters = lap(map_name, seed), LocalizationParameters()
     setup = change(setup_of(drive.field, parameters))
     return judged(try_filter(drive, parameters, seed, setup=setup), 0.0)
 
 
-def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
+def find(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]]:
     """Scatter, and drive one lap; return when the field decides [s], and each filter's result."""
-    of, seed = map_and_seed
-    drive = lap(of, seed)
+    map_name, seed = map_and_seed
+    drive = lap(map_name, seed)
     tried = {name: try_filter(drive, p, seed) for name, p in FINDERS.items()}
     return field_decides(drive, 0.0), {name: judged(shown, 0.0) for name, shown in tried.items()}
 
 
-def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
+def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Outcome]]:
     """Return the same for a robot that knew its place and was carried off unseen."""
-    of, seed = map_and_seed
+    map_name, seed = map_and_seed
     rng = np.random.default_rng([seed, 7])
     elapsed = float(rng.uniform(0, LAP))
     start, elsewhere = (
@@ -167,7 +171,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
         random_pose_on_eight(rng, elapsed + CARRIED_AT),
     )
     drive = record(
-        Config(robot="sim", seed=seed, map=of),
+        Config(robot="sim", seed=seed, map=map_name),
         CARRIED_AT + CARRIED_FOR,
         start=start,
         elapsed=elapsed,
@@ -180,7 +184,7 @@ def find_again(map_and_seed: tuple[str, int]) -> tuple[float, dict[str, Found]]:
     }
 
 
-def judged(shown: list[PictureResult], since: float) -> Found:
+def judged(shown: list[PictureResult], since: float) -> Outcome:
     """Return the result of a filter from a stamp [s] on."""
     last = shown[-1]
     turned = [Pose2(theta=quarter * math.pi / 2) @ last.truth for quarter in range(4)]
@@ -188,10 +192,10 @@ def judged(shown: list[PictureResult], since: float) -> Found:
         max((h.weight for h in last.hypotheses if is_right(h.pose, pose)), default=0.0)
         for pose in turned
     ]
-    return Found(
+    return Outcome(
         last.right,
         right_for_good(shown, since) - since,
-        wrong_first_claim([one for one in shown if one.stamp >= since]),
+        wrong_first_claim([picture for picture in shown if picture.stamp >= since]),
         sum(weight > 0 for weight in weights),
         min(weights) > 0 and max(weights) <= 2 * min(weights),
         shown,
@@ -230,44 +234,46 @@ def tracking(clutter: str) -> dict[str, float]:
 def places(calibration: Calibration) -> dict[str, float]:
     """Start scattered on marked fields and on the plain square."""
     more: dict[str, float] = {}
-    for of in (*MARKED, "square"):
-        runs = each(find, [(of, seed) for seed in GLOBAL_SEEDS])
+    for map_name in (*MARKED, "square"):
+        runs = each(find, [(map_name, seed) for seed in GLOBAL_SEEDS])
         count = len(runs)
         for name in FINDERS:
-            found = [run[name] for _, run in runs]
-            start = f"global start, {of}, {name}"
-            if of == "square":
-                more[f"{start}: all four places, of {count}"] = sum(f.images == 4 for f in found)
-                more[f"{start}: evenly weighed, of {count}"] = sum(f.even for f in found)
+            outcomes = [run[name] for _, run in runs]
+            start = f"global start, {map_name}, {name}"
+            if map_name == "square":
+                more[f"{start}: all four places, of {count}"] = sum(o.images == 4 for o in outcomes)
+                more[f"{start}: evenly weighed, of {count}"] = sum(o.even for o in outcomes)
             else:
-                more |= fared(start, found, f"{count}")
-            more[f"{start}: first sure claim wrong, of {count}"] = sum(f.wrong_claim for f in found)
-        if of != "square":
-            more |= oracle(f"global start, {of}", runs)
-        more |= ours(f"global start, {of}", runs, calibration)
+                more |= fared(start, outcomes, f"{count}")
+            more[f"{start}: first sure claim wrong, of {count}"] = sum(
+                o.wrong_claim for o in outcomes
+            )
+        if map_name != "square":
+            more |= oracle(f"global start, {map_name}", runs)
+        more |= ours(f"global start, {map_name}", runs, calibration)
     return more
 
 
 def carried_off(calibration: Calibration) -> dict[str, float]:
     """Carry robots off, unseen, on marked fields."""
     more: dict[str, float] = {}
-    for of in MARKED:
-        runs = each(find_again, [(of, seed) for seed in KIDNAP_SEEDS])
-        decidable = [found for decided, found in runs if decided < CARRIED_FOR]
+    for map_name in MARKED:
+        runs = each(find_again, [(map_name, seed) for seed in KIDNAP_SEEDS])
+        label = f"carried off, {map_name}"
+        decidable = [by_filter for decided, by_filter in runs if decided < CARRIED_FOR]
         for name in FINDERS_AGAIN:
-            found = [run[name] for run in decidable]
-            more |= fared(f"carried off, {of}, {name}", found, f"{len(found)} decidable")
-        more |= oracle(f"carried off, {of}", runs) | ours(f"carried off, {of}", runs, calibration)
+            outcomes = [run[name] for run in decidable]
+            more |= fared(f"{label}, {name}", outcomes, f"{len(outcomes)} decidable")
+        more |= oracle(label, runs) | ours(label, runs, calibration)
     return more
 
 
-def fared(name: str, found: list[Found], of: str) -> dict[str, float]:
+def fared(name: str, outcomes: list[Outcome], total: str) -> dict[str, float]:
     """Return how many found their place, and when."""
+    seconds = [outcome.seconds for outcome in outcomes]
     return {
-        f"{name}: right, of {of}": sum(one.right for one in found),
-        f"{name}: median until right for good [s]": float(
-            np.median([one.seconds for one in found])
-        ),
+        f"{name}: right, of {total}": sum(outcome.right for outcome in outcomes),
+        f"{name}: median until right for good [s]": float(np.median(seconds)),
     }
 
 
@@ -279,11 +285,11 @@ def oracle(name: str, runs: Runs) -> dict[str, float]:
 
 def ours(name: str, runs: Runs, calibration: Calibration) -> dict[str, float]:
     """Return the computing times of the default filter; add its claims to the calibration."""
-    found = [run["hypotheses"] for _, run in runs]
-    for one in found:
-        calibration.add(one.shown)
+    outcomes = [run["hypotheses"] for _, run in runs]
+    for outcome in outcomes:
+        calibration.add(outcome.shown)
     # At the first pictures a process may have to load compiled code.
-    spent = [1e3 * shown.cpu for one in found for shown in one.shown[10:]]
+    spent = [1e3 * shown.cpu for outcome in outcomes for shown in outcome.shown[10:]]
     return {
         f"{name}: mean of a frame [ms]": float(np.mean(spent)),
         f"{name}: 99.9 % of frames below [ms]": float(np.percentile(spent, 99.9)),

@@ -60,11 +60,11 @@ def measure() -> Result:
     field = load_field("stub", MAPS)
     times = {count: _compare(field, count) for count in TURNS}
     more = {}
-    for count, found in times.items():
-        more[f"N = {count}: brickpose [us]"] = 1e6 * found["brickpose"]
-        for name in PEERS.keys() & found.keys():
-            more[f"N = {count}: {name} [us]"] = 1e6 * found[name]
-            more[f"N = {count}: {name}, times as long"] = found[name] / found["brickpose"]
+    for count, medians in times.items():
+        more[f"N = {count}: brickpose [us]"] = 1e6 * medians["brickpose"]
+        for name in PEERS.keys() & medians.keys():
+            more[f"N = {count}: {name} [us]"] = 1e6 * medians[name]
+            more[f"N = {count}: {name}, times as long"] = medians[name] / medians["brickpose"]
     more |= _memory()
     if not LIBRARY.exists():
         sys.stderr.write("nav2_amcl is not built, so there is no peer; `make bench` builds it\n")
@@ -124,9 +124,9 @@ def update(belief: ParticleFilter, step: Step) -> float:
     start = time.thread_time()
     belief.predict(moved)
     belief.correct(step.scan)
-    found = belief.hypotheses
+    hypotheses = belief.hypotheses
     taken = time.thread_time() - start
-    assert found
+    assert hypotheses
     return taken
 
 
@@ -135,10 +135,10 @@ def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
     rng = np.random.default_rng(7)
     bearings = np.radians(np.linspace(-31, 31, rays))
     truth = odometry = Pose2()
-    twist, off = Twist2(0.15, 0.79), Twist2(0.1515, 0.8058)
+    twist, odometry_twist = Twist2(0.15, 0.79), Twist2(0.1515, 0.8058)
     for tick in range(count):
         truth, before = truth @ twist.integrate(1 / 15), odometry
-        odometry = odometry @ off.integrate(1 / 15)
+        odometry = odometry @ odometry_twist.integrate(1 / 15)
         ranges = np.empty((1, rays))
         cast_rays(truth.to_array()[None], bearings, field.edge_index, 1.0, ranges)
         noisy = ranges[0] + rng.normal(0, 0.0003, rays)
@@ -148,9 +148,9 @@ def drive(field: Field, count: int, rays: int = 60) -> Iterator[Step]:
 def _memory() -> dict[str, float]:
     """Measure the filter's memory in another process, as arrays of compiled code are not traced."""
     command = [sys.executable, "-m", "benchmarks.filter_memory"]
-    found = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
+    figures = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
     names = ("in arrays of its own", "most during an update (resident)", "table of the field")
     return {
         f"N = {MAIN}: memory {name} [MB]": float(value)
-        for name, value in zip(names, found, strict=True)
+        for name, value in zip(names, figures, strict=True)
     }

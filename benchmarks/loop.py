@@ -47,7 +47,7 @@ def measure() -> Result:
 
 def _drive(program: Program, seconds: float) -> None:
     first = program.engine.step()
-    now = first
-    while now.stamp < first.stamp + seconds:
+    snapshot = first
+    while snapshot.stamp < first.stamp + seconds:
         program.engine.commands.put(FigureEightCommand(type="figure_eight"))
-        now = program.engine.step()
+        snapshot = program.engine.step()

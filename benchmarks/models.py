@@ -47,9 +47,9 @@ def measure() -> Result:
     """Measure ray casting with and without index, and time and error of each model."""
     square, town = load_field("square", MAPS), load_field("town", MAPS)
     more: dict[str, float] = {}
-    for of in (square, town):
-        more |= {f"{name}, {of.name} [ns a ray]": ns for name, ns in _casting(of).items()}
-        more |= {f"{name}, {of.name} [ns a ray]": ns for name, ns in _weighing(of).items()}
+    for field in (square, town):
+        more |= {f"{name}, {field.name} [ns a ray]": ns for name, ns in _casting(field).items()}
+        more |= {f"{name}, {field.name} [ns a ray]": ns for name, ns in _weighing(field).items()}
     for name, parameters in _choices().items():
         for kind, litter in (("clean", False), ("littered", True)):
             errors = [track(square, seed, parameters, litter=litter) for seed in SEEDS]
@@ -62,17 +62,17 @@ def measure() -> Result:
 def _choices() -> dict[str, LocalizationParameters]:
     """Return each motion model with the default sensor model, and the other way round."""
     default = LocalizationParameters()
-    found = {
+    choices = {
         f"motion {name}": replace(default, motion=MotionParameters(robot_model_type=name))
         for name in MOTION_MODELS
     }
     for name in SENSOR_MODELS:
         sensor = replace(default.sensor, laser_model_type=name, do_beamskip=True)
-        found[f"sensor {name}"] = replace(default, sensor=sensor)
+        choices[f"sensor {name}"] = replace(default, sensor=sensor)
     for name in SENSOR_MODELS[:2]:
-        sensor = replace(found[f"sensor {name}"].sensor, sigma_hit=0.01, beam_skip_distance=0.015)
-        found[f"sensor {name}, sigma_hit 10 mm"] = replace(default, sensor=sensor)
-    return found
+        sensor = replace(choices[f"sensor {name}"].sensor, sigma_hit=0.01, beam_skip_distance=0.015)
+        choices[f"sensor {name}, sigma_hit 10 mm"] = replace(default, sensor=sensor)
+    return choices
 
 
 def _quickest(tries: Mapping[str, Callable[[], object]], rays: int) -> dict[str, float]:
@@ -87,50 +87,50 @@ def _quickest(tries: Mapping[str, Callable[[], object]], rays: int) -> dict[str,
     return {name: 1e9 * seconds / rays for name, seconds in best.items()}
 
 
-def _casting(of: Field) -> dict[str, float]:
-    poses = of.free_poses(np.random.default_rng(0), 200)
-    found = np.empty((len(poses), len(BEARINGS)))
-    whole = index_edges(of.edges, 1e3)
+def _casting(field: Field) -> dict[str, float]:
+    poses = field.free_poses(np.random.default_rng(0), 200)
+    ranges = np.empty((len(poses), len(BEARINGS)))
+    whole = index_edges(field.edges, 1e3)
 
     def cast(index: EdgeIndex) -> None:
-        cast_rays(poses, BEARINGS, index, SIGHT[1], found)
+        cast_rays(poses, BEARINGS, index, SIGHT[1], ranges)
 
-    tries = {"indexed": lambda: cast(of.edge_index), "exhaustive": lambda: cast(whole)}
-    return _quickest(tries, found.size)
+    tries = {"indexed": lambda: cast(field.edge_index), "exhaustive": lambda: cast(whole)}
+    return _quickest(tries, ranges.size)
 
 
-def _weighing(of: Field) -> dict[str, float]:
+def _weighing(field: Field) -> dict[str, float]:
     rng = np.random.default_rng(0)
-    scan = _scan(of.edge_index, of.start, rng)
-    poses = of.start.to_array() + rng.normal(0, [0.003, 0.003, 0.01], (2000, 3))
-    entries = _entries(of, SensorParameters())
+    scan = _scan(field.edge_index, field.start, rng)
+    poses = field.start.to_array() + rng.normal(0, [0.003, 0.003, 0.01], (2000, 3))
+    entries = _entries(field, SensorParameters())
     tries = {}
     for name in SENSOR_MODELS:
         chosen = SensorParameters(laser_model_type=name, do_beamskip=True)
-        model = sensor_model(chosen, entries, of.edges)
+        model = sensor_model(chosen, entries, field.edges)
         tries[name] = partial(model.log_likelihood, poses, scan)
     return _quickest(tries, len(poses) * len(BEARINGS))
 
 
 def track(
-    of: Field, seed: int, parameters: LocalizationParameters, *, litter: bool = False
+    field: Field, seed: int, parameters: LocalizationParameters, *, litter: bool = False
 ) -> float:
     """Return the root mean square error [m] over a lap of the figure-eight, from a known start."""
     rng = np.random.default_rng(seed)
-    edges = index_edges(np.vstack([of.edges, _litter(rng)])) if litter else of.edge_index
-    model = sensor_model(parameters.sensor, _entries(of, parameters.sensor), of.edges)
+    edges = index_edges(np.vstack([field.edges, _litter(rng)])) if litter else field.edge_index
+    model = sensor_model(parameters.sensor, _entries(field, parameters.sensor), field.edges)
     belief = ParticleFilter(
         parameters.motion.model(),
         model,
-        of,
+        field,
         parameters.filter,
         np.random.default_rng(seed),
         likelihood_weight=parameters.sensor.likelihood_weight,
     )
     localizer = Localizer(belief, parameters.filter)
-    localizer.set_pose(of.start, np.diag(np.square([0.01, 0.01, 0.03])))
+    localizer.set_pose(field.start, np.diag(np.square([0.01, 0.01, 0.03])))
     errors = []
-    for step in drive(of.start, rng):
+    for step in drive(field.start, rng):
         estimate = localizer.update(step.odometry, _scan(edges, step.truth, rng))
         if estimate is not None:
             errors.append(estimate.pose.distance_to(step.truth))
@@ -152,11 +152,13 @@ def drive(start: Pose2, rng: np.random.Generator) -> Sequence[Step]:
     truth, odometry = start, Pose2()
     steps = []
     for stamp in np.arange(0, eight.lap, 1 / RATE):
-        told = eight.twist(float(stamp))
-        turned = (right - left) / TRACK * told.v
-        real = Twist2(told.v * (1 + (left + right) / 2), told.omega * (1 - track_error) + turned)
+        command = eight.twist(float(stamp))
+        turned = (right - left) / TRACK * command.v
+        real = Twist2(
+            command.v * (1 + (left + right) / 2), command.omega * (1 - track_error) + turned
+        )
         truth = truth @ real.integrate(1 / RATE)
-        odometry = odometry @ told.integrate(1 / RATE)
+        odometry = odometry @ command.integrate(1 / RATE)
         steps.append(Step(truth, odometry))
     return steps
 
@@ -192,9 +194,9 @@ def _litter(rng: np.random.Generator) -> Array:
     return outline(shapely.union_all([*discs, cable, *shoes]))
 
 
-def _entries(of: Field, sensor: SensorParameters) -> EntryField:
+def _entries(field: Field, sensor: SensorParameters) -> EntryField:
     return EntryField.build(
-        of, resolution=sensor.field_resolution, max_distance=sensor.laser_likelihood_max_dist
+        field, resolution=sensor.field_resolution, max_distance=sensor.laser_likelihood_max_dist
     )
 
 

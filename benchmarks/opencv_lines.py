@@ -106,7 +106,7 @@ class HoughLines(Pipeline[HoughSettings]):
     def edges(self, above: NDArray[np.uint8]) -> Array:
         """Return segments (n, 4) [px] of straight lines."""
         s = self.settings
-        found = cv2.HoughLinesP(
+        lines = cv2.HoughLinesP(
             cv2.Canny(above, s.low, s.high),
             s.rho,
             s.theta,
@@ -114,9 +114,9 @@ class HoughLines(Pipeline[HoughSettings]):
             minLineLength=s.shortest / s.cell,
             maxLineGap=s.gap / s.cell,
         )
-        if found is None:
+        if lines is None:
             return np.empty((0, 4))
-        segments = np.asarray(found, dtype=np.int32).reshape(-1, 4)
+        segments = np.asarray(lines, dtype=np.int32).reshape(-1, 4)
         return _dark_to_the_left(above, segments, 2.5 + 0.004 / s.cell)
 
     def ranges(self, edges: Array) -> Array:
@@ -240,7 +240,7 @@ def _ranges_to_outlines(
     Outlines have their inside to the left; the true edge lies a little outside of them [m].
     """
     ranges = np.full(len(directions), np.inf)
-    at = np.empty(len(edges))
+    distances = np.empty(len(edges))
     sines = np.empty(len(edges))
     for ray in range(len(directions)):
         dx, dy = directions[ray]
@@ -248,13 +248,13 @@ def _ranges_to_outlines(
         for i in range(len(edges)):
             distance, sine = _crossing(edges[i], dx, dy)
             if limits[ray, 0] <= distance <= limits[ray, 1]:
-                at[count], sines[count] = distance, sine
+                distances[count], sines[count] = distance, sine
                 count += 1
-        order = np.argsort(at[:count])
+        order = np.argsort(distances[:count])
         for n in range(count - 1):
             i, j = order[n], order[n + 1]
-            across = (at[j] - at[i]) * sines[i] + 2 * outside
+            across = (distances[j] - distances[i]) * sines[i] + 2 * outside
             if sines[i] > 0 and sines[j] < 0 and abs(across - width) <= tolerance:
-                ranges[ray] = at[i] - outside / sines[i]
+                ranges[ray] = distances[i] - outside / sines[i]
                 break
     return ranges

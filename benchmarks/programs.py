@@ -99,9 +99,9 @@ def _said(process: subprocess.Popen[str], says: str) -> str:
     said = ""
     while line := process.stdout.readline():
         said += line
-        found = re.search(says, line)
-        if found is not None:
-            return found[1]
+        match = re.search(says, line)
+        if match is not None:
+            return match[1]
     raise RuntimeError(f"the program did not start; it said {said!r}")
 
 
@@ -139,20 +139,20 @@ def until(
     Raises:
         TimeoutError: the condition did not hold for this time of the robot's clock [s].
     """
-    now = first = telemetry(socket)
-    while not condition(now):
-        if now["stamp"] - first["stamp"] >= seconds:
-            told = ("stamp", "truth", "twist", "mode", "filter", "problems")
-            raise TimeoutError(f"it never happened; now { {name: now[name] for name in told} }")
-        now = telemetry(socket)
-    return now
+    message = first = telemetry(socket)
+    while not condition(message):
+        if message["stamp"] - first["stamp"] >= seconds:
+            keys = ("stamp", "truth", "twist", "mode", "filter", "problems")
+            raise TimeoutError(f"it never happened; now { {key: message[key] for key in keys} }")
+        message = telemetry(socket)
+    return message
 
 
-def connected(now: Telemetry) -> bool:
+def connected(message: Telemetry) -> bool:
     """Whether the robot's joints follow commands."""
-    return bool(now["robot"]["connected"])
+    return bool(message["robot"]["connected"])
 
 
-def estimated(now: Telemetry) -> bool:
+def estimated(message: Telemetry) -> bool:
     """Whether the filter has an estimate."""
-    return now["estimate"] is not None
+    return message["estimate"] is not None

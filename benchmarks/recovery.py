@@ -45,19 +45,19 @@ class Recovery:
 def recover(seed: int) -> Recovery:
     """Give a robot with the default imperfections a wrong pose while it drives."""
     program = build_program(Config(robot="sim", seed=seed))
-    at = _drive(program, BEFORE)[-1]
-    assert at.truth is not None
-    told = SetPoseCommand(
+    start = _drive(program, BEFORE)[-1]
+    assert start.truth is not None
+    command = SetPoseCommand(
         type="set_pose",
-        x=at.truth.x + WRONG.x,
-        y=at.truth.y + WRONG.y,
-        theta=at.truth.theta + WRONG.theta,
+        x=start.truth.x + WRONG.x,
+        y=start.truth.y + WRONG.y,
+        theta=start.truth.theta + WRONG.theta,
     )
-    program.engine.commands.put(told)
+    program.engine.commands.put(command)
     shown = _drive(program, WATCHED)
     program.robot.close()
-    seconds = _seconds(shown) + shown[0].stamp - at.stamp
-    settled = [s for s in shown if s.stamp > at.stamp + seconds + 1]
+    seconds = _seconds(shown) + shown[0].stamp - start.stamp
+    settled = [s for s in shown if s.stamp > start.stamp + seconds + 1]
     return Recovery(
         seconds,
         _mean([s.pose for s in settled], settled),
@@ -67,14 +67,14 @@ def recover(seed: int) -> Recovery:
 
 def measure() -> Result:
     """Measure twelve robots on the square: unaligned errors, with all imperfections."""
-    found = [recover(seed) for seed in SEEDS]
-    seconds = [one.seconds for one in found]
+    runs = [recover(seed) for seed in SEEDS]
+    seconds = [run.seconds for run in runs]
     return Result(
         unit="mm mean error while tracking",
-        brickpose=1e3 * float(np.mean([one.error for one in found])),
-        peer={"odometry alone": 1e3 * float(np.mean([one.odometry_error for one in found]))},
+        brickpose=1e3 * float(np.mean([run.error for run in runs])),
+        peer={"odometry alone": 1e3 * float(np.mean([run.odometry_error for run in runs]))},
         more={
-            "worst robot's mean error [mm]": 1e3 * max(one.error for one in found),
+            "worst robot's mean error [mm]": 1e3 * max(run.error for run in runs),
             "recovered within 4 s, of 12": sum(s <= 4 for s in seconds),
             "recovery, median [s]": float(np.median(seconds)),
             "recovery, worst [s]": max(seconds),

@@ -29,8 +29,8 @@ class Result:
 
     def lines(self, name: str) -> list[str]:
         """Return the result as lines of text."""
-        found = [f"{name}: {self.brickpose:.3g} {self.unit}"]
+        lines = [f"{name}: {self.brickpose:.3g} {self.unit}"]
         for peer, value in self.peer.items():
-            found.append(f"  {peer}: {value:.3g} {self.unit} ({value / self.brickpose:.2g} x)")
-        found += [f"  {more}: {value:.3g}" for more, value in self.more.items()]
-        return found
+            lines.append(f"  {peer}: {value:.3g} {self.unit} ({value / self.brickpose:.2g} x)")
+        lines += [f"  {more}: {value:.3g}" for more, value in self.more.items()]
+        return lines

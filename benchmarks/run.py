@@ -62,12 +62,12 @@ def run(names: Sequence[str], file: Path | None) -> int:
     unknown = [name for name in names if name not in BENCHMARKS]
     if unknown:
         raise SettingError(f"no benchmark {unknown[0]!r}; valid are {', '.join(BENCHMARKS)}")
-    found = {}
+    results = {}
     for name in names or [name for name in BENCHMARKS if name not in LONG]:
-        found[name] = BENCHMARKS[name]()
-        sys.stdout.write("\n".join(found[name].lines(name)) + "\n")
+        results[name] = BENCHMARKS[name]()
+        sys.stdout.write("\n".join(results[name].lines(name)) + "\n")
         sys.stdout.flush()
     if file is not None:
-        content = {name: result.to_json() for name, result in found.items()}
+        content = {name: result.to_json() for name, result in results.items()}
         file.write_text(json.dumps(content, indent=2) + "\n", encoding="utf-8")
     return 0

@@ -124,10 +124,10 @@ def compare(noise: float, pictures: int, rounds: int = 1) -> dict[str, Score]:
             # A fresh copy, as from a camera: else only the first method would wait for the memory.
             picture = trial.picture.copy()
             start = time.perf_counter()
-            found = scan(picture)
+            result = scan(picture)
             times[method, number, place] = time.perf_counter() - start
             if number == 0:
-                ranges[name].append(found)
+                ranges[name].append(result)
     medians = np.median(times.min(axis=1), axis=1)
     return {
         name: _score(float(seconds), ranges[name], trials)
@@ -143,19 +143,19 @@ def _trials(view: FloorView, field: Field, noise: float, pictures: int) -> list[
     for values in field.free_poses(np.random.default_rng(0), pictures):
         pose = Pose2.from_array(values)
         directions = heading_vectors(pose.theta + table.bearings)
-        at = np.array([pose.x, pose.y])
-        entries = crossings(at, directions, field.edges)
+        origin = np.array([pose.x, pose.y])
+        entries = crossings(origin, directions, field.edges)
         begins = np.where(entries >= limits[:, :1], entries, np.inf).min(axis=1)
-        leaving = crossings(at, directions, field.edges[:, [2, 3, 0, 1]])
+        leaving = crossings(origin, directions, field.edges[:, [2, 3, 0, 1]])
         ends = np.where(leaving > begins[:, None], leaving, np.inf).min(axis=1)
         in_view = (begins > limits[:, 0] + IN_VIEW[0]) & (ends < limits[:, 1] - IN_VIEW[1])
         trials.append(Trial(camera.picture(pose, Twist2()), entries, in_view))
     return trials
 
 
-def crossings(at: Array, directions: Array, edges: Array) -> Array:
+def crossings(origin: Array, directions: Array, edges: Array) -> Array:
     """Return the distances (k, n) at which rays enter the left sides of edges (n, 4); else inf."""
-    start, along = edges[:, :2] - at, edges[:, 2:] - edges[:, :2]
+    start, along = edges[:, :2] - origin, edges[:, 2:] - edges[:, :2]
     dx, dy = directions.T[:, :, None]
     sine = along[:, 0] * dy - along[:, 1] * dx
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -166,12 +166,12 @@ def crossings(at: Array, directions: Array, edges: Array) -> Array:
 
 
 def _score(seconds: float, ranges: list[Array], trials: list[Trial]) -> Score:
-    found = np.concatenate(ranges)
+    returns = np.concatenate(ranges)
     entries = np.concatenate([trial.entries for trial in trials])
     in_view = np.concatenate([trial.in_view for trial in trials])
-    hit = np.isfinite(found)
-    off = found[hit, None] - entries[hit]
-    errors = off[np.arange(len(off)), np.abs(off).argmin(axis=1)]
+    hit = np.isfinite(returns)
+    differences = returns[hit, None] - entries[hit]
+    errors = differences[np.arange(len(differences)), np.abs(differences).argmin(axis=1)]
     true = np.abs(errors) < FAR_OFF
     right = hit.copy()
     right[hit] = true

@@ -74,7 +74,7 @@ def try_filter(
     drive: Drive,
     parameters: LocalizationParameters,
     seed: int,
-    told: Pose2 | None = None,
+    start: Pose2 | None = None,
     covariance: Array | None = None,
     setup: Setup | None = None,
 ) -> list[PictureResult]:
@@ -84,7 +84,7 @@ def try_filter(
         drive: what the robot saw.
         parameters: which filter, and its settings.
         seed: of the filter's random numbers.
-        told: the pose at the start; None scatters the filter over the field.
+        start: the pose at the start; None scatters the filter over the field.
         covariance: of the start pose; None means that of the parameters.
         setup: models that replace those of the parameters.
     """
@@ -96,10 +96,10 @@ def try_filter(
         Refinement.of(setup),
         setup.reach,
     )
-    if told is None:
+    if start is None:
         localizer.scatter()
     else:
-        localizer.set_pose(told, covariance)
+        localizer.set_pose(start, covariance)
     shown: list[PictureResult] = []
     last: tuple[Estimate, Pose2] | None = None
     for tick in drive.ticks:
@@ -110,8 +110,10 @@ def try_filter(
         took = time.thread_time() - began
         if estimate is not None:
             last = estimate, tick.odometry_at_scan
-        found = carried(*last, tick.odometry_at_scan) if last else ()
-        shown.append(PictureResult(tick.scan.stamp, drive.truth_at(tick.scan.stamp), found, took))
+        hypotheses = carried(*last, tick.odometry_at_scan) if last else ()
+        shown.append(
+            PictureResult(tick.scan.stamp, drive.truth_at(tick.scan.stamp), hypotheses, took)
+        )
     return shown
 
 
@@ -128,37 +130,41 @@ def load_compiled(setup: Setup, drive: Drive) -> None:
     gc.freeze()  # as the engine does
 
 
-def carried(estimate: Estimate, odometry: Pose2, now: Pose2) -> tuple[Hypothesis, ...]:
+def carried(estimate: Estimate, odometry: Pose2, later_odometry: Pose2) -> tuple[Hypothesis, ...]:
     """Return the hypotheses of an estimate, moved on by odometry."""
-    step = odometry.inverse() @ now
+    step = odometry.inverse() @ later_odometry
     return tuple(Hypothesis(h.weight, h.pose @ step, h.covariance) for h in estimate.hypotheses)
 
 
-def setup_of(of: Field, parameters: LocalizationParameters) -> Setup:
+def setup_of(field: Field, parameters: LocalizationParameters) -> Setup:
     """Return everything that a filter needs; distance tables are kept."""
     sensor = parameters.sensor
-    made = of.name, sensor.field_resolution, sensor.laser_likelihood_max_dist
+    made = field.name, sensor.field_resolution, sensor.laser_likelihood_max_dist
     if made not in _ENTRIES:
-        _ENTRIES[made] = EntryField.build(of, resolution=made[1], max_distance=made[2])
+        _ENTRIES[made] = EntryField.build(field, resolution=made[1], max_distance=made[2])
     entries = _ENTRIES[made]
     return Setup.of(
-        of, entries, parameters.motion.model(), sensor_model(sensor, entries, of.edges), parameters
+        field,
+        entries,
+        parameters.motion.model(),
+        sensor_model(sensor, entries, field.edges),
+        parameters,
     )
 
 
 def right_for_good(shown: list[PictureResult], since: float) -> float:
     """Return the stamp [s] from which on the filter is right to the end; inf if it ends wrong."""
     stamp = math.inf
-    for one in reversed(shown):
-        if not one.right or one.stamp < since:
+    for picture in reversed(shown):
+        if not picture.right or picture.stamp < since:
             break
-        stamp = one.stamp
+        stamp = picture.stamp
     return stamp
 
 
 def wrong_first_claim(shown: list[PictureResult]) -> bool:
     """Whether the first claim to be certain was wrong."""
-    claims = [one.right for one in shown if one.claim > CERTAIN]
+    claims = [picture.right for picture in shown if picture.claim > CERTAIN]
     return bool(claims) and not claims[0]
 
 
@@ -174,10 +180,10 @@ class Calibration:
 
     def add(self, shown: list[PictureResult]) -> None:
         """Add every hypothesis of every picture."""
-        for one in shown:
-            for hypothesis in one.hypotheses:
+        for picture in shown:
+            for hypothesis in picture.hypotheses:
                 self.claimed.append(hypothesis.weight)
-                self.right.append(is_right(hypothesis.pose, one.truth))
+                self.right.append(is_right(hypothesis.pose, picture.truth))
 
     def table(self, borders: tuple[float, ...]) -> list[tuple[float, float, int]]:
         """Return mean weight, share that is right, and number, between borders of weights."""

@@ -81,8 +81,8 @@ def _late(tick: Tick) -> Tick:
     if tick.scan is None:
         return tick
     assert tick.line_scan is not None
-    found = replace(tick.line_scan, scan=replace(tick.scan, stamp=tick.stamp))
-    return replace(tick, line_scan=found, odometry_at_scan=tick.odometry)
+    line_scan = replace(tick.line_scan, scan=replace(tick.scan, stamp=tick.stamp))
+    return replace(tick, line_scan=line_scan, odometry_at_scan=tick.odometry)
 
 
 def sensor(**changes: float) -> LocalizationParameters:
@@ -120,9 +120,9 @@ def track(seed: int) -> dict[str, float]:
     """Return errors [m] of one robot over two laps, with each choice and with uncorrected skew."""
     drive = record(Config(robot="sim", seed=seed), LAPS)
     skewed = record(Config(robot="sim", seed=seed), LAPS, scanner=Skewed())
-    found = {name: error(choice, drive, seed) for name, choice in CHOICES.items()}
-    found["readout not corrected"] = error(Choice(), skewed, seed)
-    return found
+    errors = {name: error(choice, drive, seed) for name, choice in CHOICES.items()}
+    errors["readout not corrected"] = error(Choice(), skewed, seed)
+    return errors
 
 
 def error(choice: Choice, drive: Drive, seed: int) -> float:
@@ -130,7 +130,7 @@ def error(choice: Choice, drive: Drive, seed: int) -> float:
     seen = choice.drive(drive) if choice.drive else drive
     setup = choice.undo(setup_of(drive.field, choice.parameters))
     shown = try_filter(seen, choice.parameters, seed, drive.ticks[0].truth, TOLD, setup=setup)
-    return rms([one.error for one in shown if one.stamp > SETTLED])
+    return rms([picture.error for picture in shown if picture.stamp > SETTLED])
 
 
 def measure() -> Result:
@@ -142,10 +142,10 @@ def measure() -> Result:
         more[f"{name} [mm]"] = float(np.mean(errors))
         more[f"{name}, worst robot [mm]"] = max(errors)
     for name, undo in (("with", as_it_is), ("without", no_negative_evidence)):
-        found = each(partial(find_with, undo), [("tee", seed) for seed in GLOBAL_SEEDS])
+        outcomes = each(partial(find_with, undo), [("tee", seed) for seed in GLOBAL_SEEDS])
         start = f"global start, tee, {name} negative evidence"
-        more[f"{start}: right, of {len(found)}"] = sum(one.right for one in found)
-        more[f"{start}: first sure claim wrong"] = sum(one.wrong_claim for one in found)
-        seconds = [one.seconds for one in found]
+        more[f"{start}: right, of {len(outcomes)}"] = sum(outcome.right for outcome in outcomes)
+        more[f"{start}: first sure claim wrong"] = sum(outcome.wrong_claim for outcome in outcomes)
+        seconds = [outcome.seconds for outcome in outcomes]
         more[f"{start}: mean until right for good [s]"] = float(np.mean(seconds))
     return Result("mm position error (RMSE) tracking", more["as it is [mm]"], more=more)

@@ -89,7 +89,6 @@ function take(news) {
   problems.show(news);
   record.show(news.recording ?? null);
   if (replay.show(news.replay ?? null)) showReplay(replay.shown);
-  camera.addScan(news.scan);
   tape.add(news.scan);
   map.show(news);
   if (history.add(news, delay)) plots.refresh();
@@ -145,6 +144,7 @@ async function loadField(name) {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
     drive.setField(field);
+    problems.setField(field);
     tape.setField(field);
     camera.setField(field);
     view3d.setField(field);
@@ -174,6 +174,8 @@ connection.onState((state) => {
   problems.showLink(state);
   record.enable(state === "open");
   if (state === "open") filter.load();
+  // Another program may answer next.
+  else fieldName = "";
 });
 setInterval(() => {
   for (const panel of [camera, plots]) panel.describe();

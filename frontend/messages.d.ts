@@ -16,6 +16,7 @@ export type Command =
   | SetPoseCommand
   | ShowCommand
   | StopCommand
+  | UndoCommand
   | UpdateCommand;
 
 /** The command was accepted. */
@@ -35,6 +36,15 @@ export interface DriveCommand {
   omega: number;
 }
 
+/** Where the scanner found tape in a picture. */
+export interface EdgesMessage {
+  /** Pixel (u, v) where each ray enters the tape; null for a ray that did not count. */
+  entry_px: ([number, number] | null)[];
+  exit_px: ([number, number] | null)[];
+  /** Median width measured over the rays that counted [m]. */
+  tape_width: number | null;
+}
+
 /** The command was refused, and why. */
 export interface ErrorMessage {
   type: "error";
@@ -51,7 +61,7 @@ export interface EstimateMessage {
   covariance: number[];
 }
 
-/** The field and the robot on it: what a map view needs once. */
+/** The field, the robot on it, and limits: what a page needs once. */
 export interface FieldMessage {
   name: string;
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
@@ -61,6 +71,15 @@ export interface FieldMessage {
   robot_outline: [number, number][];
   max_v: number;
   max_omega: number;
+  /** How long a drive command holds that is not renewed [s]. */
+  drive_timeout: number;
+  /** Telemetry older than this [s] does not show the present. */
+  stale_after: number;
+  /** A longer step from telemetry to telemetry [m] was not driven. */
+  longest_step: number;
+  initial_sd_xy: number;
+  /** Configured spread of a pose that is set without one [m, rad]. */
+  initial_sd_theta: number;
   image_width: number;
   /** Size of the camera's picture [px]. */
   image_height: number;
@@ -82,6 +101,8 @@ export interface FilterMessage {
   paused: boolean;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
+  /** How many changes of the belief ``undo`` can take back. */
+  undoable: number;
   /**
    * What is wrong with a user's own model, with file and line; the robot stands still and the
    * filter pauses until it is fixed.
@@ -160,6 +181,13 @@ export interface ParticlesMessage {
   effective: number;
   /** Where the robot may be, heaviest first; empty while nothing is known. */
   hypotheses: HypothesisMessage[];
+  /**
+   * How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
+   * if none does.
+   */
+  alike: number;
+  /** How many of them are likely enough to be drawn. */
+  likely: number;
   /** xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span. */
   extent: number[];
   /**
@@ -175,6 +203,18 @@ export interface PauseCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "pause";
+}
+
+/**
+ * Head of each binary message of ``/api/camera``. The message is the head's length in bytes
+ * (uint32, little-endian), the head as JSON, and the picture as JPEG.
+ */
+export interface PictureMessage {
+  type: "picture";
+  /** Exposure [s]. */
+  stamp: number;
+  /** What the scanner found in this very picture; null if it was not scanned. */
+  edges: EdgesMessage | null;
 }
 
 /** Do nothing; the answer's stamp serves to align the clocks. */
@@ -304,7 +344,7 @@ export interface RobotMessage {
   can_be_placed: boolean;
 }
 
-/** The newest scan, and where its edges are in the picture. */
+/** The newest scan; ``PictureMessage`` has its edges in the picture. */
 export interface ScanMessage {
   /** Exposure of the frame it comes from [s]. */
   stamp: number;
@@ -315,9 +355,6 @@ export interface ScanMessage {
   robot_from_scan: PoseMessage;
   /** The estimate at the scan's stamp, to draw the scan from. */
   robot: PoseMessage | null;
-  /** Pixel (u, v) where each ray enters the tape; null for a ray that did not count. */
-  entry_px: ([number, number] | null)[];
-  exit_px: ([number, number] | null)[];
   /** Median width measured over the rays that counted [m]. */
   tape_width: number | null;
 }
@@ -417,6 +454,13 @@ export interface TelemetryMessage {
 export interface TwistMessage {
   v: number;
   omega: number;
+}
+
+/** Take back the last set_pose, set_particles or scatter: restore what was believed before. */
+export interface UndoCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo";
 }
 
 /** Update once with the next frame, even if the filter is paused or the robot stands still. */

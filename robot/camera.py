@@ -18,6 +18,7 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array
 from robot.undistortion import undistorted
 
@@ -25,7 +26,7 @@ FOUND_PX = 0.01
 """The direction found for a pixel must project back this close to the pixel [px]."""
 
 
-class CameraError(ValueError):
+class CameraError(BrickPoseError, ValueError):
     """An invalid camera description."""
 
 

@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array
 
 LARGEST = 1e4
 """Largest number in a covariance [m^2, rad^2]; a wider spread would exceed the largest map."""
 
 
-class CovarianceError(ValueError):
+class CovarianceError(BrickPoseError, ValueError):
     """Numbers that are not a valid covariance; the message says what is valid."""
 
 

@@ -12,10 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.description.spec import RobotSpec
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
+from robot.scan import Scan
 
 
-class RobotError(RuntimeError):
+class RobotError(BrickPoseError, RuntimeError):
     """The robot cannot go on: unplugged, silent or broken."""
 
 
@@ -52,11 +54,15 @@ class Reading:
     """Whether the joints answer and follow commands; while they do not, the robot stands still."""
     faults: tuple[str, ...] = ()
     """What is wrong with joints or camera now, each with its cure, in plain words."""
+    scan: Scan | None = None
+    """A laser's scan that was not handed out before; None if there is no new one."""
+    odom_from_robot: Pose2 | None = None
+    """Pose in the odom frame, if the robot computes odometry itself; None: the joints tell it."""
 
 
 @runtime_checkable
 class Robot(Protocol):
-    """A robot with driven joints and a camera."""
+    """A robot with driven joints, and a camera or a laser."""
 
     name: str
     """Name of the robot on the dashboard."""

@@ -12,8 +12,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from robot.errors import BrickPoseError
 
-class SettingError(ValueError):
+
+class SettingError(BrickPoseError, ValueError):
     """A setting is unknown, of the wrong type or out of its range."""
 
 

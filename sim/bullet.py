@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from robot.description.rigid_bodies import RigidBody, rigid_bodies
 from robot.description.spec import RobotSpec
+from robot.errors import PackageError
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
 from sim.bullet_body import add_floor, add_robot, add_rotor, motion, principal
@@ -23,10 +24,6 @@ from sim.world import WorldError, check_pose, limited
 
 GRAVITY = 9.81
 """Acceleration by gravity [m/s^2]."""
-
-
-class BulletMissingError(ImportError):
-    """pybullet is not installed; the message says how to get it."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +66,7 @@ class BulletWorld:
         """Build the world.
 
         Raises:
-            BulletMissingError: pybullet is not installed.
+            PackageError: pybullet is not installed.
         """
         self._spec = spec
         self._settings = settings or BulletSettings()
@@ -258,13 +255,13 @@ def load_pybullet() -> Any:
     """Return the module pybullet.
 
     Raises:
-        BulletMissingError: it is not installed; says how to get it.
+        PackageError: it is not installed; says how to get it.
     """
     try:
         with _stderr_without("pybullet build time"):
             import pybullet  # noqa: PLC0415 - a robot runs without it
     except ImportError as error:
-        raise BulletMissingError(
+        raise PackageError(
             "pybullet, the physics engine, is not installed. Ready-made it exists only for Linux "
             "on x86-64 with Python 3.11 or older; elsewhere `pip install pybullet` builds it, "
             "which takes a C++ compiler and some minutes."

@@ -6,10 +6,11 @@ import math
 from typing import Protocol, runtime_checkable
 
 from robot.description.spec import RobotSpec
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2
 
 
-class WorldError(ValueError):
+class WorldError(BrickPoseError, ValueError):
     """A simulated world cannot do what was asked."""
 
 

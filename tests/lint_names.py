@@ -12,12 +12,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("app", "robot", "sim")
+FOLDERS = ("app", "robot", "sim", "benchmarks")
 PREPOSITIONS = frozenset(["at", "by", "from", "in", "into", "of", "off", "on", "to", "with"])
 ADVERBS = frozenset(["again", "anew", "else", "here", "now", "once", "the", "then", "there"])
 PARTICIPLES = frozenset(["found", "told"])
+QUESTIONS = frozenset(["what", "which", "who"])
 NUMERALS = frozenset(["one", "two", "three"])
-REFUSED = PREPOSITIONS | ADVERBS | PARTICIPLES | NUMERALS
+REFUSED = PREPOSITIONS | ADVERBS | PARTICIPLES | NUMERALS | QUESTIONS
 ACCESSORS = frozenset(["at", "now", "of"])
 """As names of functions and properties alone."""
 ALLOWED = {

@@ -78,7 +78,7 @@ def begin(recorder, publisher):
     """Start a recording, and wait until it takes messages."""
     folder = recorder.start()
     while not publisher._routes and recorder.status.running:
-        recorder._run._thread.join(0.001)
+        recorder._run._thread.stopping.wait(0.001)
     return folder
 
 

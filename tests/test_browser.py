@@ -183,7 +183,7 @@ def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
     page.locator("#numbers-set").click()
     until(live, lambda now: now["estimate"] and pose_error(now) < 0.03)
     page.get_by_role("button", name="undo").click()
-    until(live, lambda now: now["estimate"] and distance(now["estimate"], was) < 0.03)
+    until(live, lambda now: now["estimate"] == was)
     page.get_by_role("button", name="resume", exact=True).click()
 
 

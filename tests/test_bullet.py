@@ -11,9 +11,10 @@ import pytest
 
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
+from robot.errors import PackageError
 from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError
-from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
+from sim.bullet import BulletSettings, BulletWorld, load_pybullet
 from sim.world import WorldError
 
 SPEC = RobotSpec.load()
@@ -24,7 +25,7 @@ IDEAL = BulletSettings(motor_lag=0)
 def test_without_pybullet_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pybullet", None)
     load_pybullet.cache_clear()
-    with pytest.raises(BulletMissingError, match="pip install pybullet") as missing:
+    with pytest.raises(PackageError, match="pip install pybullet") as missing:
         BulletWorld(SPEC)
     assert isinstance(missing.value, ImportError)
     load_pybullet.cache_clear()
@@ -37,7 +38,7 @@ needs_pybullet = pytest.mark.usefixtures("pybullet")
 def pybullet() -> None:
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         pytest.skip("pybullet is not installed")
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from robot.description.spec import RobotSpec
+from robot.errors import PackageError
 from robot.geometry import Pose2
-from sim.bullet import BulletMissingError, BulletSettings, BulletWorld, load_pybullet
-from sim.hat.motor_figures import figures_named
-from sim.hat.plants import FreeMotor, PlantError
+from sim.bullet import BulletSettings, BulletWorld, load_pybullet
+from sim.hat.motor_figures import DeviceError, figures_named
+from sim.hat.plants import FreeMotor
 from sim.hat_emulator.bullet_wheels import BulletWheels
 
 SPEC = RobotSpec.load()
@@ -24,7 +25,7 @@ FORWARD = {LEFT: SPEC.joints[0].direction, RIGHT: SPEC.joints[1].direction}
 def pybullet() -> None:
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         pytest.skip("pybullet is not installed")
 
 
@@ -68,7 +69,7 @@ def test_other_ports_turn_freely(wheels: BulletWheels) -> None:
     run(wheels, 0.5)
     assert wheels.plant(3).speed == pytest.approx(MEDIUM.no_load_speed, rel=0.01)
     assert wheels.plant(LEFT).angle == pytest.approx(0, abs=0.01)
-    with pytest.raises(PlantError, match="0 to 3"):
+    with pytest.raises(DeviceError, match="0 to 3"):
         wheels.plant(4)
 
 
@@ -209,5 +210,5 @@ def test_full_power_and_back_lifts_it_but_does_not_topple_it(
 
 def test_a_duty_that_cannot_be_is_refused(wheels: BulletWheels) -> None:
     for duty in (1.01, math.nan):
-        with pytest.raises(PlantError, match="-1 to 1"):
+        with pytest.raises(DeviceError, match="-1 to 1"):
             wheels.plant(LEFT).drive(duty)

@@ -182,7 +182,7 @@ def test_attempts_come_after_half_a_second_then_one_then_two_up_to_eight():
                 device.answers = [frame(1.0), PictureError("lost")]
             return self.is_set()
 
-    camera._stopping = Stopping()
+    camera._thread.stopping = Stopping()
     camera.start()
     until(lambda: len(pauses) == 9)
     camera.close()
@@ -221,20 +221,21 @@ def test_closing_interrupts_the_wait_before_the_next_attempt(run):
     camera = run(device, first_retry=3600.0)
     until(lambda: device.closed)
     camera.close()
-    assert not camera._thread.is_alive()
+    assert not camera._thread.alive
 
 
 def test_a_thread_that_does_not_end_is_complained_about(run, monkeypatch, caplog):
-    leave = threading.Event()
+    opening, leave = threading.Event(), threading.Event()
     device = Scripted(Clock())
-    device.open = lambda: leave.wait(20)
-    camera = run(device)
+    device.open = lambda: opening.set() or leave.wait(20)
     monkeypatch.setattr(grabbing, "JOIN_S", 0.01)
+    camera = run(device)
+    assert opening.wait(20)
     with caplog.at_level(logging.ERROR):
         camera.close()
     assert "did not end within" in caplog.text
     leave.set()
-    until(lambda: not camera._thread.is_alive())
+    until(lambda: not camera._thread.alive)
 
 
 def test_closing_what_was_never_started_is_fine():

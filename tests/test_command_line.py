@@ -13,7 +13,9 @@ from functools import partial
 import pytest
 from serving import ROOT, ask, serving, telemetry
 
+from app import command_line
 from app.command_line import main
+from robot.errors import PackageError
 
 
 def brickpose(*arguments, code=None):
@@ -45,6 +47,13 @@ WRONG = [
     (("bench", "nothing"), "valid are .*loop"),
     (("run", "--map", "moon", "--port", "0"), "valid are square, .*town"),
 ]
+
+
+def refuse(error):
+    def instead(parsed):
+        raise error
+
+    return instead
 
 
 HELP = ("run", "--help")
@@ -149,6 +158,27 @@ def test_asked_for_physics_without_pybullet_it_says_what_to_do(ended):
     assert done.returncode == 1
     assert "pip install pybullet" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_an_error_that_the_program_tells_ends_in_one_line(monkeypatch, capsys):
+    monkeypatch.setattr(command_line, "config_from", refuse(PackageError("pip install it")))
+    assert main(["run"]) == 1
+    assert capsys.readouterr().err == "brickpose: pip install it\n"
+
+
+@pytest.mark.parametrize("defect", [ValueError, RuntimeError, KeyError, ImportError])
+def test_a_defect_of_the_program_is_not_taken_for_a_wrong_argument(monkeypatch, capsys, defect):
+    monkeypatch.setattr(command_line, "config_from", refuse(defect("a defect")))
+    with pytest.raises(defect, match="a defect"):
+        main(["run"])
+    assert capsys.readouterr().err == ""
+
+
+def test_a_name_that_no_machine_can_have_is_refused_in_one_line(capsys):
+    assert main(["run", "--robot", "kinematic", "--host", "x" * 70, "--port", "0"]) == 1
+    assert re.fullmatch(
+        "brickpose: cannot listen on x+ port 0: .*--port.*\n", capsys.readouterr().err
+    )
 
 
 def test_main_can_be_called(capsys):

@@ -17,11 +17,12 @@ from app.ros2.dds import child as child_module
 from app.ros2.dds import route as route_module
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
-from app.ros2.dds.route import DdsError, DdsRoute
+from app.ros2.dds.route import DdsRoute
 from app.ros2.topics import topic
 from app.settings.config import ROOT
 from app.settings.ros2 import Ros2Settings
 from benchmarks.topics.fastdds import Peer, missing
+from robot.errors import PackageError
 
 pytestmark = pytest.mark.real_time
 
@@ -126,7 +127,7 @@ def test_a_silent_process_is_ended(monkeypatch):
 PROGRAM = """
 from app.ros2.dds.child import Child
 from app.ros2.dds.configuration import plan
-from app.ros2.dds.route import DdsError, DdsRoute
+from app.ros2.dds.route import DdsRoute
 from app.settings.ros2 import Ros2Settings
 child = Child(plan(Ros2Settings(domain_id={}), "127.0.0.1", ()))
 child.wait_until_ready()
@@ -173,5 +174,5 @@ def test_a_domain_that_cannot_be_joined_is_told_in_words():
 def test_without_cyclone_the_start_says_what_to_install(monkeypatch):
     monkeypatch.setattr(route_module, "find_spec", lambda name: None)
     route = DdsRoute(None, None, Ros2Settings(), "127.0.0.1")
-    with pytest.raises(DdsError, match=r"pip install '.\[ros2\]'"):
+    with pytest.raises(PackageError, match=r"pip install '.\[ros2\]'"):
         route.start()

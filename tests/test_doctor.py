@@ -84,20 +84,20 @@ def test_a_line_has_level_finding_and_cure() -> None:
 
 def test_nothing_is_amiss_on_a_pi_that_is_set_up(four: Pi) -> None:
     assert four.amiss() == []
-    told = [one.what for one in four.findings()]
+    told = [one.message for one in four.findings()]
     assert "Raspberry Pi 4 Model B Rev 1.4" in told
     assert "Serial port /dev/serial0" in told
 
 
 def test_a_pi_5_is_looked_at_where_its_port_is(five: Pi) -> None:
     assert five.amiss() == []
-    assert "Serial port /dev/ttyAMA0" in [one.what for one in five.findings()]
+    assert "Serial port /dev/ttyAMA0" in [one.message for one in five.findings()]
 
 
 def test_the_debug_connector_of_a_pi_5_is_told_from_the_header(five: Pi) -> None:
     for wrong in ("/dev/serial0", "/dev/ttyAMA10"):
         found = five.the_problem(wrong)
-        assert wrong in found.what
+        assert wrong in found.message
         assert "/dev/ttyAMA0" in found.cure
 
 
@@ -110,7 +110,7 @@ def test_a_console_on_the_debug_connector_of_a_pi_5_does_no_harm(five: Pi) -> No
 def test_a_console_on_the_port_is_a_problem(four: Pi, console: str) -> None:
     four.write("/proc/cmdline", f"console={console},115200 {CMDLINE}")
     found = four.the_problem()
-    assert "console" in found.what
+    assert "console" in found.message
     assert "do_serial_cons 1" in found.cure
     assert serial_check.usable([found])
 
@@ -133,7 +133,7 @@ def test_a_login_shell_elsewhere_is_none_of_our_business(four: Pi) -> None:
 def test_without_the_port_the_serial_hardware_is_to_be_switched_on(four: Pi) -> None:
     (four.root / "dev/serial0").unlink()
     found = four.the_problem()
-    assert "/dev/serial0" in found.what
+    assert "/dev/serial0" in found.message
     assert "do_serial_hw 0" in found.cure
     assert not serial_check.usable([found])
 
@@ -154,7 +154,7 @@ def test_who_has_the_port_open_is_named(four: Pi) -> None:
     four.write("/proc/4711/comm", "minicom\n")
     (four.root / "proc/4711/fd").mkdir()
     (four.root / "proc/4711/fd/3").symlink_to(four.root / "dev/ttyS0")
-    assert "minicom (process 4711)" in four.the_problem().what
+    assert "minicom (process 4711)" in four.the_problem().message
 
 
 def test_our_own_process_is_not_in_the_way(four: Pi) -> None:
@@ -180,8 +180,8 @@ def test_one_wire_elsewhere_is_fine(four: Pi, line: str) -> None:
 def test_a_pi_with_low_voltage_is_warned_of(four: Pi) -> None:
     four.said["vcgencmd"] = "throttled=0x50005\n"
     found = four.the_warning()
-    assert "its voltage is too low now" in found.what
-    assert "it was slowed down" in found.what
+    assert "its voltage is too low now" in found.message
+    assert "it was slowed down" in found.message
 
 
 def test_a_clock_that_nobody_set_is_a_warning(four: Pi) -> None:

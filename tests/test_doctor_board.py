@@ -74,7 +74,7 @@ def examine(hat: EmulatedHat, monkeypatch) -> Examine:
 
 
 def told(found: list[Finding], level: str) -> list[str]:
-    return [one.what + one.cure for one in found if one.level == level]
+    return [one.message + one.cure for one in found if one.level == level]
 
 
 def turned(hat: EmulatedHat) -> list[str]:

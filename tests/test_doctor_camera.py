@@ -25,18 +25,18 @@ def test_a_camera_is_told_with_its_size_rate_and_age(tmp_path: Path, spec: Robot
         cv2.imwrite(str(tmp_path / f"{number}.png"), picture)
     found = list(camera_check.check_camera(spec.lens, CameraSourceSettings(source=str(tmp_path))))
     assert [one.level for one in found] == [OK, OK]
-    assert "640 x 480" in found[0].what
+    assert "640 x 480" in found[0].message
 
 
 def test_pictures_of_another_size_are_a_problem(tmp_path: Path, spec: RobotSpec) -> None:
     cv2.imwrite(str(tmp_path / "0.png"), np.zeros((48, 64), np.uint8))
     (found,) = camera_check.check_camera(spec.lens, CameraSourceSettings(source=str(tmp_path)), 0.1)
-    assert (found.level, "640" in found.what) == (PROBLEM, True)
+    assert (found.level, "640" in found.message) == (PROBLEM, True)
 
 
 def test_a_camera_that_can_never_be_is_a_problem(spec: RobotSpec) -> None:
     (found,) = camera_check.check_camera(spec.lens, CameraSourceSettings(source="/nowhere/at/all"))
-    assert (found.level, "valid are" in found.what) == (PROBLEM, True)
+    assert (found.level, "valid are" in found.message) == (PROBLEM, True)
 
 
 def test_few_or_old_pictures_are_warnings_and_pictures_of_the_future_a_problem(spec) -> None:

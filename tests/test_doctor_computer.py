@@ -24,7 +24,7 @@ def test_the_versions_here_are_those_that_were_tested() -> None:
     assert tested["numpy"] == np.__version__
     assert computer.packages(tested).level == OK
     found = computer.packages(tested | {"numpy": "1.24.2"})
-    assert (found.level, f"numpy {np.__version__} (1.24.2)" in found.what) == (WARNING, True)
+    assert (found.level, f"numpy {np.__version__} (1.24.2)" in found.message) == (WARNING, True)
 
 
 def test_an_installation_without_the_list_of_versions_is_fine(tmp_path: Path) -> None:

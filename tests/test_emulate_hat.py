@@ -20,8 +20,9 @@ from app.tools.hat_emulator.command import emulate_hat
 from robot.camera import Lens
 from robot.cameras.picture_socket import PictureSocket
 from robot.description.spec import RobotSpec
+from robot.errors import PackageError
 from robot.settings import SettingError
-from sim.bullet import BulletMissingError, load_pybullet
+from sim.bullet import load_pybullet
 
 MAIN = [sys.executable, "-m", "app"]
 
@@ -134,7 +135,7 @@ def test_a_robot_s_pictures_are_served_with_stamps_of_the_shared_clock(tmp_path:
 
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         pytest.skip("pybullet is not installed")
     pictures, hands = tmp_path / "pictures", tmp_path / "hands"
     lens: Lens = RobotSpec.load().lens

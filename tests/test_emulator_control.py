@@ -12,7 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.description.spec import RobotSpec
-from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from robot.errors import PackageError
+from sim.bullet import BulletWorld, load_pybullet
 from sim.hat_emulator.surroundings import RobotOnField, Table
 
 
@@ -103,7 +104,7 @@ def test_without_a_robot_nothing_can_be_placed(bench: Bench) -> None:
 def test_a_robot_is_placed_and_drives_by_its_port() -> None:
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         pytest.skip("pybullet is not installed")
     spec = RobotSpec.load()
     bench = Bench(RobotOnField(BulletWorld(spec), spec))

@@ -10,7 +10,7 @@ import pytest
 from emulator_bench import Bench
 
 from robot.hat.protocol.decoder import Decoder
-from robot.hat.protocol.events import BusError, Event, QueueOverrun, Supply
+from robot.hat.protocol.events import BusFault, Event, QueueOverrun, Supply
 
 
 @pytest.fixture
@@ -54,8 +54,8 @@ def test_bytes_are_lost_on_the_way_in(bench: Bench) -> None:
     ("text", "event"),
     [
         ("MQ overrun!", QueueOverrun()),
-        ("<I²C bus timeout>", BusError("<I²C bus timeout>")),
-        ("Attempting reset of I²C bus", BusError("Attempting reset of I²C bus")),
+        ("<I²C bus timeout>", BusFault("<I²C bus timeout>")),
+        ("Attempting reset of I²C bus", BusFault("Attempting reset of I²C bus")),
     ],
 )
 def test_the_board_says_out_of_turn_what_it_is_told_to(

@@ -103,3 +103,12 @@ def test_a_floor_laid_out_two_percent_too_large_is_within_the_bound(name: str, s
     claims = claims_of(name, "stretched", "known", seed)
     assert misleading(claims).mean() < 0.02
     assert longest(claims.stamps, misleading(claims)) < 0.5
+
+
+def test_edges_that_are_nearly_parallel_do_not_end_a_claim() -> None:
+    """They seemed to cross at a milliradian: half a metre was claimed, and a place searched for."""
+    claims = claims_of("generated-6304", "default", "known", 9801, 0.4)
+    assert right(claims).all()
+    assert {
+        state for state, stamp in zip(claims.states, claims.stamps, strict=True) if stamp > 1
+    } == {State.CERTAIN}

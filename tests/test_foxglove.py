@@ -10,7 +10,7 @@ from node_peers import needs_node, start_node
 
 from app.engine.build import build_program
 from app.messages.commands import DriveCommand, ScatterCommand
-from app.ros2.foxglove.route import FoxgloveMissingError, FoxglovePortError, FoxgloveRoute
+from app.ros2.foxglove.route import FoxgloveRoute
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
@@ -18,6 +18,7 @@ from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS, topic
 from app.settings.config import Config
 from app.settings.ros2 import Ros2Settings
+from robot.errors import PackageError, PortError
 from sim.real_time import RealTime
 
 pytest.importorskip("foxglove", reason="the extra `foxglove` is not installed")
@@ -161,7 +162,7 @@ def test_what_nobody_looks_at_is_not_made(rig):
 def test_a_port_that_is_taken_is_named(rig):
     settings = Ros2Settings(foxglove_port=rig.route.port)
     second = FoxgloveRoute(rig.publisher, Inbox(rig.program, rig.source), settings, "127.0.0.1")
-    with pytest.raises(FoxglovePortError, match=f"port {rig.route.port}: .*foxglove_port"):
+    with pytest.raises(PortError, match=f"port {rig.route.port}: .*foxglove_port"):
         second.start()
     second.close()
 
@@ -172,7 +173,7 @@ def test_without_the_sdk_the_cure_is_told(monkeypatch):
     source = TopicSource.of(program)
     publisher = TopicPublisher(source, program.engine.every)
     route = FoxgloveRoute(publisher, Inbox(program, source), source.settings, "127.0.0.1")
-    with pytest.raises(FoxgloveMissingError, match=r"brickpose\[foxglove\]"):
+    with pytest.raises(PackageError, match=r"brickpose\[foxglove\]"):
         route.start()
     route.close()
 

@@ -142,7 +142,7 @@ def test_a_noisy_wire_only_takes_longer(warm, garble):
 
 EVENTS = [
     ev.Answered(),
-    ev.CommandError(),
+    ev.CommandRefused(),
     ev.FirmwareVersion(EXPECTED_VERSION, "x"),
     ev.FirmwareVersion(1, "x"),
     ev.InitDone(),

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robot.errors import CommandError
 from robot.hat.protocol import commands
-from robot.hat.protocol.commands import LineError
 
 WORDS = """
 help ? clear_faults port list ledmode pwm coast pid pid_diff set off on vin pwmparams plimit
@@ -130,7 +130,7 @@ def test_whole_numbers_keep_their_zeros():
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
 def test_what_is_no_number_is_refused(value):
-    with pytest.raises(LineError, match="finite"):
+    with pytest.raises(CommandError, match="finite"):
         commands.fixed(value, 3)
 
 
@@ -138,13 +138,13 @@ def test_what_is_no_number_is_refused(value):
     "part", ["vin\r", "vin\n", "set\t1", "set 1e-05", "set -2.5E3", "port 0;set .1e2", "sét", "\0"]
 )
 def test_what_would_poison_the_line_is_refused(part):
-    with pytest.raises(LineError, match="valid"):
+    with pytest.raises(CommandError, match="valid"):
         commands.line("port 0", part)
 
 
 def test_a_line_that_would_be_cut_is_refused():
     assert len(commands.line("#" * 255)) == 256
-    with pytest.raises(LineError, match="256"):
+    with pytest.raises(CommandError, match="256"):
         commands.line("#" * 256)
 
 
@@ -155,5 +155,5 @@ def test_a_port_that_is_none_is_refused(port):
         lambda: commands.pulses({port: 0.5}, 0.2),
         lambda: commands.set_up_motor(port, 10, 1.0),
     ):
-        with pytest.raises(LineError, match="0 to 3"):
+        with pytest.raises(CommandError, match="0 to 3"):
             build()

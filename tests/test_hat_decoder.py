@@ -43,7 +43,7 @@ REFUSED = (
 
 LINES = [
     ("", ev.Answered()),
-    ("Error", ev.CommandError()),
+    ("Error", ev.CommandRefused()),
     (
         "Firmware version: 1737564117 2025-01-22T16:41:57+00:00",
         ev.FirmwareVersion(1737564117, "2025-01-22T16:41:57+00:00"),
@@ -92,7 +92,7 @@ LINES = [
     *((text, ev.FaultDump(text)) for text in DUMP),
     ("deltat=00000013", ev.Late(19)),
     ("MQ overrun!", ev.QueueOverrun()),
-    ("Attempting reset of I²C bus", ev.BusError("Attempting reset of I²C bus")),
+    ("Attempting reset of I²C bus", ev.BusFault("Attempting reset of I²C bus")),
     ("Done initialising ports", ev.InitDone()),
     *((text, ev.Banner(text)) for text in BANNER),
     *((text, ev.DescriptionLine(text)) for text in BLOCK.splitlines()),
@@ -215,10 +215,10 @@ def test_the_firmwares_prompt_hides_nothing():
 def test_an_error_of_the_inner_bus_hides_nothing():
     said = "<I²C bus timeout><generic I²C bus error>P0: pulse done\r\n<P0: I²C bus timeout>\r\n"
     assert Decoder().feed(said.encode()) == [
-        ev.BusError("<I²C bus timeout>"),
-        ev.BusError("<generic I²C bus error>"),
+        ev.BusFault("<I²C bus timeout>"),
+        ev.BusFault("<generic I²C bus error>"),
         ev.PulseDone(0),
-        ev.BusError("<P0: I²C bus timeout>"),
+        ev.BusFault("<P0: I²C bus timeout>"),
         ev.Answered(),
     ]
 

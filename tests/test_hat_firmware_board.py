@@ -6,7 +6,8 @@ import pytest
 from hat_boards import COMBINED, Bench
 
 from sim.hat.bootloader import checksum
-from sim.hat.emulated_board import BoardError, EmulatedBoard
+from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.motor_figures import DeviceError
 from sim.hat.plants import FreeMotors
 
 IMAGE = b"an image 1737564117 2025-01-22T16:41:57+00:00 as it says itself"
@@ -31,7 +32,7 @@ def test_time_passes_only_by_advancing_and_parts_of_a_millisecond_add_up() -> No
     board.receive(b"vin\r")
     assert board.advance(0.0) == b""
     assert board.advance(0.0009) == b""
-    with pytest.raises(BoardError, match="0 or more"):
+    with pytest.raises(DeviceError, match="0 or more"):
         board.advance(-0.1)
 
 
@@ -68,7 +69,7 @@ def test_a_bad_wire_spoils_bytes_the_same_way_for_the_same_seed() -> None:
     assert heard[0] == heard[1] != heard[2]
     assert b"\0" in heard[0]
     assert set(heard[0]) > set(b"abc\0")
-    with pytest.raises(BoardError, match="0 to 1"):
+    with pytest.raises(DeviceError, match="0 to 1"):
         bench.board.garble = 2.0
 
 
@@ -84,7 +85,7 @@ def test_a_bad_wire_spoils_what_comes_in_as_what_goes_out() -> None:
     assert b"\0" in heard[0], "zeroed"
     assert set(heard[0]) > set(b"#ab\0\r\n"), "changed by a bit"
     assert b"aa" in heard[0] or b"bb" in heard[0], "lost or doubled"
-    with pytest.raises(BoardError, match="0 to 1"):
+    with pytest.raises(DeviceError, match="0 to 1"):
         bench.board.garble_in = 2.0
 
 
@@ -95,7 +96,7 @@ def test_a_line_that_loses_bytes_on_the_way_in_makes_an_upload_time_out() -> Non
     bench.board.loss = 0.001
     bench.board.receive(b"\x02" + bytes(5000) + b"\x03")
     assert bench.until("Timed out waiting for data", 3.0) == pytest.approx(1.43, abs=0.05)
-    with pytest.raises(BoardError, match="0 to 1"):
+    with pytest.raises(DeviceError, match="0 to 1"):
         bench.board.loss = -0.1
 
 
@@ -174,14 +175,14 @@ def test_another_version_is_another_board_until_it_is_loaded() -> None:
 
 def test_what_is_asked_of_the_board_is_checked() -> None:
     bench = Bench()
-    with pytest.raises(BoardError, match="0 to 3"):
+    with pytest.raises(DeviceError, match="0 to 3"):
         bench.board.unplug(4)
-    with pytest.raises(BoardError, match="framing, checksum, silence"):
+    with pytest.raises(DeviceError, match="framing, checksum, silence"):
         bench.board.setup_fails(0, "boredom")
-    with pytest.raises(BoardError, match="1 or more"):
+    with pytest.raises(DeviceError, match="1 or more"):
         bench.board.late(0)
     bench.board.reset()
-    with pytest.raises(BoardError, match="bootloader"):
+    with pytest.raises(DeviceError, match="bootloader"):
         bench.board.setup_fails(0, "framing")
 
 

@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from robot.errors import CommandError
 from sim.hat.firmware.variables import single
-from sim.hat.words import CommandError, Words
+from sim.hat.words import Words
 
 DIGITS = st.text(st.sampled_from("0123456789"), max_size=12)
 

@@ -157,7 +157,7 @@ def no_quaternion():
 def test_a_pose_that_cannot_be_is_refused(program, inbox, message, words):
     with pytest.raises(ValueError, match=words):
         inbox.take("initialpose", POSE, message)
-    assert program.engine.commands.qsize() == 0
+    assert len(program.engine.commands) == 0
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.6, 2))

@@ -133,8 +133,8 @@ def test_a_known_start_decides_at_once_and_a_scattered_one_later(stub_lap):
 
 
 def test_a_robot_that_believes_in_another_field_does_not_fit(stub_lap):
-    other = load_field("town", MAPS)
-    claims = follow_claims(stub_lap, replace(FAST, seed=2), "known", other)
+    other = replace(stub_lap, drive=replace(stub_lap.drive, field=load_field("town", MAPS)))
+    claims = follow_claims(other, replace(FAST, seed=2), "known")
     assert measures(claims)["right"] < 0.9
 
 

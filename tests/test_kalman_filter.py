@@ -15,7 +15,7 @@ from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive, draw_poses, matc
 
 from robot.fields.edges import outline
 from robot.fields.field import Field
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.filter import Cloud
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.models.motion_models import DifferentialMotion, MotionModel
@@ -30,14 +30,14 @@ STEP = Twist2(0.15, 0.79).integrate(PERIOD)
 
 
 def filter_of(
-    of: Field = STUB,
+    field: Field = STUB,
     sd: float = SD,
     motion: MotionModel = MOTION,
     seed: int = 0,
-    doubt: float = 0.0,
+    doubt: float = 0,
 ) -> KalmanFilter:
     rng = np.random.default_rng(seed)
-    return KalmanFilter(motion, matcher_of(of, sd), of, np.eye(3), 61, rng, doubt=doubt)
+    return KalmanFilter(motion, matcher_of(field, sd), field, np.eye(3), 61, rng, doubt=doubt)
 
 
 def covariance(f: KalmanFilter) -> Array:
@@ -48,8 +48,7 @@ def pose(f: KalmanFilter) -> Pose2:
     return f.hypotheses[0].pose
 
 
-finite = st.floats(-1, 1)
-poses = st.builds(Pose2, finite, finite, st.floats(-3.14, 3.14))
+poses = st.builds(Pose2, st.floats(-1, 1), st.floats(-1, 1), st.floats(-3.14, 3.14))
 roots = arrays(float, (3, 3), elements=st.floats(-0.3, 0.3))
 
 
@@ -279,7 +278,7 @@ def test_its_cloud_has_its_mean_and_covariance(start: Pose2, root: Array) -> Non
     f.set_pose(start, 0.1 * root @ root.T)
     cloud = f.cloud
     offsets = cloud.poses - start.to_array()
-    offsets[:, 2] = (offsets[:, 2] + math.pi) % (2 * math.pi) - math.pi
+    offsets[:, 2] = wrap_angle(offsets[:, 2])
     np.testing.assert_allclose(offsets.mean(axis=0), 0, atol=1e-9)
     np.testing.assert_allclose(np.cov(offsets.T, bias=True), covariance(f), atol=1e-9)
 
@@ -295,6 +294,6 @@ def test_from_a_cloud_it_takes_mean_and_covariance() -> None:
 def test_scattered_it_is_as_wide_as_the_field() -> None:
     f = filter_of()
     f.scatter()
-    sd = np.sqrt(np.diag(covariance(f)))
-    np.testing.assert_allclose(sd[:2], 0.95 / math.sqrt(12), rtol=0.08)
-    assert sd[2] > 1.5
+    *position, theta = np.sqrt(covariance(f).diagonal())
+    np.testing.assert_allclose(position, 0.95 / math.sqrt(12), rtol=0.08)
+    assert theta > 1.5

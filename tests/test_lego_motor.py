@@ -10,18 +10,8 @@ from hat_boards import LISTED_BLOCK
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.lego_motor import (
-    APOS,
-    CALIB,
-    MODES,
-    POS,
-    POWER,
-    SPEED,
-    STATS,
-    DeviceError,
-    LegoMotor,
-)
-from sim.hat.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
+from sim.hat.motor_figures import MOTOR_FIGURES, DeviceError
 
 
 class Shaft:
@@ -206,7 +196,7 @@ def test_a_mode_that_is_not_there_is_refused(mode: int) -> None:
 
 
 def test_a_type_that_is_no_angular_motor_is_refused() -> None:
-    with pytest.raises(KindError, match="4C"):
+    with pytest.raises(DeviceError, match="4C"):
         LegoMotor(0x3D, Shaft())
 
 

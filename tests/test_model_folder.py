@@ -7,9 +7,9 @@ from own_programs import FLAT, STILL, run
 from app.engine.commands import check
 from app.engine.own_models.own_models import OwnChoice
 from app.messages.commands import SetParametersCommand
-from app.messages.parsing import CommandError
 from app.page.telemetry import parameter_messages
 from app.settings.config import Config
+from robot.errors import CommandError
 
 
 def test_models_dropped_into_the_folder_are_offered_and_chosen_live(save, tmp_path, with_own):

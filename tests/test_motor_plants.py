@@ -12,12 +12,12 @@ from sim.hat.motor_figures import (
     MOTOR_FIGURES,
     RAIL_V,
     SUPPLY_V,
-    KindError,
+    DeviceError,
     MotorFigures,
     figures_described,
     figures_named,
 )
-from sim.hat.plants import FreeMotor, FreeMotors, Plant, PlantError, Plants
+from sim.hat.plants import FreeMotor, FreeMotors, Plant, Plants
 
 KINDS = pytest.mark.parametrize(
     "figures", [figures_named(name) for name in ("medium", "large", "small")]
@@ -239,12 +239,12 @@ def test_what_stands_below_the_threshold_never_creeps(duty: float, seconds: floa
 
 @pytest.mark.parametrize("duty", [1.01, -2.0, math.nan, math.inf])
 def test_a_duty_beyond_full_drive_is_refused(duty: float) -> None:
-    with pytest.raises(PlantError, match="-1 to 1"):
+    with pytest.raises(DeviceError, match="-1 to 1"):
         FreeMotor(figures_named("large")).drive(duty)
 
 
 def test_a_load_that_is_no_number_is_refused() -> None:
-    with pytest.raises(PlantError, match="N m"):
+    with pytest.raises(DeviceError, match="N m"):
         FreeMotor(figures_named("large")).load = math.nan
 
 
@@ -266,16 +266,16 @@ def test_free_motors_share_the_supply() -> None:
 
 
 def test_ports_are_0_to_3() -> None:
-    with pytest.raises(PlantError, match="0 to 3"):
+    with pytest.raises(DeviceError, match="0 to 3"):
         FreeMotors().plant(4)
-    with pytest.raises(PlantError, match="0 to 3"):
+    with pytest.raises(DeviceError, match="0 to 3"):
         FreeMotors({-1: figures_named("small")})
 
 
 def test_an_unknown_motor_is_answered_by_those_that_are_known() -> None:
-    with pytest.raises(KindError, match=r"are medium, large, small, medium-grey, large-grey$"):
+    with pytest.raises(DeviceError, match=r"are medium, large, small, medium-grey, large-grey$"):
         figures_named("huge")
-    with pytest.raises(KindError, match=r"are medium angular, large angular, small angular$"):
+    with pytest.raises(DeviceError, match=r"are medium angular, large angular, small angular$"):
         figures_described("medium linear")
 
 

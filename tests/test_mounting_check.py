@@ -245,3 +245,19 @@ def test_where_a_scan_tells_nothing_the_pose_stays_as_far_off_as_it_was() -> Non
     check.look(ahead)
     _, covariance = check.pose_error(0.01)
     assert np.sqrt(covariance.diagonal()) == pytest.approx([0.01, 0.01, 0], rel=0.05)
+
+
+@pytest.mark.parametrize("crossing", [0.0, 0.001, 0.01, 0.1])
+def test_edges_that_are_nearly_parallel_shift_no_pose_by_metres(crossing: float) -> None:
+    """Two edges that cross at a small angle: seen for a second, from a metre beside the origin."""
+    check = MountingCheck()
+    scan = np.zeros((7, 7))
+    for angle, distance in [(0.0, 1.0), (crossing, 1.3)]:
+        row = np.array([math.sin(angle), math.cos(angle), 0.0, 0.0, 0.0, -distance, 0.0])
+        scan += 1e8 * np.outer(row, row)
+    for _ in range(30):
+        check.look(scan)
+    _, covariance = check.pose_error(0.01)
+    x, y, _ = np.sqrt(covariance.diagonal())
+    assert x < 0.1
+    assert 0.01 < y < 0.014

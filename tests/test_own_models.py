@@ -16,7 +16,7 @@ from app.messages.commands import (
     SetParametersCommand,
     StopCommand,
 )
-from app.messages.parsing import CommandError
+from robot.errors import CommandError
 from robot.scanning.line_scanner import LineScanner
 
 

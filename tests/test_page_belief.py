@@ -9,6 +9,9 @@ from browsing import opened
 from playwright.sync_api import expect
 from serving import ask, serving, until
 
+from app.page.belief import alike
+from robot.localization.integrity import State
+
 pytestmark = [pytest.mark.browser, pytest.mark.real_time]
 
 MINE = """
@@ -62,7 +65,8 @@ def test_it_says_when_it_is_certain_and_when_it_knows_nothing(page, live):
 
 
 def claimed(state, radius=None, weights=(), v=0.1):
-    return {"state": state, "radius": radius, "weights": list(weights), "v": v}
+    count = alike(State(state), weights)
+    return {"state": state, "radius": radius, "weights": list(weights), "alike": count, "v": v}
 
 
 CLAIMS = [
@@ -94,8 +98,8 @@ def told(browser, server):
                 const { certainty } = await import("/static/map/places.js");
                 return claims.map(({ weights, v, ...integrity }) => {
                     const hypotheses = weights.map((weight) => ({ weight }));
-                    const twist = { v, omega: 0 };
-                    return certainty({ integrity, particles: { hypotheses }, twist });
+                    const particles = { hypotheses, alike: integrity.alike };
+                    return certainty({ integrity, particles, twist: { v, omega: 0 } });
                 });
             }""",
             [claim for claim, _ in CLAIMS],

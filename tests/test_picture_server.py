@@ -14,11 +14,12 @@ import pytest
 
 from robot.camera import Lens
 from robot.cameras.picture_socket import PictureSocket
+from robot.errors import PortError
 from robot.geometry import Pose2, Twist2
 from sim.floor_camera import CameraSettings
 from sim.hat_emulator.picture_server import PictureServer, PictureServerError, Shot
 from sim.hat_emulator.surroundings import CameraFeed
-from sim.hat_emulator.unix_sockets import SocketError, listen, stop_listening
+from sim.hat_emulator.unix_sockets import listen, stop_listening
 
 STANDING = Twist2(0.0, 0.0)
 LENS = replace(Lens.from_yaml(Path("robot/description/pi_camera.yaml")), width=64, height=48)
@@ -227,11 +228,11 @@ def test_a_name_is_taken_from_the_dead_but_not_from_the_living_nor_from_files(
     dead.bind(str(path))
     dead.close()
     living = listen(path)
-    with pytest.raises(SocketError, match="another program listens"):
+    with pytest.raises(PortError, match="another program listens"):
         listen(path)
     stop_listening(living)
     path.write_text("precious")
-    with pytest.raises(SocketError, match="in use"):
+    with pytest.raises(PortError, match="in use"):
         listen(path)
     assert path.read_text() == "precious"
 

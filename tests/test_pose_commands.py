@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
+from app.engine.pose_commands import cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
 from app.page.belief import integrity_message, packed
+from robot.errors import CommandError
 from robot.localization.filter import Cloud
 from robot.localization.integrity import Alert, Cause, Integrity, State
 
@@ -25,7 +26,7 @@ def some(poses, weights=None):
 
 def test_a_pose_is_told_with_a_covariance_or_with_deviations_but_not_both():
     assert covariance_of(told(sd_xy=0.1)) is None
-    with pytest.raises(HypothesisError, match="either"):
+    with pytest.raises(CommandError, match="either"):
         covariance_of(told(sd_theta=0.1, covariance=[1.0, 0, 0, 0, 1, 0, 0, 0, 1]))
 
 
@@ -47,7 +48,7 @@ def test_without_weights_all_poses_are_alike_and_headings_are_wrapped():
     [([0.0, 0.0], "all weights are zero"), ([1.0], "1 weights for 2 poses"), ([], "0 weights")],
 )
 def test_weights_that_say_nothing_are_refused(weights, why):
-    with pytest.raises(HypothesisError, match=why):
+    with pytest.raises(CommandError, match=why):
         cloud_of(some([(0, 0, 0), (1, 1, 1)], weights))
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 import serial
 
-from sim.hat_emulator.pseudo_terminal import PseudoTerminal, TerminalError
+from robot.errors import PortError
+from sim.hat_emulator.pseudo_terminal import PseudoTerminal
 
 
 @pytest.fixture
@@ -107,15 +108,15 @@ def test_a_file_is_never_replaced_by_a_link(tmp_path: Path) -> None:
     file = tmp_path / "precious"
     file.write_text("precious")
     descriptors = open_descriptors()
-    with pytest.raises(TerminalError, match="precious is there and no link"):
+    with pytest.raises(PortError, match="precious is there and no link"):
         PseudoTerminal(file)
     assert file.read_text() == "precious"
     assert open_descriptors() == descriptors
-    with pytest.raises(TerminalError, match="can be made: No such file"):
+    with pytest.raises(PortError, match="can be made: No such file"):
         PseudoTerminal(tmp_path / "nowhere" / "hat")
 
 
 def test_after_closing_it_says_so(terminal: PseudoTerminal) -> None:
     terminal.close()
-    with pytest.raises(TerminalError, match="closed"):
+    with pytest.raises(PortError, match="closed"):
         terminal.read()

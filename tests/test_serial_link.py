@@ -7,9 +7,10 @@ from contextlib import closing, contextmanager
 import pytest
 from pseudo_terminals import PATIENCE, Pty
 
+from robot.errors import PortError
 from robot.hat import serial_link
 from robot.hat.serial_link import SerialLink
-from robot.hat.serial_port import PortError
+from robot.hat.start.reset_line import ResetError
 
 pytestmark = pytest.mark.usefixtures("nothing_is_left")
 
@@ -188,7 +189,7 @@ def test_a_reset_that_is_wanted_is_done_and_told(pty):
 
 def test_a_reset_that_cannot_be_is_told(pty):
     def busy():
-        raise RuntimeError("pin 4 is busy")
+        raise ResetError("pin 4 is busy")
 
     for reset, said in ((busy, "pin 4 is busy"), (None, "this program has no reset pin")):
         talker = Listener()

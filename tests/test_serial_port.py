@@ -9,8 +9,9 @@ import pytest
 import serial
 from pseudo_terminals import PATIENCE
 
+from robot.errors import PortError
 from robot.hat import serial_port
-from robot.hat.serial_port import PortError, SerialPort, find_device
+from robot.hat.serial_port import SerialPort, find_device
 
 pytestmark = pytest.mark.usefixtures("nothing_is_left")
 

@@ -8,7 +8,7 @@ import httpx
 import numpy as np
 import pytest
 import websockets
-from serving import Server, telemetry
+from serving import Server, ask, telemetry
 from websockets.sync.client import connect
 
 from app.messages.answers import (
@@ -18,6 +18,7 @@ from app.messages.answers import (
     ProblemsMessage,
     ProfileMessage,
 )
+from app.messages.picture import PictureMessage
 from app.messages.telemetry import TelemetryMessage
 from app.settings.config import FRONTEND
 
@@ -194,13 +195,31 @@ def test_our_own_page_gets_one(server):
 # --- pictures and 3D over sockets ------------------------------------------------------------
 
 
-def test_camera_socket_sends_stamp_and_jpeg(server, live):
+def parts(message: bytes) -> tuple[PictureMessage, np.ndarray]:
+    (length,) = struct.unpack("<I", message[:4])
+    head, jpeg = message[4 : 4 + length], message[4 + length :]
+    grey = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE)
+    return PictureMessage.model_validate_json(head), grey
+
+
+def test_camera_socket_sends_each_picture_with_its_own_scan(server, live):
+    found = []
     with connect(f"ws://{server.address}/api/camera", max_size=None) as camera:
-        messages = [camera.recv(timeout=20) for _ in range(5)]
-    stamps = [struct.unpack("<d", message[:8])[0] for message in messages]
-    assert all(later > earlier for earlier, later in pairwise(stamps))
-    assert all(message[8:11] == b"\xff\xd8\xff" for message in messages)
-    assert abs(telemetry(live)["scan"]["stamp"] - stamps[-1]) < 0.5
+        for _ in range(25):
+            ask(live, type="drive", v=0.1, omega=2.0)
+            found.append(parts(camera.recv(timeout=20)))
+    ask(live, type="stop")
+    assert all(later.stamp > earlier.stamp for (earlier, _), (later, _) in pairwise(found))
+    for picture, grey in found:
+        rays = zip(picture.edges.entry_px, picture.edges.exit_px, strict=True)
+        edges = np.array([pair for pair in rays if None not in pair])
+        entry, way = edges[:, 0], edges[:, 1] - edges[:, 0]
+        (u, v), (before_u, before_v) = (
+            np.rint(entry + share * way).astype(int).T for share in (0.25, -0.25)
+        )
+        # A fast turn moves the edges by many pixels from picture to picture.
+        assert np.mean(grey[v, u] + 60.0 < grey[before_v, before_u]) > 0.9
+    assert abs(telemetry(live)["scan"]["stamp"] - picture.stamp) < 0.5
 
 
 def test_the_3d_socket_is_handed_on_with_its_subprotocol(server):

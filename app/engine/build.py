@@ -11,6 +11,7 @@ from app.engine.commands import apply
 from app.engine.controls import Controls
 from app.engine.driving import Driving
 from app.engine.engine import Engine
+from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
 from app.engine.program import Program
@@ -21,6 +22,7 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.odometry import Odometry
+from robot.errors import PackageError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
@@ -29,7 +31,7 @@ from robot.interface import RepositionableRobot, Robot
 from robot.localization.models.entry_field import EntryField
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
-from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.bullet import BulletWorld, load_pybullet
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections, draw
 from sim.kinematic import KinematicWorld
@@ -72,7 +74,7 @@ def build_program(
 
     Raises:
         ValueError: the field or the robot's description cannot be used.
-        BulletMissingError: the configuration names the simulator, which is not installed.
+        PackageError: the configuration names the simulator, which is not installed.
     """
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
@@ -112,7 +114,6 @@ def build_engine(
         parameters: the filter's parameters at the start.
         entries: the field's table of distances, if it exists already.
     """
-    kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
     localization = Localization(
         scanner,
         field,
@@ -123,14 +124,33 @@ def build_engine(
         begin.hypotheses,
         config.localization,
     )
-    driving = Driving(
+    return connect(config, robot, localization, _odometry_start(begin, robot, field))
+
+
+def connect(
+    config: Config,
+    robot: Robot,
+    follower: Follower,
+    start_pose: Pose2 = Pose2(),
+    driving: Driving | None = None,
+) -> Engine:
+    """Connect given parts to an engine before its first tick.
+
+    Args:
+        config: settings of odometry and drive.
+        robot: the robot that the engine steps: a real, simulated or recorded one.
+        follower: follows the robot by its pictures or scans; ``Follower()`` is none.
+        start_pose: the robot's pose in the map where dead reckoning begins.
+        driving: decides where to drive; by default as commands say.
+    """
+    kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
+    driving = driving or Driving(
         DriveController(kinematics, config.drive),
         config.drive.cmd_vel_timeout,
         config.figure_eight,
     )
-    start_pose = _odometry_start(begin, robot, field)
     odometry = Odometry(kinematics, config.odometry)
-    return Engine(Controls(robot, odometry, localization, driving, start_pose), apply)
+    return Engine(Controls(robot, odometry, follower, driving, start_pose), apply)
 
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
@@ -199,6 +219,6 @@ def resolve_robot(config: Config) -> tuple[Config, str | None]:
         return config, None
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         return replace(config, robot="kinematic"), str(error)
     return replace(config, robot="sim"), None

@@ -15,6 +15,7 @@ from typing import Any
 from weakref import WeakValueDictionary
 
 from robot.driving.differential_drive import DifferentialDrive
+from robot.errors import BrickPoseError
 from robot.localization.models.entry_field import EntryField
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher
@@ -34,7 +35,7 @@ LARGE = 1 << 15
 """An array of at least this size [bytes] is stored once for all checkpoints that have it."""
 
 
-class CheckpointError(TypeError):
+class CheckpointError(BrickPoseError, TypeError):
     """The state cannot be stored: some object, for example in a user's model, cannot be copied."""
 
 
@@ -137,4 +138,5 @@ class _Unpickler(pickle.Unpickler):
 
 def _is_immutable(obj: object) -> bool:
     kind = type(obj)
-    return kind in IMMUTABLE or (kind is not type and kind.__module__.startswith(MODELS))
+    model = kind is not type and kind.__module__.startswith(MODELS)
+    return kind is Checkpoint or kind in IMMUTABLE or model

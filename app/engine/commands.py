@@ -11,7 +11,7 @@ from typing import Any
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
-from app.engine.pose_commands import HypothesisError, cloud_of, covariance_of
+from app.engine.pose_commands import cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
     Command,
@@ -30,11 +30,12 @@ from app.messages.commands import (
     SetPoseCommand,
     ShowCommand,
     StopCommand,
+    UndoCommand,
     UpdateCommand,
 )
-from app.messages.parsing import CommandError
 from robot.covariance import CovarianceError
 from robot.driving.odometry import OdometryState
+from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import RepositionableRobot
@@ -90,7 +91,7 @@ def check(command: Command, program: Program) -> None:
     if not isinstance(command, PingCommand):
         if engine.failure is not None:
             raise CommandError(engine.failure)
-        if engine.commands.qsize() >= MOST_WAITING and not isinstance(command, StopCommand):
+        if len(engine.commands) >= MOST_WAITING and not isinstance(command, StopCommand):
             raise CommandError(
                 f"{MOST_WAITING} commands wait already; send fewer, or wait for answers"
             )
@@ -124,6 +125,7 @@ def _stop(_command: Command, controls: Controls, _odometry: OdometryState) -> No
 
 
 def _set_pose(command: SetPoseCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.keep_belief()
     pose, covariance = Pose2(command.x, command.y, command.theta), covariance_of(command)
     if covariance is None:
         controls.localization.set_pose(pose, command.sd_xy, command.sd_theta)
@@ -135,28 +137,26 @@ def _check_pose(command: SetPoseCommand, field: Field) -> None:
     _require_inside(Pose2(command.x, command.y, command.theta), field)
     try:
         covariance_of(command)
-    except (HypothesisError, CovarianceError) as error:
+    except CovarianceError as error:
         raise CommandError(str(error)) from error
 
 
 def _set_particles(
     command: SetParticlesCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
+    controls.localization.keep_belief()
     controls.localization.set_cloud(cloud_of(command))
 
 
 def _check_room(_command: SetParticlesCommand, program: Program) -> None:
-    if program.engine.commands.qsize() >= MOST_WAITING_SETS:
+    if len(program.engine.commands) >= MOST_WAITING_SETS:
         raise CommandError("commands wait already; a set of poses would fill the memory")
 
 
 def _check_particles(command: SetParticlesCommand, field: Field) -> None:
     for pose in command.poses:
         _require_inside(Pose2(*pose), field)
-    try:
-        cloud_of(command)
-    except HypothesisError as error:
-        raise CommandError(str(error)) from error
+    cloud_of(command)
 
 
 def _place(command: PlaceCommand, controls: Controls, odometry: OdometryState) -> None:
@@ -182,7 +182,15 @@ def _require_inside(pose: Pose2, field: Field) -> None:
 
 
 def _scatter(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    controls.localization.keep_belief()
     controls.localization.scatter()
+
+
+def _undo(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
+    if controls.localization.undoable:
+        controls.localization.undo()
+    else:
+        controls.problems.note(controls.stamp, "There was nothing to undo.")
 
 
 def _pause(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
@@ -212,7 +220,7 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
     current = latest.parameters if latest else program.config.localization
     try:
         with_values_and_models(current, latest.own if latest else OwnChoice(), command.values)
-    except ValueError as error:
+    except BrickPoseError as error:
         raise CommandError(str(error)) from error
 
 
@@ -234,6 +242,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
         SetParticlesCommand: Rule(_set_particles, Repeat.MOMENT, _check_room, _check_particles),
         ScatterCommand: Rule(_scatter, Repeat.MOMENT),
+        UndoCommand: Rule(_undo, Repeat.MOMENT),
         PauseCommand: Rule(_pause, Repeat.MOMENT),
         ResumeCommand: Rule(_resume, Repeat.MOMENT),
         UpdateCommand: Rule(_update, Repeat.MOMENT),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine.driving import Driving
+from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
@@ -39,14 +40,14 @@ class Controls:
         self,
         robot: Robot,
         odometry: Odometry,
-        localization: Localization,
+        follower: Follower,
         driving: Driving,
         start: Pose2,
     ) -> None:
         self.robot = robot
         self.odometry = odometry
-        self.localization = localization
-        """Scanner and filter."""
+        self.follower = follower
+        """Follows the robot by its measurements."""
         self.driving = driving
         self.map_from_odom = start
         """Where dead reckoning began."""
@@ -61,6 +62,12 @@ class Controls:
         """Stamp of the last reading [s]."""
 
     @property
+    def localization(self) -> Localization:
+        """Scanner and filter; commands to them need an engine that has them."""
+        assert isinstance(self.follower, Localization)
+        return self.follower
+
+    @property
     def state(self) -> EngineState:
         """The state that the next ticks depend on."""
         stamp = None if self.frame is None else self.frame.stamp
@@ -71,7 +78,7 @@ class Controls:
     def restore(self, state: EngineState) -> None:
         """Continue from another state."""
         self.odometry = state.odometry
-        self.localization = state.localization
+        self.follower = state.localization
         self.map_from_odom = state.map_from_odom
         self.odom_from_scan = state.odom_from_scan
         stamp = state.picture_stamp
@@ -93,24 +100,17 @@ class Controls:
 
     def reload_own_models(self) -> None:
         """If the user saved a model file, halt the motors and load the models again."""
-        if self.localization.own.saved(self.stamp):
+        if self.follower.is_saved(self.stamp):
             self.halt()
             self.localization.reload()
 
     def stop_while_faulty(self, *, connected: bool, faults: tuple[str, ...]) -> None:
         """Stop while the robot is not connected or a user's model is faulty; report all faults."""
-        own = self.localization.own
-        if not connected:
+        if not connected or self.follower.fault is not None:
             self.driving.stop()
         self.problems.report_all("robot", self.stamp, faults)
-        broken = own.fault
-        if broken is not None:
-            self.driving.stop()
-            broken = f"The robot stands still: {broken}"
-        self.report("own models", broken)
-        self.report("slow models", own.slow)
-        self.report("idle models", own.idle)
-        self.report("models on offer", " ".join(own.complaints) or None)
+        for topic, complaint in self.follower.complaints.items():
+            self.report(topic, complaint)
 
     def set_parameters(self, values: dict[str, bool | float | str]) -> None:
         """Change parameters and models by name: all of them or none."""
@@ -139,5 +139,6 @@ class Controls:
         if isinstance(self.robot, RepositionableRobot):
             self.driving.stop()
             self.robot.place(pose)
+        self.localization.earlier.clear()
         # Dead reckoning continues from the new pose: the wheels did not turn on the way there.
         self.map_from_odom = pose @ odometry.odom_from_robot.inverse()

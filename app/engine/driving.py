@@ -6,6 +6,7 @@ from typing import Literal
 
 from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
+from robot.driving.odometry import OdometryState
 from robot.geometry import Twist2
 
 Mode = Literal["idle", "drive", "figure_eight"]
@@ -41,8 +42,9 @@ class Driving:
         self.mode = "idle"
         self._controller.stop()
 
-    def update(self, stamp: float) -> Twist2:
-        """Return the twist to apply at a stamp [s]."""
+    def update(self, odometry: OdometryState) -> Twist2:
+        """Return the twist to apply where the robot is now by odometry."""
+        stamp = odometry.stamp
         if self.mode == "figure_eight":
             if stamp - self._renewed >= self._timeout - 5e-7:
                 self.stop()

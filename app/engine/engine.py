@@ -16,8 +16,8 @@ from collections.abc import Callable
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
+from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
-from app.engine.mailboxes.command_queue import CommandQueue
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
@@ -25,6 +25,7 @@ from app.messages.commands import Command
 from robot.driving.odometry import OdometryState
 from robot.geometry import Twist2
 from robot.interface import Frame, Reading
+from robot.scan import Scan
 
 FRAME_OVERDUE = 0.5
 """Time without a picture [s], or three usual periods if longer, after which the camera stalled."""
@@ -50,7 +51,7 @@ class Engine:
         self.controls = controls
         self.latest: Latest[Snapshot] = Latest()
         self.every: Broadcast[Snapshot] = Broadcast()
-        self.commands = CommandQueue()
+        self.commands: Backlog[Command] = Backlog()
         self.failure: str | None = None
         """Why the engine failed; None while it has not."""
         self._apply = apply
@@ -143,37 +144,39 @@ class Engine:
         self._localize(reading)
         controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
-        wheels = controls.robot.write(kinematics.wheels(driving.update(reading.stamp)))
+        wheels = controls.robot.write(kinematics.wheels(driving.update(odometry)))
         self._applied = reading, kinematics.twist(wheels)
         return self._snapshot(reading, commands, odometry, self._applied[1])
 
     def _take(self, commands: tuple[Command, ...], odometry: OdometryState) -> None:
-        self.controls.localization.note(odometry.odom_from_robot)
+        self.controls.follower.note(odometry.odom_from_robot)
         for command in commands:
             self._apply(command, self.controls, odometry)
 
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
-        if reading.frame is not None:
-            controls.frame = reading.frame
-            self._meter.frame(reading.frame.stamp)
-            self._measure(reading.frame)
+        controls.frame = reading.frame or controls.frame
+        seen = reading.frame or reading.scan
+        if seen is not None:
+            self._meter.frame(seen.stamp)
+            self._measure(seen)
         last = controls.frame.stamp if controls.frame else 0.0
         overdue = reading.stamp - last > max(FRAME_OVERDUE, 3 * self._meter.frame_period)
         # A reported fault says more.
-        silent = "The camera sends no pictures." if overdue and not reading.faults else None
+        overdue = overdue and controls.follower.needs_camera and not reading.faults
+        silent = "The camera sends no pictures." if overdue else None
         controls.report("camera", silent)
 
-    def _measure(self, frame: Frame) -> None:
+    def _measure(self, seen: Frame | Scan) -> None:
         controls = self.controls
         try:
-            exposed = controls.odometry.at(frame.stamp)
+            exposed = controls.odometry.at(seen.stamp)
         except LookupError as error:
             controls.report("delay", f"A picture came too late to be used: {error}.")
             return
         controls.report("delay", None)
         controls.odom_from_scan = exposed.odom_from_robot
-        controls.localization.measure(frame, exposed)
+        controls.follower.measure(seen, exposed)
 
     def _snapshot(
         self,
@@ -182,7 +185,7 @@ class Engine:
         odometry: OdometryState,
         applied: Twist2,
     ) -> Snapshot:
-        controls, localization = self.controls, self.controls.localization
+        controls, localization = self.controls, self.controls.follower
         problems, belief = controls.problems, localization.belief
         scan_pose = None
         # Use the stored odometry of the scan: if the camera stalls, the odometry's history no
@@ -209,8 +212,9 @@ class Engine:
             scan_pose=scan_pose,
             paused=localization.paused,
             updates=localization.updates,
+            undoable=localization.undoable,
             parameters=localization.parameters,
-            own=localization.own.choice,
+            own=localization.choice,
             fault=localization.fault,
             loop=self._meter.end(reading.stamp),
             connected=reading.connected,

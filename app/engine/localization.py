@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 
 import numpy as np
 
+from app.engine.earlier_beliefs import EarlierBeliefs
+from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
@@ -26,11 +29,13 @@ from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.line_scanner import LineScanner
 
 
-class Localization:
+class Localization(Follower):
     """Owns scanner and filter; one thread calls it."""
+
+    needs_camera = True
 
     def __init__(
         self,
@@ -62,9 +67,6 @@ class Localization:
         """The user's own models."""
         self.own.load(parameters)
         self.parameters = parameters
-        self.paused = False
-        self.belief: Belief | None = None
-        self.line_scan: LineScan | None = None
         self.configured = configured or parameters
         """The parameters that ``reset`` restores."""
         self.seconds = 0.0
@@ -74,6 +76,7 @@ class Localization:
         self._rng = rng
         self._entries = entries
         self._once = False
+        self.earlier = EarlierBeliefs()
         setup = self._setup()
         self._monitor = Monitor(setup.evidence, _mounting(scanner))
         self._localizer = Localizer(
@@ -118,14 +121,35 @@ class Localization:
         """What is wrong with a user's own model; the filter pauses until it is fixed."""
         return self.own.fault
 
+    @property
+    def undoable(self) -> int:
+        """How many changes of the belief can be undone."""
+        return len(self.earlier)
+
+    @property
+    def choice(self) -> OwnChoice:
+        """The user's own models in use and on offer."""
+        return self.own.choice
+
+    @property
+    def complaints(self) -> Mapping[str, str | None]:
+        """What is wrong with the user's own models."""
+        return self.own.problems
+
+    def is_saved(self, stamp: float) -> bool:
+        """Return whether the user saved a model in use since the last call, at a stamp [s]."""
+        return self.own.saved(stamp)
+
     def note(self, odom_from_robot: Pose2) -> None:
         """Note the present odometry pose, before commands that may set the filter's pose."""
         self._localizer.now = odom_from_robot
 
-    def measure(self, frame: Frame, odometry: OdometryState) -> None:
-        """Scan a picture and update the filter, with the odometry at the picture's stamp."""
-        self.line_scan = self.scanner.scan(frame, odometry.twist)
-        self.take(self.line_scan.scan, odometry.odom_from_robot)
+    def measure(self, seen: Frame | Scan, odometry: OdometryState) -> None:
+        """Update the filter with a picture or a laser's scan, and the odometry at its stamp."""
+        if isinstance(seen, Frame):
+            self.line_scan = self.scanner.scan(seen, odometry.twist)
+            seen = self.line_scan.scan
+        self.take(seen, odometry.odom_from_robot)
 
     def take(self, scan: Scan, pose: Pose2) -> None:
         """Update the filter with a scan, and the odometry's pose at its stamp."""
@@ -163,6 +187,20 @@ class Localization:
         """Start the filter scattered: the robot may be anywhere on the field."""
         self._localizer.scatter()
         self.belief = None
+
+    def keep_belief(self) -> None:
+        """Keep the belief before it is changed, for ``undo``."""
+        own = self.own
+        unchanging = (self._field, self._field.edges, own, own.sensor, own.motion)
+        belief = (self._localizer, self._monitor, self.belief, self._rng)
+        self.earlier.keep(belief, unchanging)
+
+    def undo(self) -> None:
+        """Restore the belief before its last change, which odometry has moved since."""
+        odom_from_robot = self._localizer.now
+        self._localizer, self._monitor, self.belief, self._rng = self.earlier.restore()
+        self._localizer.now = odom_from_robot
+        self.use(self.parameters)
 
     def update_once(self) -> None:
         """Update with the next picture, even if the filter is paused or the robot stands."""
@@ -211,7 +249,7 @@ class Localization:
         """Change the parameters; the filter keeps its belief."""
         if parameters != self.parameters:
             self.own.rebuild(parameters)
-        other = parameters.filter.filter != self.parameters.filter.filter
+        other = parameters.filter.filter != self._localizer.parameters.filter
         self.parameters = parameters
         setup = self._setup()
         if other:

@@ -91,6 +91,8 @@ class Snapshot:
     """The estimate at the scan's stamp."""
     paused: bool
     updates: int
+    undoable: int
+    """How many changes of the belief can be undone."""
     parameters: LocalizationParameters = field(repr=False)
     own: OwnChoice = field(repr=False)
     """The user's own models in use and on offer."""

@@ -22,6 +22,7 @@ from typing import Any, Protocol, TypeVar
 import cv2
 
 from app.settings.provenance import versions
+from robot.errors import BrickPoseError
 from robot.settings import SettingError
 
 S = TypeVar("S")
@@ -33,7 +34,7 @@ ATTEMPTS = 3
 """A job that ends its worker this many times is given up: the job itself is the cause."""
 
 
-class WorkerError(RuntimeError):
+class WorkerError(BrickPoseError, RuntimeError):
     """The requested workers cannot do the work, or a job ended its worker."""
 
 
@@ -230,7 +231,7 @@ def _check_reachable(address: str) -> None:
         raise SettingError(f"--cluster is {address!r}; valid is tcp://host:port")
     try:
         socket.create_connection((parts[1].strip("[]"), int(parts[2])), PATIENCE).close()
-    except OSError as error:
+    except (OSError, UnicodeError) as error:
         raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
 
 

@@ -18,8 +18,14 @@ class HealthMessage(Message):
     step_hz: float
 
 
+class AccessMessage(Message):
+    """What the token of a request allows."""
+
+    role: Literal["drive", "watch"]
+
+
 class FieldMessage(Message):
-    """The field and the robot on it: what a map view needs once."""
+    """The field, the robot on it, and limits: what a page needs once."""
 
     name: str
     extent: list[float]
@@ -29,6 +35,15 @@ class FieldMessage(Message):
     """The robot's outline on the floor [m], in the robot frame."""
     max_v: float
     max_omega: float
+    drive_timeout: float
+    """How long a drive command holds that is not renewed [s]."""
+    stale_after: float
+    """Telemetry older than this [s] does not show the present."""
+    longest_step: float
+    """A longer step from telemetry to telemetry [m] was not driven."""
+    initial_sd_xy: float
+    initial_sd_theta: float
+    """Configured spread of a pose that is set without one [m, rad]."""
     image_width: int
     image_height: int
     """Size of the camera's picture [px]."""

@@ -84,6 +84,12 @@ class ScatterCommand(CommandMessage):
     type: Literal["scatter"]
 
 
+class UndoCommand(CommandMessage):
+    """Take back the last set_pose, set_particles or scatter: restore what was believed before."""
+
+    type: Literal["undo"]
+
+
 class PlaceCommand(CommandMessage):
     """Put the simulated robot itself elsewhere, without telling the filter."""
 
@@ -165,6 +171,7 @@ Command = Annotated[
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand
+    | UndoCommand
     | PlaceCommand
     | PauseCommand
     | ResumeCommand

@@ -5,13 +5,10 @@ from __future__ import annotations
 from pydantic import ValidationError
 
 from app.messages.commands import COMMAND, Command
+from robot.errors import CommandError
 
 LONGEST = 2_000_000
 """Longest command [characters]; 20,000 poses with weights are shorter."""
-
-
-class CommandError(ValueError):
-    """A command cannot be carried out; the message says why, and what is allowed."""
 
 
 def parse(text: str) -> Command:

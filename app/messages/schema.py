@@ -14,14 +14,15 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.commands import AckMessage, Command, ErrorMessage
+from app.messages.picture import PictureMessage
 from app.messages.telemetry import TelemetryMessage
 
 
 def schema() -> dict[str, Any]:
     """Return the JSON schema of every message."""
     adapters: list[Any] = [
-        TelemetryMessage, Command, AckMessage, ErrorMessage, HealthMessage, FieldMessage,
-        ParameterMessage, ProfileMessage, ProblemsMessage,
+        TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, HealthMessage,
+        FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

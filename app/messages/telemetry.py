@@ -47,6 +47,11 @@ class ParticlesMessage(Message):
     """Effective sample size, 1 to count."""
     hypotheses: list[HypothesisMessage]
     """Where the robot may be, heaviest first; empty while nothing is known."""
+    alike: int
+    """How many of them may be the robot's place: 1 if one stands out, more if several look alike, 0
+    if none does."""
+    likely: int
+    """How many of them are likely enough to be drawn."""
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of the area that x and y in ``cloud`` span."""
     cloud: str
@@ -56,7 +61,7 @@ class ParticlesMessage(Message):
 
 
 class ScanMessage(Message):
-    """The newest scan, and where its edges are in the picture."""
+    """The newest scan; ``PictureMessage`` has its edges in the picture."""
 
     stamp: float
     """Exposure of the frame it comes from [s]."""
@@ -67,9 +72,6 @@ class ScanMessage(Message):
     """Where the rays start, in the robot frame."""
     robot: PoseMessage | None
     """The estimate at the scan's stamp, to draw the scan from."""
-    entry_px: list[tuple[float, float] | None]
-    """Pixel (u, v) where each ray enters the tape; null for a ray that did not count."""
-    exit_px: list[tuple[float, float] | None]
     tape_width: float | None
     """Median width measured over the rays that counted [m]."""
 
@@ -100,6 +102,8 @@ class FilterMessage(Message):
     paused: bool
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
+    undoable: int
+    """How many changes of the belief ``undo`` can take back."""
     broken: str | None
     """What is wrong with a user's own model, with file and line; the robot stands still and the
     filter pauses until it is fixed."""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from app.messages.schema import schema
+from robot.errors import BrickPoseError
 
 TARGET = Path(__file__).parents[2] / "frontend" / "messages.d.ts"
 HEADER = "// Made from app/messages/ by `python -m app.messages.typescript`; change it there.\n"
@@ -27,7 +28,7 @@ PRIMITIVES = {
 }
 
 
-class SchemaError(ValueError):
+class SchemaError(BrickPoseError, ValueError):
     """The schema has a form that this module cannot write as TypeScript."""
 
 

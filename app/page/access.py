@@ -23,8 +23,10 @@ GUARDS = {
     "Content-Security-Policy": "frame-ancestors 'self'",
     "X-Frame-Options": "SAMEORIGIN",
     "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
 }
-"""Headers of every answer: no other site may frame it, and no browser guesses its type."""
+"""Headers of every answer: no other site may frame it or learn its address, which may hold a token,
+and no browser guesses its type."""
 
 
 class SameOriginOnly:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -15,10 +16,11 @@ from app.messages.telemetry import (
     IntegrityMessage,
     ParticlesMessage,
 )
+from app.page.thresholds import ALIKE, LIKELY
 from robot.covariance import by_rows
 from robot.fields.floor_picture import Extent
 from robot.localization.filter import Cloud
-from robot.localization.integrity import Integrity
+from robot.localization.integrity import Integrity, State
 
 MOST_PARTICLES = 2000
 """Most particles that are sent: more make no difference in a map view."""
@@ -45,7 +47,8 @@ def integrity_message(claimed: Integrity) -> IntegrityMessage:
 
 def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
     """Return the cloud, and the hypotheses carried forward to the snapshot's stamp."""
-    estimate, cloud = snapshot.estimate, snapshot.cloud
+    estimate, cloud, hypotheses = snapshot.estimate, snapshot.cloud, snapshot.hypotheses()
+    weights = [weight for _, weight, _ in hypotheses]
     return ParticlesMessage(
         count=len(cloud.weights),
         effective=estimate.effective if estimate else float(len(cloud.weights)),
@@ -53,11 +56,22 @@ def particles_message(snapshot: Snapshot, extent: Extent) -> ParticlesMessage:
             HypothesisMessage(
                 x=pose.x, y=pose.y, theta=pose.theta, weight=weight, covariance=by_rows(covariance)
             )
-            for pose, weight, covariance in snapshot.hypotheses()
+            for pose, weight, covariance in hypotheses
         ],
+        alike=alike(snapshot.integrity.state, weights),
+        likely=sum(weight >= LIKELY for weight in weights),
         extent=list(extent),
         cloud=packed(cloud, extent),
     )
+
+
+def alike(state: State, weights: Sequence[float]) -> int:
+    """Return how many places may be the robot's, by the hypotheses' weights, heaviest first."""
+    if state in (State.SEARCHING, State.LOST):
+        return 0
+    if state is not State.AMBIGUOUS:
+        return 1
+    return sum(weight >= ALIKE * weights[0] for weight in weights)
 
 
 def filter_message(snapshot: Snapshot) -> FilterMessage:
@@ -65,6 +79,7 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
     return FilterMessage(
         paused=snapshot.paused,
         updates=snapshot.updates,
+        undoable=snapshot.undoable,
         broken=snapshot.fault,
     )
 

@@ -1,20 +1,26 @@
-"""Camera pictures for people: one JPEG, a stream of JPEGs, and a stream of JPEGs with stamps."""
+"""Camera pictures for people: one JPEG, a stream of JPEGs, and pictures with their scans."""
 
 from __future__ import annotations
 
 import struct
 import threading
 from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
 
 import anyio
 import anyio.to_thread
 import cv2
 from starlette.responses import Response, StreamingResponse
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from app.engine.mailboxes.latest import Latest
+from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.snapshot import Snapshot
+from app.messages.picture import EdgesMessage, PictureMessage
+from app.page.telemetry import tape_width
 from robot.interface import Frame
+from robot.scanning.line_scanner import LineScan, LineScanner
+from robot.scanning.tape_edges import Verdict
 
 QUALITY = 75
 BOUNDARY = "frame"
@@ -22,29 +28,34 @@ LONGEST_WAIT_S = 0.2
 """Longest time between two checks whether the program ends [s]."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Picture:
+    """An encoded picture."""
+
+    frame: Frame
+    jpeg: bytes = field(repr=False)
+    message: bytes = field(repr=False)
+    """The message of ``/api/camera``, as ``PictureMessage`` describes it."""
+
+
 class CameraStream:
     """Encodes each picture once for all viewers."""
 
-    def __init__(self, latest: Latest[Snapshot], stopping: threading.Event) -> None:
+    def __init__(
+        self, latest: Latest[Snapshot], scanner: LineScanner, stopping: threading.Event
+    ) -> None:
         self._latest = latest
+        self._scanner = scanner
         self._stopping = stopping
-        self._encoded: tuple[Frame, bytes] | None = None
+        self._encoded: _Picture | None = None
         self._lock = anyio.Lock()
-
-    async def jpeg(self, frame: Frame) -> bytes:
-        """Return the picture as JPEG."""
-        async with self._lock:
-            if self._encoded is None or self._encoded[0] is not frame:
-                data = await anyio.to_thread.run_sync(_encode, frame)
-                self._encoded = (frame, data)
-            return self._encoded[1]
 
     async def picture(self) -> Response:
         """Return the newest picture, or status 503 before the first."""
         latest = self._latest.get()
         if latest is None or latest.frame is None:
             return Response("The camera has sent no picture yet.", status_code=503)
-        data = await self.jpeg(latest.frame)
+        data = (await self._encode(latest.frame, latest.line_scan)).jpeg
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
     def motion_jpeg(self) -> Response:
@@ -56,40 +67,46 @@ class CameraStream:
         )
 
     async def serve(self, socket: WebSocket) -> None:
-        """Send each newest picture: 8 bytes of stamp (little-endian float64 [s]) and a JPEG."""
+        """Send each newest picture with its scan as soon as the last one is sent."""
         await socket.accept()
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(self._send, socket)
+            tasks.start_soon(self._send, WebsocketWriter(socket))
             await _until_gone(socket)
             tasks.cancel_scope.cancel()
 
-    async def _send(self, socket: WebSocket) -> None:
-        try:
-            async for frame in self._frames():
-                await socket.send_bytes(struct.pack("<d", frame.stamp) + await self.jpeg(frame))
-        except (WebSocketDisconnect, RuntimeError):
-            # The viewer left between two pictures; starlette raises a RuntimeError after the close.
-            return
+    async def _send(self, outgoing: WebsocketWriter) -> None:
+        async for picture in self._pictures():
+            if not await outgoing.send(picture.message):
+                return
 
-    async def _frames(self) -> AsyncIterator[Frame]:
+    async def _pictures(self) -> AsyncIterator[_Picture]:
         with self._latest.subscribe() as subscription:
-            shown = None
+            shown: Frame | None = None
             while not self._stopping.is_set():
-                frame = None
+                newest: Snapshot | None = None
                 # The wait is limited: a waiting stream would delay the end of the program.
                 with anyio.move_on_after(LONGEST_WAIT_S):
-                    frame = (await subscription.next()).frame
-                if frame is not None and frame is not shown:
-                    shown = frame
-                    yield frame
+                    newest = await subscription.next()
+                if newest is None or newest.frame is None or newest.frame is shown:
+                    continue
+                shown = newest.frame
+                yield await self._encode(newest.frame, newest.line_scan)
 
     async def _parts(self) -> AsyncIterator[bytes]:
-        async for frame in self._frames():
-            data = await self.jpeg(frame)
+        async for picture in self._pictures():
             head = (
-                f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(data)}\r\n\r\n"
+                f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\n"
+                f"Content-Length: {len(picture.jpeg)}\r\n\r\n"
             )
-            yield head.encode() + data + b"\r\n"
+            yield head.encode() + picture.jpeg + b"\r\n"
+
+    async def _encode(self, frame: Frame, line_scan: LineScan | None) -> _Picture:
+        async with self._lock:
+            if self._encoded is None or self._encoded.frame is not frame:
+                self._encoded = await anyio.to_thread.run_sync(
+                    _encoded, frame, line_scan, self._scanner
+                )
+            return self._encoded
 
 
 async def _until_gone(socket: WebSocket) -> None:
@@ -97,6 +114,25 @@ async def _until_gone(socket: WebSocket) -> None:
         pass
 
 
-def _encode(frame: Frame) -> bytes:
+def _encoded(frame: Frame, line_scan: LineScan | None, scanner: LineScanner) -> _Picture:
+    edges = None
+    # A picture that came too late was not scanned: the newest scan is that of an older picture.
+    if line_scan is not None and line_scan.scan.stamp == frame.stamp:
+        edges = _edges_message(line_scan, scanner)
+    head = PictureMessage(stamp=frame.stamp, edges=edges).model_dump_json().encode()
     _, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
-    return data.tobytes()
+    jpeg = data.tobytes()
+    return _Picture(frame, jpeg, struct.pack("<I", len(head)) + head + jpeg)
+
+
+def _edges_message(line_scan: LineScan, scanner: LineScanner) -> EdgesMessage:
+    """Return where the rays of a scan enter and leave the tape in the picture."""
+    counted = (line_scan.verdicts == Verdict.COUNTED).tolist()
+    entry_px, exit_px = (
+        [
+            (u, v) if shown else None
+            for (u, v), shown in zip(pixels.round(1).tolist(), counted, strict=True)
+        ]
+        for pixels in map(scanner.pixels, line_scan.edges.T)
+    )
+    return EdgesMessage(entry_px=entry_px, exit_px=exit_px, tape_width=tape_width(line_scan))

@@ -30,6 +30,8 @@ def docs_page(openapi: dict[str, Any]) -> str:
         "<p>The WebSocket <code>/api/live</code> sends Telemetry as JSON text and takes the "
         "commands below; each is answered by an Ack or an Error with the same id. Metres, seconds "
         "and radians, in the map frame; theta from +x, anticlockwise.</p>",
+        "<p>The WebSocket <code>/api/camera</code> sends each picture with its scan, as "
+        '<a href="#PictureMessage">PictureMessage</a> describes.</p>',
         *(_message(name, model) for name, model in schema()["$defs"].items()),
     ]
     return "\n".join(parts)

@@ -24,7 +24,13 @@ from app.messages.commands import (
 from app.messages.parsing import parse
 from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
+from app.page.token_guard import role_in
+from app.page.tokens import Role
 from app.recordings.replay.opening import ReplayProgram
+from robot.errors import BrickPoseError
+
+WATCHES = "This link only watches; ask for the link to drive."
+"""Answer to commands of a viewer who only watches."""
 
 
 class Live:
@@ -63,6 +69,7 @@ class _Viewer:
         self._live = live
         self._engine = live.program.engine
         self._socket = socket
+        self._role = role_in(socket.scope)
         self._outgoing = WebsocketWriter(socket)
 
     async def send_telemetry(self) -> None:
@@ -84,9 +91,11 @@ class _Viewer:
     def _answer(self, text: str) -> str:
         try:
             command = parse(text)
+            if self._role is Role.WATCH and not isinstance(command, PingCommand):
+                raise ValueError(WATCHES)
             check(command, self._live.program)
             self._take(command)
-        except ValueError as error:
+        except BrickPoseError as error:
             return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
@@ -94,7 +103,7 @@ class _Viewer:
         """Pass a command to recorder, replay or engine.
 
         Raises:
-            ValueError: the command cannot be carried out; the message says why.
+            BrickPoseError: the command cannot be carried out; the message says why.
         """
         outlets = self._live.outlets
         if isinstance(command, RecordCommand):

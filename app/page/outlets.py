@@ -64,7 +64,7 @@ class Outlets:
         """Start all outputs that the settings ask for.
 
         Raises:
-            RuntimeError, OSError: an output is not available; the message says what to do.
+            BrickPoseError: an output is not available; the message says what to do.
         """
         try:
             for route in self._routes:

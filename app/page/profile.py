@@ -5,19 +5,24 @@ from __future__ import annotations
 import math
 
 from app.messages.answers import ProfileMessage
+from robot.errors import BrickPoseError
 from robot.scanning.line_scanner import LineScan, LineScanner
 from robot.scanning.tape_edges import Verdict
+
+
+class RayError(BrickPoseError, IndexError):
+    """There is no such ray."""
 
 
 def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessage:
     """Return what the scanner saw along one ray of a picture.
 
     Raises:
-        IndexError: there is no such ray.
+        RayError: there is no such ray.
     """
     rays = len(scanner.table.bearings)
     if not 0 <= ray < rays:
-        raise IndexError(f"there is no ray {ray}; valid is 0 to {rays - 1}")
+        raise RayError(f"there is no ray {ray}; valid is 0 to {rays - 1}")
     count = int(scanner.table.counts[ray])
     entry, leaving = (
         None if math.isnan(edge) else scanner.distance(ray, edge) for edge in line_scan.edges[ray]

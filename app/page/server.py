@@ -10,7 +10,6 @@ from pathlib import Path
 
 import anyio
 import cv2
-import numpy as np
 from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
@@ -22,6 +21,7 @@ from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import (
+    AccessMessage,
     FieldMessage,
     HealthMessage,
     ParameterMessage,
@@ -35,8 +35,11 @@ from app.page.camera_stream import CameraStream
 from app.page.docs_page import docs_page
 from app.page.live import Live
 from app.page.outlets import Outlets
-from app.page.profile import profile
+from app.page.profile import RayError, profile
 from app.page.telemetry import field_message, parameter_messages
+from app.page.thresholds import STALE_S
+from app.page.token_guard import TokenRequired, role_in
+from app.page.tokens import Role, Tokens
 from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.contents_route import contents_router
@@ -44,12 +47,14 @@ from app.recordings.routes import recordings_router
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
 
-STALE_S = 2.0
-"""After this time without a tick [s], the engine is reported as degraded."""
 
+def create_app(
+    program: Program, thread: EngineThread, outlets: Outlets, tokens: Tokens | None = None
+) -> FastAPI:
+    """Make the application of a program; the engine's thread runs as long as the application.
 
-def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> FastAPI:
-    """Make the application of a program; the engine's thread runs as long as the application."""
+    With tokens, each request must bring one of them.
+    """
     view = View(program.field, program.robot.spec, program.engine.latest)
     keeper = PoseKeeper(
         program.pose_file,
@@ -75,12 +80,16 @@ def create_app(program: Program, thread: EngineThread, outlets: Outlets) -> Fast
     # FastAPI's own documentation page fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     config = program.config
+    if tokens is not None:
+        app.add_middleware(TokenRequired, tokens=tokens)
+    # Added last, so it comes first: pages of other sites learn nothing of tokens.
     names, origins = own_names(config.host), config.allowed_origins
     app.add_middleware(SameOriginOnly, names=names, origins=origins)
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
-    _add_streams(app, view, CameraStream(program.engine.latest, thread.stopping))
+    camera = CameraStream(program.engine.latest, program.scanner, thread.stopping)
+    _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
@@ -91,6 +100,11 @@ def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
     def index() -> FileResponse:
         return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
+
+    @app.get("/api/access")
+    def access(request: Request) -> AccessMessage:
+        """What this request's token allows; 401 without one."""
+        return AccessMessage.model_validate({"role": role_in(request.scope).value})
 
     @app.get("/docs", include_in_schema=False)
     def docs() -> HTMLResponse:
@@ -200,9 +214,7 @@ def _health(
 
 
 def _add_field(app: FastAPI, program: Program) -> None:
-    drive = program.config.drive
-    limits = np.array([drive.max_velocity, drive.max_angular_velocity])
-    field = field_message(program.field, program.robot, program.scanner, limits)
+    field = field_message(program)
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 
@@ -234,7 +246,7 @@ def _add_field(app: FastAPI, program: Program) -> None:
             raise HTTPException(503, "The camera has sent no picture yet.")
         try:
             return profile(program.scanner, latest.line_scan, ray)
-        except IndexError as error:
+        except RayError as error:
             raise HTTPException(404, str(error)) from error
 
 
@@ -267,4 +279,4 @@ def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
     @app.websocket("/")
     @app.websocket("/rosbridge")
     async def follow_topics(socket: WebSocket) -> None:
-        await rosbridge.serve(socket)
+        await rosbridge.serve(socket, watches=role_in(socket.scope) is Role.WATCH)

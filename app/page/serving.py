@@ -12,16 +12,15 @@ import uvicorn
 
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
+from app.page.access_options import Certificate
 from app.page.outlets import Outlets
 from app.page.server import create_app
+from app.page.tokens import Tokens
 from app.page.view.view import SMALL_BUFFER
+from robot.errors import PortError
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
-
-
-class PortError(OSError):
-    """The program cannot listen on the port; the message says what to do."""
 
 
 def listen(host: str, port: int) -> socket.socket:
@@ -44,9 +43,10 @@ def listen(host: str, port: int) -> socket.socket:
             listening.bind(address)
             listening.listen(128)
             unless_it_listens.pop_all()
-    except OSError as error:
+    except (OSError, UnicodeError) as error:  # UnicodeError: no name of a machine is like this
+        why = getattr(error, "strerror", None) or error
         raise PortError(
-            f"cannot listen on {host} port {port}: {error.strerror or error}; "
+            f"cannot listen on {host} port {port}: {why}; "
             "another port is chosen by --port (or PORT=9000 make run)"
         ) from error
     return listening
@@ -55,11 +55,19 @@ def listen(host: str, port: int) -> socket.socket:
 class Server:
     """The web application of one program, with the engine's thread."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(
+        self,
+        program: Program,
+        tokens: Tokens | None = None,
+        certificate: Certificate | None = None,
+    ) -> None:
+        """Prepare to serve; requests need one of the tokens, if there are any."""
         self._thread = EngineThread(program.engine, program.loop)
         self._outlets = Outlets(program)
         config = uvicorn.Config(
-            create_app(program, self._thread, self._outlets),
+            create_app(program, self._thread, self._outlets, tokens),
+            ssl_certfile=certificate.certfile if certificate else None,
+            ssl_keyfile=certificate.keyfile if certificate else None,
             log_level="warning",
             ws="websockets-sansio",
             # Compressing arrays of particles costs ten times the rest, and gains little.
@@ -89,10 +97,15 @@ class Server:
         self._uvicorn.should_exit = True
 
 
-def serve(program: Program, listening: socket.socket) -> None:
+def serve(
+    program: Program,
+    listening: socket.socket,
+    tokens: Tokens | None = None,
+    certificate: Certificate | None = None,
+) -> None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next."""
     try:
-        server = Server(program)
+        server = Server(program, tokens, certificate)
         # These handle signals before uvicorn does, and when it raises them again at its end.
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda number, frame: server.stop())

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 
-import numpy as np
-
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
 from app.engine.snapshot import LAYERS, ReplayState, Snapshot
@@ -27,12 +25,11 @@ from app.page.belief import (
     particles_message,
 )
 from app.page.outlets import Outlets
-from robot.fields.field import Field
+from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from robot.geometry import Array, Pose2
-from robot.interface import RepositionableRobot, Robot
+from robot.interface import RepositionableRobot
 from robot.localization.parameters import LocalizationParameters
-from robot.scanning.line_scanner import LineScan, LineScanner
-from robot.scanning.tape_edges import Verdict
+from robot.scanning.line_scanner import LineScan
 from robot.settings import Setting, describe
 
 
@@ -77,18 +74,14 @@ class TelemetryWriter:
         line_scan = snapshot.line_scan
         table = self._scanner.table
         if line_scan is None:
-            rays = len(table.bearings)
             return ScanMessage(
                 stamp=0.0,
                 bearings=_rounded(table.bearings, 5),
-                ranges=[None] * rays,
+                ranges=[None] * len(table.bearings),
                 robot_from_scan=PoseMessage(x=table.centre[0], y=table.centre[1], theta=0.0),
                 robot=None,
-                entry_px=[None] * rays,
-                exit_px=[None] * rays,
                 tape_width=None,
             )
-        counted = line_scan.verdicts == Verdict.COUNTED
         start = line_scan.scan.robot_from_scan
         return ScanMessage(
             stamp=line_scan.scan.stamp,
@@ -96,19 +89,13 @@ class TelemetryWriter:
             ranges=[None if math.isinf(r) else round(r, 5) for r in line_scan.scan.ranges.tolist()],
             robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
             robot=pose_message(snapshot.scan_pose),
-            entry_px=self._pixels(line_scan, 0, counted),
-            exit_px=self._pixels(line_scan, 1, counted),
-            tape_width=None if math.isnan(line_scan.tape_width) else line_scan.tape_width,
+            tape_width=tape_width(line_scan),
         )
 
-    def _pixels(
-        self, line_scan: LineScan, which: int, counted: np.ndarray
-    ) -> list[tuple[float, float] | None]:
-        pixels = self._scanner.pixels(line_scan.edges[:, which]).tolist()
-        return [
-            (round(u, 1), round(v, 1)) if shown else None
-            for (u, v), shown in zip(pixels, counted.tolist(), strict=True)
-        ]
+
+def tape_width(line_scan: LineScan) -> float | None:
+    """Return the tape's measured width [m]; None if no ray counted."""
+    return None if math.isnan(line_scan.tape_width) else line_scan.tape_width
 
 
 def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
@@ -130,18 +117,25 @@ def pose_message(pose: Pose2 | None) -> PoseMessage | None:
     return None if pose is None else PoseMessage(x=pose.x, y=pose.y, theta=pose.theta)
 
 
-def field_message(field: Field, robot: Robot, scanner: LineScanner, limits: Array) -> FieldMessage:
-    """Return what a view needs once; ``limits`` (2,) are the greatest v [m/s], omega [rad/s]."""
+def field_message(program: Program) -> FieldMessage:
+    """Return what a page needs once."""
+    field, spec, scanner = program.field, program.robot.spec, program.scanner
+    drive, initial = program.config.drive, program.config.localization.filter
     lines = scanner.table.lines(9).round(1).tolist()
     return FieldMessage(
         name=field.name,
         extent=list(field.floor.extent),
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
-        robot_outline=[(x, y) for x, y in robot.spec.outline.round(4).tolist()],
-        max_v=float(limits[0]),
-        max_omega=float(limits[1]),
-        image_width=robot.spec.lens.width,
-        image_height=robot.spec.lens.height,
+        robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
+        max_v=drive.max_velocity,
+        max_omega=drive.max_angular_velocity,
+        drive_timeout=drive.cmd_vel_timeout,
+        stale_after=STALE_S,
+        longest_step=LONGEST_STEP_M,
+        initial_sd_xy=initial.initial_sd_xy,
+        initial_sd_theta=initial.initial_sd_theta,
+        image_width=spec.lens.width,
+        image_height=spec.lens.height,
         tape_width=scanner.settings.tape_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
     )

@@ -9,6 +9,7 @@ from fastapi import APIRouter, HTTPException
 
 from app.messages.message import Message
 from app.recordings.attachments import Attachment, Contents
+from robot.errors import BrickPoseError
 
 
 class AttachmentMessage(Message):
@@ -47,7 +48,7 @@ def contents_router(contents: Callable[[], Contents]) -> APIRouter:
         """Settings, map, robot and models, as they are now."""
         try:
             result = contents()
-        except (OSError, ValueError) as error:
+        except (BrickPoseError, OSError) as error:
             raise HTTPException(503, str(error)) from error
         files = [
             AttachmentMessage(

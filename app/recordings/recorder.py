@@ -55,9 +55,10 @@ class Recorder:
             try:
                 parent.mkdir(parents=True, exist_ok=True)
                 folder = free_folder(parent, f"brickpose_{self._today():%Y_%m_%d-%H_%M_%S}")
-            except OSError as error:
+            except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+                why = getattr(error, "strerror", error)
                 raise RecordingError(
-                    f"nothing can be recorded to {parent}: {error.strerror}; valid is a folder"
+                    f"nothing can be recorded to {parent}: {why}; valid is a folder"
                 ) from error
             self._run = RecordingRun(folder, self._publisher, self.settings, self._contents)
             return folder

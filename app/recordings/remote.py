@@ -56,7 +56,7 @@ def record(
         names: the topics' names; empty for all topics.
 
     Raises:
-        DistantRobotError: the robot does not answer, or the connection is lost; what was received
+        RemoteRobotError: the robot does not answer, or the connection is lost; what was received
             before is kept.
         SettingError: the address is invalid, or a topic does not exist; lists those that do.
         OSError: the file cannot be written; what was written before remains.

@@ -17,6 +17,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from app.recordings.attachments import Contents
 from app.recordings.contents_route import ContentsMessage
+from robot.errors import BrickPoseError
 from robot.settings import SettingError
 
 ANSWER_S = 10.0
@@ -32,7 +33,7 @@ _NO_MESSAGE = (
 """Exceptions that decoding arbitrary data may raise."""
 
 
-class RemoteRobotError(RuntimeError):
+class RemoteRobotError(BrickPoseError, RuntimeError):
     """The robot does not answer as rosbridge does, or not at all; says why."""
 
 
@@ -56,7 +57,7 @@ class RemoteRobot:
 
         Raises:
             SettingError: the address is invalid.
-            DistantRobotError: no rosbridge answers there.
+            RemoteRobotError: no rosbridge answers there.
         """
         self.place = host_and_port(address)
         try:
@@ -73,7 +74,7 @@ class RemoteRobot:
         """Return the type of each topic by its name.
 
         Raises:
-            DistantRobotError: there is no valid answer.
+            RemoteRobotError: there is no valid answer.
         """
         request = {"op": "call_service", "service": "/rosapi/topics", "id": "topics"}
         self._socket.send(json.dumps(request))
@@ -89,7 +90,7 @@ class RemoteRobot:
         They are empty if the robot does not serve them: only BrickPose does.
 
         Raises:
-            DistantRobotError: the answer is invalid, or the robot could not give one.
+            RemoteRobotError: the answer is invalid, or the robot could not give one.
         """
         try:
             with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
@@ -123,7 +124,7 @@ class RemoteRobot:
         """Return the next message; None if none comes within the timeout [s].
 
         Raises:
-            DistantRobotError: the connection is lost, or the data are not a message.
+            RemoteRobotError: the connection is lost, or the data are not a message.
         """
         try:
             data = self._socket.recv(timeout=timeout)

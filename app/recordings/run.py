@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import errno
 import threading
-from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from app.engine.mailboxes.backlog import Backlog
 from app.engine.problems import LOG
 from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile
@@ -16,6 +16,7 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
 from app.ros2.topic import Published, Topic
 from app.settings.recording import RecordingSettings
+from robot.worker_thread import WorkerThread
 
 MOST_WAITING = 2000
 """Most messages that wait while the disk does not answer: about ten seconds of them."""
@@ -51,28 +52,29 @@ class RecordingRun(Route):
         self._publisher = publisher
         self._contents = contents
         self._pace = Pace(lambda topic: settings.period(topic.name, topic.rate))
-        self._waiting: deque[Published] = deque()
-        self._lost = 0
+        self._waiting = Backlog[Published](MOST_WAITING)
         self._ticks_lost_before = publisher.lost
         self._unfit: dict[str, str] = {}
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="recording", daemon=True)
+        self._thread = WorkerThread(
+            "recording", self._run, owner="the recording", patience=JOIN_S, report=self._end
+        )
         publisher.source.clock.hold()
         self._thread.start()
 
     @property
     def running(self) -> bool:
         """Whether the file is not finished yet."""
-        return self._thread.is_alive()
+        return self._thread.alive
 
     @property
     def missing(self) -> str | None:
         """What is missing in the recording, in words; None if nothing is."""
         parts = [f"{name} is not recorded: {why}." for name, why in dict(self._unfit).items()]
         ticks = max(0, self._publisher.lost - self._ticks_lost_before)
-        if self._lost or ticks:
+        messages = self._waiting.lost
+        if messages or ticks:
             parts.append(
-                f"{self._lost} messages and {ticks} ticks are missing: the disk or the computer "
+                f"{messages} messages and {ticks} ticks are missing: the disk or the computer "
                 "is too slow."
             )
         return " ".join(parts) or None
@@ -83,41 +85,31 @@ class RecordingRun(Route):
 
     def take(self, published: Published) -> None:
         """Leave a message for the thread; if there is no room, it is lost and counted."""
-        if len(self._waiting) < MOST_WAITING:
-            self._waiting.append(published)
-        else:
-            self._lost += 1
+        self._waiting.put(published)
 
     def stop(self) -> None:
         """Ask the recording to finish; from any thread."""
-        self._stop.set()
+        self._thread.stopping.set()
 
     def join(self) -> None:
         """Wait until the file is finished."""
-        self._thread.join(JOIN_S)
-        if self._thread.is_alive():
-            LOG.error("the recording's thread did not end within %g s", JOIN_S)
+        self._thread.join()
 
-    def _run(self) -> None:
+    def _run(self, stopping: threading.Event) -> None:
         try:
-            self._record()
-        except OSError as error:
-            self._end(error.strerror or str(error), full=error.errno in FULL)
-        except Exception as error:
-            LOG.exception("the recording failed")
-            self._end(str(error), full=False)
+            self._record(stopping)
         finally:
             self._publisher.remove(self)
             self._publisher.source.clock.release()
 
-    def _record(self) -> None:
+    def _record(self, stopping: threading.Event) -> None:
         contents = self._contents()
         file = RecordingFile(self.folder, contents.facts)
         try:
             for attachment in contents.attachments:
                 file.attach(attachment.name, attachment.data, attachment.media_type)
             self._publisher.add(self)
-            while not self._stop.wait(PERIOD_S):
+            while not stopping.wait(PERIOD_S):
                 self._write_waiting(file)
             self._publisher.remove(self)
             self._write_waiting(file)
@@ -133,8 +125,8 @@ class RecordingRun(Route):
     def _write_waiting(self, file: RecordingFile) -> None:
         if not self._waiting:
             file.flush()  # the robot has stopped answering: the last messages may matter most
-        while self._waiting:
-            self._write(file, self._waiting.popleft())
+        while (published := self._waiting.get()) is not None:
+            self._write(file, published)
         self.size, self.duration = file.size, file.duration
 
     def _write(self, file: RecordingFile, published: Published) -> None:
@@ -154,7 +146,13 @@ class RecordingRun(Route):
             cdr,
         )
 
-    def _end(self, why: str, *, full: bool) -> None:
+    def _end(self, error: Exception) -> None:
+        why = str(error)
+        if isinstance(error, OSError):
+            why = error.strerror or why
+        else:
+            LOG.exception("the recording failed")
+        full = isinstance(error, OSError) and error.errno in FULL
         reason = "The disk is full" if full else f"The recording cannot be written ({why})"
         kept = "; it is kept" if self.folder.exists() else ""
         self.failure = f"{reason}: the recording ended after {self.duration:.0f} s{kept}."

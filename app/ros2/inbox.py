@@ -48,15 +48,15 @@ class Inbox:
             message: an object of rosbags, or CDR with its header.
 
         Raises:
-            MessageError, ValueError: there is no such topic or type, or the command is not allowed;
-                says why.
+            MessageError: there is no such topic or type, or the message is invalid; says why.
+            CommandError: the command is not allowed; says why.
         """
         try:
             topic = self._topic(name, type_name)
             if isinstance(message, bytes | memoryview):
                 message = from_cdr(message, type_name)
             return self._do(topic, message)
-        except ValueError:
+        except Exception:
             self.refuse(name)
             raise
 
@@ -69,8 +69,8 @@ class Inbox:
         """Carry out a request to a service, and return its command.
 
         Raises:
-            MessageError, ValueError: there is no such service, or the command is not allowed; says
-                why.
+            MessageError: there is no such service, or the request is invalid; says why.
+            CommandError: the command is not allowed; says why.
         """
         for service in self.services():
             if service.name == name:

@@ -9,6 +9,8 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from robot.errors import BrickPoseError
+
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
@@ -26,7 +28,7 @@ MORE_SERVICES = {
 }
 
 
-class MessageError(ValueError):
+class MessageError(BrickPoseError, ValueError):
     """A message, type or request is invalid; says what is wrong and what is valid."""
 
 

@@ -13,6 +13,7 @@ from app.ros2.route import Route
 from app.ros2.source import TopicSource
 from app.ros2.topic import Published, Topic
 from app.ros2.topics import TOPICS
+from robot.worker_thread import WorkerThread
 
 MOST_WAITING = 500
 """Most ticks that wait: at most ten seconds of them, if this thread gets no time at all."""
@@ -36,14 +37,16 @@ class TopicPublisher:
         self._every = every
         self._routes: tuple[Route, ...] = ()
         self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
+        self._thread: WorkerThread | None = None
 
     def add(self, route: Route) -> None:
         """Add a route; it gets messages from the next tick on."""
         with self._lock:
             self._routes = (*self._routes, route)
             if self._thread is None:
-                self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
+                self._thread = WorkerThread(
+                    "topics", self._run, owner="the topics", patience=JOIN_S
+                )
                 self._thread.start()
 
     def remove(self, route: Route) -> None:
@@ -63,12 +66,10 @@ class TopicPublisher:
         with self._lock:
             self._routes = ()
             thread = self._thread
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(JOIN_S)
-            if thread.is_alive():
-                LOG.error("the topics' thread did not end within %g s", JOIN_S)
+        if thread is not None:
+            thread.join()
 
-    def _run(self) -> None:
+    def _run(self, stopping: threading.Event) -> None:
         with self._every.subscribe(MOST_WAITING) as feed:
             while self._goes_on():
                 snapshot = feed.get(LOOK_S)
@@ -131,8 +132,8 @@ class TopicPublisher:
         self.remove(route)
         self._complain(route.name, error)
 
-    def _complain(self, what: str, error: Exception) -> None:
-        message = f"{what} failed: {error}"
+    def _complain(self, name: str, error: Exception) -> None:
+        message = f"{name} failed: {error}"
         if message != self.failure:
             LOG.exception(message)
         self._failure = (time.monotonic(), message)

@@ -22,6 +22,8 @@ from app.settings.config import Config
 
 SEARCH_TICKS = 150
 """Enough for the hypotheses to collect a short map, and to search for places twice."""
+SETTLED_TICKS = 100
+"""Enough to compare poses with odometry, which begins when the place is known for some time."""
 TICKS = 8
 """A few pictures."""
 FIRST_USES: tuple[dict[str, Any], ...] = (
@@ -57,7 +59,7 @@ def where(snapshot: Snapshot) -> SetPoseCommand:
 def warm_up() -> None:
     """Run everything that is compiled at its first use."""
     program = build_program(Config(robot="kinematic"))
-    drive(program, TICKS)
+    drive(program, SETTLED_TICKS)
     snapshot = drive(program, SEARCH_TICKS, ScatterCommand(type="scatter"))
     for values in FIRST_USES:
         change = SetParametersCommand(type="set_parameters", values=values)

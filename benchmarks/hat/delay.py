@@ -22,8 +22,8 @@ SPEED = 500.0
 
 def measure() -> Result:
     """Measure ages at the moment of reading, over phases of the motors and the program."""
-    found = [ages(motor, program) for motor in range(0, 10, 3) for program in range(1, 20, 4)]
-    true, error = (np.concatenate([one[:, column] for one in found]) for column in (0, 1))
+    runs = [ages(motor, program) for motor in range(0, 10, 3) for program in range(1, 20, 4)]
+    true, error = (np.concatenate([run[:, column] for run in runs]) for column in (0, 1))
     return Result(
         unit="ms from an encoder's sample to the filter, mean",
         brickpose=1e3 * float(true.mean()),
@@ -47,7 +47,7 @@ def ages(motor_ms: int, program_ms: int) -> Array:
     turned = np.array([bricks.motor(port).angle for port in (0, 1)])
     bricks.wanted = np.radians([SPEED, SPEED])
     history = [bricks.run(1.0 + 1e-3 * program_ms)]
-    found = []
+    samples = []
     for _ in range(round(1e3 * SECONDS / READ_MS)):
         history.append(bricks.run(1e-3 * READ_MS))
         state = bricks.board.state(bricks.now)
@@ -57,5 +57,5 @@ def ages(motor_ms: int, program_ms: int) -> Array:
             # The shaft turns in one direction, so each angle belongs to one moment.
             path = direction * rows[:, 3 + place]
             moment = float(np.interp(direction * angle, path, rows[:, 0]))
-            found.append((bricks.now - moment, state.stamp - moment))
-    return np.array(found)
+            samples.append((bricks.now - moment, state.stamp - moment))
+    return np.array(samples)

@@ -38,18 +38,18 @@ class Counted(Board):
 
     sent = received = 0
 
-    def receive(self, data: bytes, now: float) -> bytes:
+    def receive(self, data: bytes, current: float) -> bytes:
         """Count received bytes, and those of the answer."""
         self.received += len(data)
-        answer = super().receive(data, now)
+        answer = super().receive(data, current)
         self.sent += len(answer)
         return answer
 
-    def tick(self, now: float) -> bytes:
+    def tick(self, current: float) -> bytes:
         """Count the bytes sent in one tick."""
-        found = super().tick(now)
-        self.sent += len(found)
-        return found
+        data = super().tick(current)
+        self.sent += len(data)
+        return data
 
 
 def measure() -> Result:
@@ -64,9 +64,9 @@ def measure() -> Result:
         link.start()
         try:
             _wait(board)
-            begin, busy, sent, received = _now(board)
+            begin, busy, sent, received = _counters(board)
             _drive(board, SECONDS)
-            end, busy_then, sent_then, received_then = _now(board)
+            end, busy_then, sent_then, received_then = _counters(board)
         finally:
             link.close()
     passed = end - begin
@@ -111,7 +111,7 @@ def _figure_eight(live: Connection, seconds: float) -> None:
         telemetry(live)
 
 
-def _now(board: Counted) -> tuple[float, float, int, int]:
+def _counters(board: Counted) -> tuple[float, float, int, int]:
     return time.monotonic(), time.process_time(), board.sent, board.received
 
 
@@ -125,13 +125,13 @@ def _wait(board: Board) -> None:
 
 def _drive(board: Board, seconds: float) -> None:
     """Command speeds that always change, as on a figure-eight, with the calls of the program."""
-    begin = now = time.monotonic()
-    while now < begin + seconds:
-        board.command(_speeds(now - begin), now)
-        board.state(now)
+    begin = stamp = time.monotonic()
+    while stamp < begin + seconds:
+        board.command(_speeds(stamp - begin), stamp)
+        board.state(stamp)
         time.sleep(PERIOD)
-        now = time.monotonic()
+        stamp = time.monotonic()
 
 
-def _speeds(now: float) -> Array:
-    return 5.0 + 2.0 * np.array([np.sin(now), np.cos(1.3 * now)])
+def _speeds(elapsed: float) -> Array:
+    return 5.0 + 2.0 * np.array([np.sin(elapsed), np.cos(1.3 * elapsed)])

@@ -39,8 +39,8 @@ class EmulatedHat:
         same cycle of the emulator, even if it runs late.
         """
         state, truth = self._answers("state", "truth")
-        now, *_, lost = state.split("; ")
-        stamp = float(now.removeprefix("now ")) + float(lost.removeprefix("lost "))
+        clock, *_, lost = state.split("; ")
+        stamp = float(clock.removeprefix("now ")) + float(lost.removeprefix("lost "))
         return stamp, [float(word) for word in truth.split()]
 
     def _answers(self, *lines: str) -> list[str]:
@@ -49,8 +49,8 @@ class EmulatedHat:
             connection.settimeout(ANSWER_S)
             connection.connect(str(self.control))
             connection.sendall("".join(f"{line}\n" for line in lines).encode())
-            told = connection.makefile()
-            answers = [told.readline().rstrip("\n") for _ in lines]
+            reader = connection.makefile()
+            answers = [reader.readline().rstrip("\n") for _ in lines]
         for line, answer in zip(lines, answers, strict=True):
             if answer.startswith("error"):
                 raise ValueError(f"{line}: {answer}")
@@ -58,9 +58,9 @@ class EmulatedHat:
 
     def motors(self) -> tuple[float, list[float]]:
         """Return the board's time [s], and the speeds of the motors at its ports [degree/s]."""
-        now, _, _, *ports, _ = self.ask("state").split("; ")
+        clock, _, _, *ports, _ = self.ask("state").split("; ")
         plugged = [words for words in map(str.split, ports) if words[1] != "-"]
-        return float(now.removeprefix("now ")), [abs(float(words[3])) for words in plugged]
+        return float(clock.removeprefix("now ")), [abs(float(words[3])) for words in plugged]
 
     def cpu_seconds(self) -> float:
         """Return the processor time that it has used [s], as Linux counts it."""

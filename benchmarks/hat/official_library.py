@@ -89,22 +89,22 @@ def session(hat: EmulatedHat, *parts: str) -> dict[str, Any]:
         raise SessionError(f"the library hung; the board: {hat.ask('state')}") from error
     except subprocess.CalledProcessError as error:
         raise SessionError(f"the library failed: {error.stderr[-2000:]}") from error
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    findings: dict[str, Any] = json.loads(done.stdout)
+    return findings
 
 
-def wrong(found: dict[str, Any]) -> list[str]:
+def wrong(findings: dict[str, Any]) -> list[str]:
     """Return a message for each invalid finding of a session."""
     return [
         f"{name} is {value:g}; valid is {VALID[name][0]:g} to {VALID[name][1]:g}"
-        for name, value in _flat(found)
+        for name, value in _flat(findings)
         if name in VALID and not VALID[name][0] <= value <= VALID[name][1]
     ]
 
 
-def checked(found: dict[str, Any]) -> int:
+def checked(findings: dict[str, Any]) -> int:
     """Return how many findings of a session are checked."""
-    return sum(name in VALID for name, _ in _flat(found))
+    return sum(name in VALID for name, _ in _flat(findings))
 
 
 def measure() -> Result:
@@ -122,11 +122,11 @@ def measure() -> Result:
 
 def _calls(folder: Path) -> dict[str, float]:
     with emulated_hat(folder, "--world", "free") as hat:
-        found = session(hat, *PARTS)
-    faults = wrong(found)
+        findings = session(hat, *PARTS)
+    faults = wrong(findings)
     if faults:
         raise SessionError("; ".join(faults))
-    return {"calls' effects as they should be": checked(found)}
+    return {"calls' effects as they should be": checked(findings)}
 
 
 def _uploads(folder: Path) -> dict[str, float]:
@@ -156,19 +156,19 @@ def _starts(folder: Path) -> tuple[int, float, float]:
 
 def _try_start(hat: EmulatedHat) -> Iterator[float]:
     try:
-        found = session(hat, "get")
+        findings = session(hat, "get")
     except SessionError as error:
         print(f"a start did not work: {error}", file=sys.stderr)
         return
-    if not wrong(found):
-        yield found["start"]
+    if not wrong(findings):
+        yield findings["start"]
 
 
-def _flat(found: Any, path: str = "") -> Iterator[tuple[str, float]]:
+def _flat(node: Any, path: str = "") -> Iterator[tuple[str, float]]:
     """Yield the numbers with their paths."""
-    if isinstance(found, dict | list):
-        pairs = found.items() if isinstance(found, dict) else enumerate(found)
-        for name, value in pairs:
-            yield from _flat(value, f"{path}.{name}" if path else str(name))
-    elif isinstance(found, int | float):
-        yield path, found
+    if isinstance(node, dict | list):
+        pairs = node.items() if isinstance(node, dict) else enumerate(node)
+        for name, child in pairs:
+            yield from _flat(child, f"{path}.{name}" if path else str(name))
+    elif isinstance(node, int | float):
+        yield path, node

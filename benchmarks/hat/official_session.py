@@ -22,7 +22,7 @@ RESET_PIN = 4
 SETTLE = 0.3
 """Time in which a motor reaches a speed or stops [s]."""
 
-Found = dict[str, Any]
+Findings = dict[str, Any]
 
 
 def main() -> None:
@@ -31,10 +31,10 @@ def main() -> None:
     threading.Thread(target=pass_on_reset, args=(control,), daemon=True).start()
     start = time.monotonic()
     hat = Hat(device=device)
-    found: Found = {"start": time.monotonic() - start}
+    findings: Findings = {"start": time.monotonic() - start}
     for part in parts:
-        found[part] = PARTS[part](hat)
-    print(json.dumps(found))
+        findings[part] = PARTS[part](hat)
+    print(json.dumps(findings))
 
 
 def pass_on_reset(control: str) -> None:
@@ -52,14 +52,14 @@ def pass_on_reset(control: str) -> None:
         connection.recv(100)
 
 
-def hat_part(hat: Any) -> Found:
+def hat_part(hat: Any) -> Findings:
     """Read the devices and the supply voltage of the board."""
     hat.set_leds("green")
     hat.set_leds("voltage")
     return {"devices": hat.get(), "vin": hat.get_vin()}
 
 
-def position(motor: Any, do: Callable[[], None]) -> Found:
+def position(motor: Any, do: Callable[[], None]) -> Findings:
     """Return how far [degree] and how long [s] a motor turns during a call."""
     before, start = motor.get_position(), time.monotonic()
     do()
@@ -68,7 +68,7 @@ def position(motor: Any, do: Callable[[], None]) -> Found:
     return {"turned": motor.get_position() - before, "seconds": seconds}
 
 
-def get_part(hat: Any) -> Found:
+def get_part(hat: Any) -> Findings:
     """Read a motor's position, absolute position and speed."""
     motor = Motor("A")
     return {
@@ -78,22 +78,22 @@ def get_part(hat: Any) -> Found:
     }
 
 
-def seconds_part(hat: Any) -> Found:
+def seconds_part(hat: Any) -> Findings:
     """Test run_for_seconds: forth, back, and without waiting."""
     motor = Motor("A")
-    found = {
+    findings = {
         "forth": position(motor, lambda: motor.run_for_seconds(1, 50)),
         "back": position(motor, lambda: motor.run_for_seconds(1, -50)),
     }
     start = time.monotonic()
     motor.run_for_seconds(0.5, 30, blocking=False)
-    found["queued"] = {"seconds": time.monotonic() - start}
+    findings["queued"] = {"seconds": time.monotonic() - start}
     motor.stop()  # waits for queued calls
-    found["done"] = {"seconds": time.monotonic() - start}
-    return found
+    findings["done"] = {"seconds": time.monotonic() - start}
+    return findings
 
 
-def degrees_part(hat: Any) -> Found:
+def degrees_part(hat: Any) -> Findings:
     """Test run_for_degrees and run_for_rotations."""
     motor = Motor("A")
     return {
@@ -103,31 +103,31 @@ def degrees_part(hat: Any) -> Found:
     }
 
 
-def position_part(hat: Any) -> Found:
+def position_part(hat: Any) -> Findings:
     """Test run_to_position in each direction."""
     motor = Motor("A")
-    found = {}
+    findings = {}
     for degrees, direction in ((0, "shortest"), (120, "clockwise"), (-60, "anticlockwise")):
         motor.run_to_position(degrees, 20, direction=direction)
         time.sleep(SETTLE)
-        found[direction] = motor.get_aposition() - degrees
-    return found
+        findings[direction] = motor.get_aposition() - degrees
+    return findings
 
 
-def callback_part(hat: Any) -> Found:
+def callback_part(hat: Any) -> Findings:
     """Test when_rotated while a motor turns."""
-    motor, told = Motor("A"), []
+    motor, calls = Motor("A"), []
 
     def rotated(speed: int, place: int, absolute: int) -> None:
-        told.append((speed, place, absolute))
+        calls.append((speed, place, absolute))
 
     motor.when_rotated = rotated
     turned = position(motor, lambda: motor.run_for_degrees(360, 20))["turned"]
     motor.when_rotated = None
-    places = [place for _, place, _ in told]
-    absolutes = {(place - absolute) % 360 for _, place, absolute in told}
+    places = [place for _, place, _ in calls]
+    absolutes = {(place - absolute) % 360 for _, place, absolute in calls}
     return {
-        "count": len(told),
+        "count": len(calls),
         "span": max(places) - min(places),
         "turned": turned,
         "marks": len(absolutes),
@@ -142,37 +142,37 @@ def free_speed(motor: Any) -> float:
     return float((motor.get_position() - before) / (time.monotonic() - start))
 
 
-def pwm_part(hat: Any) -> Found:
+def pwm_part(hat: Any) -> Findings:
     """Test pwm with power limits, and both ways to stop."""
-    motor, found = Motor("A"), {}
+    motor, findings = Motor("A"), {}
     for limit in (0.3, 1.0):
         motor.plimit(limit)
         motor.pwm(0.6)
-        found[f"limit {limit:g}"] = free_speed(motor)
+        findings[f"limit {limit:g}"] = free_speed(motor)
     motor.pwm(-0.6)
-    found["back"] = free_speed(motor)
+    findings["back"] = free_speed(motor)
     motor.float()
-    found["float"] = free_speed(motor)
+    findings["float"] = free_speed(motor)
     motor.pwm(0.6)
     motor.coast()
-    found["coast"] = free_speed(motor)
-    return found
+    findings["coast"] = free_speed(motor)
+    return findings
 
 
-def rpm_part(hat: Any) -> Found:
+def rpm_part(hat: Any) -> Findings:
     """Test speeds in rotations per minute."""
     motor = Motor("A")
     motor.set_speed_unit_rpm(True)
-    found = {"seconds": position(motor, lambda: motor.run_for_seconds(2, 60))}
+    findings = {"seconds": position(motor, lambda: motor.run_for_seconds(2, 60))}
     motor.start(60)
-    found["speed"] = {"speed": free_speed(motor)}
+    findings["speed"] = {"speed": free_speed(motor)}
     motor.stop()
-    found["degrees"] = position(motor, lambda: motor.run_for_degrees(180, 60))
+    findings["degrees"] = position(motor, lambda: motor.run_for_degrees(180, 60))
     motor.set_speed_unit_rpm(False)
-    return found
+    return findings
 
 
-def pair_part(hat: Any) -> Found:
+def pair_part(hat: Any) -> Findings:
     """Test both motors at once."""
     pair = MotorPair("A", "B")
     motors = (pair._leftmotor, pair._rightmotor)
@@ -195,7 +195,7 @@ def pair_part(hat: Any) -> Found:
     }
 
 
-PARTS: dict[str, Callable[[Any], Found]] = {
+PARTS: dict[str, Callable[[Any], Findings]] = {
     "hat": hat_part,
     "get": get_part,
     "seconds": seconds_part,

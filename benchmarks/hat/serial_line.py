@@ -57,10 +57,10 @@ class Drive:
 def measure() -> Result:
     """Measure twelve robots, one after the other."""
     drives = [drive(seed) for seed in SEEDS]
-    seconds = [one.seconds for one in drives]
+    seconds = [run.seconds for run in drives]
     return Result(
         unit="of 12 right again within 4 s",
-        brickpose=sum(one <= 4 for one in seconds),
+        brickpose=sum(duration <= 4 for duration in seconds),
         more={
             "right again, median [s]": float(np.median(seconds)),
             "right again, worst [s]": max(seconds),
@@ -78,8 +78,8 @@ def drive(seed: int, watched: float = WATCHED_S) -> Drive:
         tempfile.TemporaryDirectory() as folder,
         robot_in_bricks(Path(folder), seed) as (hat, server),
     ):
-        truth, told = _watch(hat, server, watched)
-    return _judged(truth, told)
+        truth, reports = _watch(hat, server, watched)
+    return _judged(truth, reports)
 
 
 def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Array]:
@@ -88,7 +88,7 @@ def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Arr
     The latter are (m, 7).
     """
     truth: list[list[float]] = []
-    told: list[list[float]] = []
+    reports: list[list[float]] = []
     with server.live() as socket:
         until(socket, connected, START_S)
         begin = until(socket, estimated, START_S)["stamp"]
@@ -103,27 +103,29 @@ def _watch(hat: EmulatedHat, server: Server, watched: float) -> tuple[Array, Arr
             stamp, pose = hat.pose()
             if not truth or stamp > truth[-1][0]:
                 truth.append([stamp, *pose])
-            now = telemetry(socket)
-            if now["estimate"] is not None:
-                told.append([now["stamp"], *_pose(now["estimate"]), *_pose(now["odometry"])])
-            if now["stamp"] > begin + watched:
-                return np.array(truth), np.array(told)
+            message = telemetry(socket)
+            if message["estimate"] is not None:
+                reports.append(
+                    [message["stamp"], *_pose(message["estimate"]), *_pose(message["odometry"])]
+                )
+            if message["stamp"] > begin + watched:
+                return np.array(truth), np.array(reports)
 
 
 def _send(socket: Connection, **command: object) -> None:
     socket.send(json.dumps(command))
 
 
-def _pose(told: dict[str, float]) -> list[float]:
-    return [told["x"], told["y"], told["theta"]]
+def _pose(pose: dict[str, float]) -> list[float]:
+    return [pose["x"], pose["y"], pose["theta"]]
 
 
-def _judged(truth: Array, told: Array) -> Drive:
+def _judged(truth: Array, reports: Array) -> Drive:
     """Compare with the clock offset from both motions, as the programs have no common clock."""
-    late = told[told[:, 0] > told[0, 0] + SETTLED_S]
+    late = reports[reports[:, 0] > reports[0, 0] + SETTLED_S]
     true = _planar(truth)
     offset = estimate_clock_offset(true, _planar(late)).seconds
-    estimate, odometry = (_planar(told[:, [0, *columns]]).shifted(offset) for columns in POSES)
+    estimate, odometry = (_planar(reports[:, [0, *columns]]).shifted(offset) for columns in POSES)
     where, known = at(true, estimate.stamps)
     estimate, odometry = estimate.selected(known), odometry.selected(known)
     apart = estimate.poses - where.poses
@@ -132,7 +134,7 @@ def _judged(truth: Array, told: Array) -> Drive:
     )
     settled = where.stamps > where.stamps[0] + SETTLED_S
     errors = [
-        ate_rmse(where.selected(settled), one.selected(settled)) for one in (estimate, odometry)
+        ate_rmse(where.selected(settled), track.selected(settled)) for track in (estimate, odometry)
     ]
     return Drive(seconds, *errors)
 

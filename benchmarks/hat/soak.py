@@ -124,19 +124,21 @@ def _time_to_stop(live: Connection, hat: EmulatedHat, begin: float, trouble: Fau
     """Return the time until both wheels stand, while the program is commanded to drive [s]."""
     while True:
         _drive(live)
-        now, speeds = hat.motors()
+        stamp, speeds = hat.motors()
         if max(speeds) < 5:
-            return now - begin
-        if now - begin > 10 * STOP_S:
+            return stamp - begin
+        if stamp - begin > 10 * STOP_S:
             raise RuntimeError(f"{trouble.name}: the motors go on")
 
 
 def _drive_until_turning(live: Connection, hat: EmulatedHat) -> None:
     deadline = time.monotonic() + BACK_S
     while min(hat.motors()[1]) < TURNING:
-        now = _drive(live)
+        message = _drive(live)
         if time.monotonic() > deadline:
-            raise TimeoutError(f"it does not drive again: {now['problems']}, {hat.ask('state')}")
+            raise TimeoutError(
+                f"it does not drive again: {message['problems']}, {hat.ask('state')}"
+            )
 
 
 def _drive_for(live: Connection, seconds: float) -> None:

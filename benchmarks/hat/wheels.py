@@ -53,18 +53,18 @@ def measure() -> Result:
     theirs = {name: [firmware_step(name, gain) for gain in GAINS] for name in FIRMWARE}
     return Result(
         unit="s until within 5 % of 500 degrees/s, median",
-        brickpose=_median([one.settled for one in ours]),
-        peer={name: _median([one.settled for one in steps]) for name, steps in theirs.items()},
+        brickpose=_median([step.settled for step in ours]),
+        peer={name: _median([step.settled for step in steps]) for name, steps in theirs.items()},
         more={
             "the motor as expected: settled, worst [s]": max(
                 our_step(1.0, phase).settled for phase in range(10)
             ),
-            "10 % faster or slower: settled, worst [s]": max(one.settled for one in ours),
-            "overshoot, worst [%]": 100 * max(one.overshoot for one in ours),
-            "left and right start apart, worst [ms]": 1e3 * max(one.apart for one in ours),
+            "10 % faster or slower: settled, worst [s]": max(step.settled for step in ours),
+            "overshoot, worst [%]": 100 * max(step.overshoot for step in ours),
+            "left and right start apart, worst [ms]": 1e3 * max(step.apart for step in ours),
             "stands after a stop within, worst [degree]": max(drift(phase) for phase in PHASES_MS),
             **{
-                f"{name}: overshoot, worst [%]": 100 * max(one.overshoot for one in steps)
+                f"{name}: overshoot, worst [%]": 100 * max(step.overshoot for step in steps)
                 for name, steps in theirs.items()
             },
             "asked for 100 degrees/s, blocked for 3 s, let go: highest [degree/s]": freed(),

@@ -64,9 +64,9 @@ def building() -> OccupancyGrid:
 def measure() -> Result:
     """Measure median times, and the time to prepare the map."""
     begun = time.thread_time()
-    on = LaserMap.of(building(), "building")
+    laser_map = LaserMap.of(building(), "building")
     read = time.thread_time()
-    sensor = on.sensor(LASER.sensor, LaserSettings())
+    sensor = laser_map.sensor(LASER.sensor, LaserSettings())
     more = {
         "map of 4 M cells: field [s]": read - begun,
         "map of 4 M cells: tables [s]": time.thread_time() - read,
@@ -75,7 +75,7 @@ def measure() -> Result:
     ours = 0.0
     for beams in BEAMS:
         laser = Laser(beams=beams)
-        times = _times(on, sensor, laser)
+        times = _times(laser_map, sensor, laser)
         ours = times["brickpose"]
         more[f"{beams} beams: brickpose [ms]"] = ours
         more[f"{beams} beams: updates/s"] = 1e3 / ours
@@ -88,34 +88,34 @@ def measure() -> Result:
     return Result(f"ms an update of {PARTICLES} particles, {BEAMS[-1]} beams", ours, peer, more)
 
 
-def _times(on: LaserMap, sensor: SensorModel, laser: Laser) -> dict[str, float]:
+def _times(laser_map: LaserMap, sensor: SensorModel, laser: Laser) -> dict[str, float]:
     """Return the median times [ms] of an update by program, and their errors at the end [m]."""
     p = LASER.filter
     fixed = replace(p, min_particles=PARTICLES, max_particles=PARTICLES)
     ours = ParticleFilter(
-        LASER.motion.model(), sensor, on.field, fixed, np.random.default_rng(0),
+        LASER.motion.model(), sensor, laser_map.field, fixed, np.random.default_rng(0),
         likelihood_weight=LASER.sensor.likelihood_weight,
     )  # fmt: skip
     ours.set_pose(START, np.diag(np.square([SD_XY, SD_XY, SD_THETA])))
     peer = None
     if LIBRARY.exists():
-        peer = Nav2Amcl(PARTICLES, on.grid, NAV2_MOTION, NAV2_SENSOR, beam_model=False)
+        peer = Nav2Amcl(PARTICLES, laser_map.grid, NAV2_MOTION, NAV2_SENSOR, beam_model=False)
         peer.start(START, SD_XY, SD_THETA)
-    seen = list(wander(on, laser, SCANS / 10 * 4, 0, START))[::4]
+    seen = list(wander(laser_map, laser, SCANS / 10 * 4, 0, START))[::4]
     taken: dict[str, list[float]] = {"brickpose": [], NAV2: []}
     before = seen[0].odometry
-    for one in measurements(iter(seen), laser):
-        now = one.odom_from_robot
+    for measurement in measurements(iter(seen), laser):
+        after = measurement.odom_from_robot
         begun = time.thread_time()
-        ours.predict(before.inverse() @ now)
-        ours.correct(one.scan)
+        ours.predict(before.inverse() @ after)
+        ours.correct(measurement.scan)
         assert ours.hypotheses
         taken["brickpose"].append(time.thread_time() - begun)
         if peer is not None:
-            taken[NAV2].append(peer.update(before, now, one.scan))
-        before = now
-    found = {name: 1e3 * float(np.median(t[WARM:])) for name, t in taken.items() if t}
-    found["off [m]"] = ours.hypotheses[0].pose.distance_to(seen[-1].truth)
+            taken[NAV2].append(peer.update(before, after, measurement.scan))
+        before = after
+    figures = {name: 1e3 * float(np.median(t[WARM:])) for name, t in taken.items() if t}
+    figures["off [m]"] = ours.hypotheses[0].pose.distance_to(seen[-1].truth)
     if peer is not None:
-        found["peer off [m]"] = peer.mean.distance_to(seen[-1].truth)
-    return found
+        figures["peer off [m]"] = peer.mean.distance_to(seen[-1].truth)
+    return figures

@@ -67,14 +67,16 @@ class Seen(NamedTuple):
     """(beams,) [m]; +inf where nothing returned."""
 
 
-def wander(on: LaserMap, laser: Laser, seconds: float, seed: int, start: Pose2) -> Iterator[Seen]:
+def wander(
+    laser_map: LaserMap, laser: Laser, seconds: float, seed: int, start: Pose2
+) -> Iterator[Seen]:
     """Drive where there is room, for a time [s], from a start in the frame of the cells."""
     rng = np.random.default_rng(seed)
     truth, odometry = start, Pose2()
     bearings, exact = laser.bearings, np.empty((1, laser.beams))
     for tick in range(round(seconds * HZ)):
         sensor = truth @ laser.place
-        cast_rays(sensor.to_array()[None], bearings, on.field.edge_index, laser.reach, exact)
+        cast_rays(sensor.to_array()[None], bearings, laser_map.field.edge_index, laser.reach, exact)
         yield Seen(tick / HZ, truth, odometry, _measured(exact[0], laser, rng))
         twist = _steered(exact[0], bearings)
         truth = truth @ twist.integrate(1 / HZ)
@@ -83,8 +85,9 @@ def wander(on: LaserMap, laser: Laser, seconds: float, seed: int, start: Pose2) 
 
 def measurements(seen: Iterator[Seen], laser: Laser) -> Iterator[Measurement]:
     """Yield the measurements for a filter: odometry and scan."""
-    for one in seen:
-        yield Measurement(one.odometry, Scan(one.stamp, laser.bearings, one.ranges, laser.place))
+    for moment in seen:
+        scan = Scan(moment.stamp, laser.bearings, moment.ranges, laser.place)
+        yield Measurement(moment.odometry, scan)
 
 
 def _measured(exact: Array, laser: Laser, rng: np.random.Generator) -> Array:

@@ -65,13 +65,13 @@ def write_bag(path: Path, kind: str = "mcap", data: Path = DATA, begin: float = 
         place = Pose2(0.25, 0.0, 0.0)
         bag.transform(BEGAN, "base_link", "laser", place, topic="/tf_static")
         for line in file:
-            what, *words = line.split()
+            tag, *words = line.split()
             numbers = np.array(words, dtype=np.float64)
             if numbers[-1] < begin:
                 continue
             stamp = BEGAN + float(numbers[-1])
             bag.odometry(stamp, Pose2(numbers[0] / 100, numbers[1] / 100, numbers[2]))
-            if what == "L":
+            if tag == "L":
                 first, step = math.radians(-89.5), math.radians(1)
                 ranges = numbers[6:186] / 100
                 bag.scan(stamp, ranges, first=first, step=step, reach=(0.0, FARTHEST))
@@ -85,11 +85,11 @@ def localized(folder: Path, seed: int) -> tuple[dict[str, object], Array, Array]
         code = main([*arguments, "--out", str(out), "--seed", str(seed)])
     if code:
         raise RuntimeError(f"seed {seed} ended with {code}")
-    found = json.loads((out / "results.json").read_text(encoding="utf-8"))
+    results = json.loads((out / "results.json").read_text(encoding="utf-8"))
     if not (out / "localized.tum").exists():
-        return found, np.empty(0), np.empty((0, 3))
+        return results, np.empty(0), np.empty((0, 3))
     way = parse_tum((out / "localized.tum").read_text(encoding="utf-8"), "localized.tum")
-    return found, way.stamps - BEGAN, way.poses
+    return results, way.stamps - BEGAN, way.poses
 
 
 def wrong_poses(stamps: Array, poses: Array) -> tuple[int, int, float]:
@@ -98,17 +98,17 @@ def wrong_poses(stamps: Array, poses: Array) -> tuple[int, int, float]:
     judged = stamps >= SETTLED
     stamps, poses = stamps[judged], poses[judged]
     true = [np.interp(stamps, track[:, 0], track[:, column] / 100) for column in (1, 2)]
-    at = stamps[np.hypot(poses[:, 0] - true[0], poses[:, 1] - true[1]) > WRONG_M]
-    parts = np.split(at, np.flatnonzero(np.diff(at) > BREAK) + 1)
+    wrong_stamps = stamps[np.hypot(poses[:, 0] - true[0], poses[:, 1] - true[1]) > WRONG_M]
+    parts = np.split(wrong_stamps, np.flatnonzero(np.diff(wrong_stamps) > BREAK) + 1)
     longest = max((float(part[-1] - part[0]) for part in parts if len(part)), default=0.0)
-    return len(stamps), len(at), longest
+    return len(stamps), len(wrong_stamps), longest
 
 
 def error_at_reference(stamps: Array, poses: Array) -> tuple[float, float]:
     """Return distance [m] and angle [rad] from the reference, at its stamp."""
-    there = poses[int(np.argmin(np.abs(stamps - REFERENCE_STAMP)))]
-    turn = abs(wrap_angle(float(there[2]) - REFERENCE.theta))
-    return math.hypot(there[0] - REFERENCE.x, there[1] - REFERENCE.y), turn
+    pose = poses[int(np.argmin(np.abs(stamps - REFERENCE_STAMP)))]
+    turn = abs(wrap_angle(float(pose[2]) - REFERENCE.theta))
+    return math.hypot(pose[0] - REFERENCE.x, pose[1] - REFERENCE.y), turn
 
 
 def require_data() -> None:
@@ -127,14 +127,14 @@ def measure(seeds: range = SEEDS) -> Result:
         write_map(folder / "wean.yaml")
         write_bag(folder / "bag")
         for seed in seeds:
-            found, stamps, poses = localized(folder, seed)
-            withdrawn += found["scans"]["withdrawn"]  # type: ignore[index]
-            rates.append(found["rates"]["updates_per_s"])  # type: ignore[index]
+            results, stamps, poses = localized(folder, seed)
+            withdrawn += results["scans"]["withdrawn"]  # type: ignore[index]
+            rates.append(results["rates"]["updates_per_s"])  # type: ignore[index]
             if not len(stamps):
                 sys.stderr.write(f"seed {seed}: nothing told\n")
                 continue
-            count, off, lasted = wrong_poses(stamps, poses)
-            judged, wrong, longest = judged + count, wrong + off, max(longest, lasted)
+            count, wrong_count, lasted = wrong_poses(stamps, poses)
+            judged, wrong, longest = judged + count, wrong + wrong_count, max(longest, lasted)
             distance, turn = error_at_reference(stamps, poses)
             near += distance <= NEAR_M and turn <= NEAR_RAD
             far.append(distance)
@@ -155,5 +155,5 @@ def measure(seeds: range = SEEDS) -> Result:
         "withdrawn": float(withdrawn),
         "updates a second, median": float(np.median(rates)),
     }
-    told = f"of {len(seeds)} starts over the whole floor within {NEAR_M} m and {NEAR_RAD} rad"
-    return Result(told, float(near), {}, more)
+    unit = f"of {len(seeds)} starts over the whole floor within {NEAR_M} m and {NEAR_RAD} rad"
+    return Result(unit, float(near), {}, more)

@@ -31,9 +31,11 @@ async def read_all(rosbridge: str, foxglove: str) -> None:
 async def _take(socket: ClientConnection) -> None:
     first = True
     async for message in socket:
-        told = json.loads(message) if isinstance(message, str) else {}
-        if told.get("op") == "advertise":
-            wishes = [{"id": one["id"], "channelId": one["id"]} for one in told["channels"]]
+        content = json.loads(message) if isinstance(message, str) else {}
+        if content.get("op") == "advertise":
+            wishes = [
+                {"id": channel["id"], "channelId": channel["id"]} for channel in content["channels"]
+            ]
             await socket.send(json.dumps({"op": "subscribe", "subscriptions": wishes}))
         if first:
             sys.stdout.write("reading\n")

@@ -64,7 +64,7 @@ class Peer:
 
     def __init__(self, domain: int) -> None:
         self.events: list[Event] = []
-        self._told = threading.Condition()
+        self._arrival = threading.Condition()
         self._process = subprocess.Popen(
             [str(built()), str(domain)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -98,8 +98,8 @@ class Peer:
         lengths: bool = False,
     ) -> None:
         """Subscribe to a DDS name with a ROS 2 type; events hold the bytes or only their number."""
-        told = "lengths" if lengths else "bytes"
-        self._say("read", topic, dds_type(type_name), *_quality(reliable, latched), told)
+        form = "lengths" if lengths else "bytes"
+        self._say("read", topic, dds_type(type_name), *_quality(reliable, latched), form)
 
     def write(
         self, topic: str, type_name: str, *, reliable: bool = True, latched: bool = False
@@ -126,13 +126,13 @@ class Peer:
         """
         end = time.monotonic() + seconds
         seen = after
-        with self._told:
+        with self._arrival:
             while time.monotonic() < end:
                 for event in self.events[seen:]:
                     if event[0] == kind and name in ("", event[1]) and condition(event):
                         return event
                 seen = len(self.events)
-                self._told.wait(end - time.monotonic())
+                self._arrival.wait(end - time.monotonic())
         last = [" ".join(event)[:100] for event in self.events[-20:]]
         raise TimeoutError(f"no {kind} {name} in {seconds:g} s; it told {last}")
 
@@ -168,9 +168,9 @@ class Peer:
     def _listen(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:
-            with self._told:
+            with self._arrival:
                 self.events.append(line.split())
-                self._told.notify_all()
+                self._arrival.notify_all()
 
 
 def _quality(reliable: bool, latched: bool) -> tuple[str, str]:

@@ -68,10 +68,10 @@ def measure() -> Result:
         size = _megabytes_a_minute(Path(folder))
     return Result(
         unit="% of a core",
-        brickpose=min(one.threads for one in recording),
+        brickpose=min(use.threads for use in recording),
         more={
-            "program without a recording [% of a core]": min(one.process for one in without),
-            "program with a recording [% of a core]": min(one.process for one in recording),
+            "program without a recording [% of a core]": min(use.process for use in without),
+            "program with a recording [% of a core]": min(use.process for use in recording),
             "disk [MB a minute]": size,
         },
     )
@@ -107,8 +107,8 @@ def _used(program: Program) -> _Use:
 
 def _threads_time() -> float:
     """Return the processor time of the threads that record [s]."""
-    found = [one.ident for one in threading.enumerate() if one.name in THREADS]
-    clocks = [time.pthread_getcpuclockid(ident) for ident in found if ident is not None]
+    idents = [thread.ident for thread in threading.enumerate() if thread.name in THREADS]
+    clocks = [time.pthread_getcpuclockid(ident) for ident in idents if ident is not None]
     return sum(time.clock_gettime(clock) for clock in clocks)
 
 

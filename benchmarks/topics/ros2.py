@@ -71,7 +71,7 @@ def measure() -> Result:
                 peer.wait("data", dds_topic("/map"))
             cpu = running.cpu(route)
             delays = running.delays(peers[0])
-    with_p99, without_p99 = (1e3 * float(np.percentile(one, 99)) for one in steps)
+    with_p99, without_p99 = (1e3 * float(np.percentile(times, 99)) for times in steps)
     return Result(
         unit="% of a core, DDS process and its threads, 3 readers",
         brickpose=100 * sum(cpu.values()),
@@ -166,8 +166,8 @@ class Running:
                         taken.setdefault(command.v, snapshot.published)
         # A newer command may replace one before it is taken; then the newer one counts for both.
         return [
-            min(at for speed, at in taken.items() if speed >= wanted) - then
-            for wanted, then in sent.items()
+            min(end for speed, end in taken.items() if speed >= wanted) - begin
+            for wanted, begin in sent.items()
         ]
 
 

@@ -127,8 +127,8 @@ def _times(config: Config, watched: bool) -> Times:
     """Measure the times of a program on the figure-eight."""
     pace = RealTime()
     rng = np.random.default_rng(0)
-    spec, on = RobotSpec.load(), load_field(config.map, MAPS)
-    robot = TimedRobot(build_simulated(config, spec, on, rng, pace))
+    spec, tape_field = RobotSpec.load(), load_field(config.map, MAPS)
+    robot = TimedRobot(build_simulated(config, spec, tape_field, rng, pace))
     program = build_program(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)

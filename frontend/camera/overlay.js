@@ -1,7 +1,7 @@
 // @ts-check
 import { palette } from "../page/palette.js";
 
-/** @typedef {import("../messages").ScanMessage} ScanMessage */
+/** @typedef {import("../messages").EdgesMessage} EdgesMessage */
 /** @typedef {[number, number]} Point */
 /**
  * @typedef {{left: number, top: number, scale: number}} Placement where the picture lies on the
@@ -53,32 +53,32 @@ function gap(a, b, u, v) {
 /**
  * Draw rays up to their hits, a ring where each enters the tape and a bar where it leaves.
  * @param {CanvasRenderingContext2D} context @param {Placement} placement
- * @param {Point[][]} rays @param {ScanMessage} scan @param {number | null} selected
+ * @param {Point[][]} rays @param {EdgesMessage} edges @param {number | null} selected
  */
-export function drawOverlay(context, placement, rays, scan, selected) {
+export function drawOverlay(context, placement, rays, edges, selected) {
   context.save();
   context.translate(placement.left, placement.top);
   context.scale(placement.scale, placement.scale);
   const pixel = 1 / placement.scale;
   context.lineCap = "round";
-  drawRays(context, rays, scan, pixel);
+  drawRays(context, rays, edges, pixel);
   if (selected !== null && rays[selected]) drawSelected(context, rays[selected], pixel);
-  drawExits(context, scan, pixel);
-  drawEntries(context, scan, pixel);
+  drawExits(context, edges, pixel);
+  drawEntries(context, edges, pixel);
   context.restore();
 }
 
 /**
  * @param {CanvasRenderingContext2D} context
  * @param {Point[][]} rays
- * @param {ScanMessage} scan
+ * @param {EdgesMessage} edges
  * @param {number} pixel
  */
-function drawRays(context, rays, scan, pixel) {
+function drawRays(context, rays, edges, pixel) {
   const hits = new Path2D();
   const misses = new Path2D();
   rays.forEach((ray, i) => {
-    const entry = scan.entry_px[i];
+    const entry = edges.entry_px[i];
     trace(entry ? hits : misses, entry ? cut(ray, entry) : ray);
   });
   context.strokeStyle = palette["floor-beam"];
@@ -103,10 +103,10 @@ function drawSelected(context, ray, pixel) {
   context.stroke(path);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {ScanMessage} scan @param {number} pixel */
-function drawEntries(context, scan, pixel) {
+/** @param {CanvasRenderingContext2D} context @param {EdgesMessage} edges @param {number} pixel */
+function drawEntries(context, edges, pixel) {
   const rings = new Path2D();
-  for (const point of scan.entry_px) {
+  for (const point of edges.entry_px) {
     if (!point) continue;
     rings.moveTo(point[0] + RING * pixel, point[1]);
     rings.arc(point[0], point[1], RING * pixel, 0, 2 * Math.PI);
@@ -114,10 +114,10 @@ function drawEntries(context, scan, pixel) {
   twice(context, rings, pixel, "#fff", palette["floor-draft"]);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {ScanMessage} scan @param {number} pixel */
-function drawExits(context, scan, pixel) {
+/** @param {CanvasRenderingContext2D} context @param {EdgesMessage} edges @param {number} pixel */
+function drawExits(context, edges, pixel) {
   const bars = new Path2D();
-  for (const point of scan.exit_px) {
+  for (const point of edges.exit_px) {
     if (!point) continue;
     bars.moveTo(point[0], point[1] - RING * pixel);
     bars.lineTo(point[0], point[1] + RING * pixel);

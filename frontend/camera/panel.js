@@ -3,19 +3,16 @@ import { find, findButton, setText } from "../page/elements.js";
 import { Surface } from "../page/surface.js";
 import { millimetres } from "../page/format.js";
 import { drawOverlay, nearestRay, thin } from "./overlay.js";
-import { Pairing } from "./pairing.js";
 import { RayProfile } from "./profile.js";
 import { CameraStream } from "./stream.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
-/** @typedef {import("../messages").ScanMessage} ScanMessage */
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
 /** @typedef {import("./overlay.js").Point} Point */
-/** @typedef {import("./pairing.js").Pair} Pair */
+/** @typedef {import("./stream.js").Picture} Picture */
 
 /** The live picture, what the scanner found in it, and the profile of one ray. */
 export class CameraPanel {
-  #pairing = new Pairing();
   #hint = find("camera-hint", HTMLElement);
   #text = find("camera-text", HTMLElement);
   #empty = find("camera-empty", HTMLElement);
@@ -23,8 +20,10 @@ export class CameraPanel {
   #profileButton = findButton("camera-profile");
   /** @type {Point[][]} */
   #rays = [];
-  /** @type {Pair | null} */
-  #drawn = null;
+  /** @type {Picture | null} */
+  #picture = null;
+  /** Whether the picture was never drawn. */
+  #fresh = false;
 
   /**
    * @param {DrawLoop} loop
@@ -34,11 +33,8 @@ export class CameraPanel {
     this.drawn = drawn;
     const canvas = find("camera-canvas", HTMLCanvasElement);
     this.surface = new Surface(canvas, () => this.#resized());
-    this.refresh = loop.add((now) => this.#paint(now), { visible: () => this.surface.visible });
-    this.stream = new CameraStream("/api/camera", (picture) => {
-      this.#pairing.addPicture(picture);
-      this.refresh();
-    });
+    this.refresh = loop.add(() => this.#paint(), { visible: () => this.surface.visible });
+    this.stream = new CameraStream("/api/camera", (picture) => this.#show(picture));
     this.profile = new RayProfile(loop, () => this.#selected());
     this.#raysButton.onclick = () => this.#toggleRays();
     this.#profileButton.onclick = () => this.#toggleProfile();
@@ -54,47 +50,43 @@ export class CameraPanel {
     this.refresh();
   }
 
-  /** @param {ScanMessage} scan */
-  addScan(scan) {
-    if (!this.#pairing.addScan(scan)) return;
-    const hits = scan.entry_px.filter(Boolean).length;
-    const width = scan.tape_width === null ? "" : `, tape ${millimetres(scan.tape_width, 1)} wide`;
-    setText(this.#hint, `${scan.bearings.length} rays, ${hits} hits${width}`);
+  /** @param {Picture} picture */
+  #show(picture) {
+    this.#picture?.bitmap.close();
+    this.#picture = picture;
+    this.#fresh = true;
+    this.#empty.hidden = true;
     this.refresh();
+    if (!picture.edges) return;
+    const { entry_px, tape_width } = picture.edges;
+    const hits = entry_px.filter(Boolean).length;
+    const width = tape_width === null ? "" : `, tape ${millimetres(tape_width, 1)} wide`;
+    setText(this.#hint, `${entry_px.length} rays, ${hits} hits${width}`);
   }
 
   /** Describe the camera's picture in words for screen readers; called now and then. */
   describe() {
-    const missing = this.#drawn ? "" : "No picture yet. ";
+    const missing = this.#picture ? "" : "No picture yet. ";
     setText(this.#text, `${missing}${this.#hint.textContent}. Arrow keys choose a ray.`);
   }
 
   #resized() {
     this.stream.want(this.surface.visible && !document.hidden);
-    this.#drawn = null;
     this.refresh?.();
   }
 
-  /** @param {number} now */
-  #paint(now) {
-    const { pair, waiting } = this.#pairing.pick(now);
-    if (waiting) this.refresh();
-    if (!pair || pair === this.#drawn) return;
-    const fresh = pair.picture !== this.#drawn?.picture;
-    this.#draw(pair);
-    this.#drawn = pair;
-    this.#empty.hidden = true;
-    if (fresh) this.drawn(pair.picture.stamp);
-  }
-
-  /** @param {Pair} pair */
-  #draw({ picture: { bitmap }, scan }) {
+  #paint() {
+    if (!this.#picture) return;
+    const { stamp, bitmap, edges } = this.#picture;
     const context = this.surface.begin();
-    const { left, top, scale } = this.#placement(bitmap);
+    const placement = this.#placement(bitmap);
+    const { left, top, scale } = placement;
     context.drawImage(bitmap, left, top, bitmap.width * scale, bitmap.height * scale);
-    if (scan && this.#showsRays) {
-      drawOverlay(context, { left, top, scale }, this.#rays, scan, this.profile.ray);
+    if (edges && this.#showsRays) {
+      drawOverlay(context, placement, this.#rays, edges, this.profile.ray);
     }
+    if (this.#fresh) this.drawn(stamp);
+    this.#fresh = false;
   }
 
   /** @param {{width: number, height: number}} picture shown as a whole, in the middle */
@@ -120,13 +112,12 @@ export class CameraPanel {
 
   #selected() {
     this.#profileButton.setAttribute("aria-pressed", String(this.profile.ray !== null));
-    this.#drawn = null;
     this.refresh();
   }
 
   /** @param {MouseEvent} event */
   #click(event) {
-    const bitmap = this.#drawn?.picture.bitmap;
+    const bitmap = this.#picture?.bitmap;
     if (!bitmap || this.#rays.length === 0) return;
     const { left, top, scale } = this.#placement(bitmap);
     const [x, y] = this.surface.locate(event);

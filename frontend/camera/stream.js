@@ -1,17 +1,16 @@
 // @ts-check
 import { Backoff } from "../wire/backoff.js";
 
-/** Bytes before the JPEG: the exposure's stamp, little-endian float64. */
-const HEADER_BYTES = 8;
+/** @typedef {import("../messages").PictureMessage} PictureMessage */
+/** @typedef {PictureMessage & {bitmap: ImageBitmap}} Picture */
+
+/** Bytes that hold the length of the head: a little-endian uint32. */
+const LENGTH_BYTES = 4;
 
 /**
- * @typedef {object} Picture
- * @property {number} stamp exposure on the robot's clock [s]
- * @property {ImageBitmap} bitmap
- * @property {number} arrived by performance.now() [ms]
+ * The camera's pictures with their scans; only the newest one is decoded, so a slow machine skips
+ * pictures.
  */
-
-/** The camera's pictures; only the newest one is decoded, so a slow machine skips pictures. */
 export class CameraStream {
   /** @type {WebSocket | null} */
   #socket = null;
@@ -58,16 +57,22 @@ export class CameraStream {
     this.#decoding = true;
     while (this.#next) {
       const message = this.#next;
-      const arrived = performance.now();
       this.#next = null;
-      const stamp = new DataView(message).getFloat64(0, true);
-      const jpeg = new Blob([new Uint8Array(message, HEADER_BYTES)], { type: "image/jpeg" });
       try {
-        this.listener({ stamp, bitmap: await createImageBitmap(jpeg), arrived });
+        this.listener(await decoded(message));
       } catch (error) {
         console.warn("A camera picture could not be decoded.", error);
       }
     }
     this.#decoding = false;
   }
+}
+
+/** @param {ArrayBuffer} message @returns {Promise<Picture>} */
+async function decoded(message) {
+  const length = new DataView(message).getUint32(0, true);
+  const head = new TextDecoder().decode(new Uint8Array(message, LENGTH_BYTES, length));
+  const jpeg = new Uint8Array(message, LENGTH_BYTES + length);
+  const bitmap = await createImageBitmap(new Blob([jpeg], { type: "image/jpeg" }));
+  return { ...JSON.parse(head), bitmap };
 }

@@ -2,11 +2,12 @@
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {{forward: number, turn: number}} Stick each from -1 to 1; turning left is positive */
 
-/** Interval between renewals of a drive command [ms], which holds for 0.5 s on the robot. */
+/** Interval between renewals of a drive command [ms]: four fit into the shortest time-out. */
 const RENEW_MS = 50;
 /** Shortest interval between commands [ms]; else a moving stick is sent at once. */
 const SOONEST_MS = 25;
-const FIGURE_EIGHT_MS = 100;
+/** A figure-eight is renewed so often within the time-out of drive commands. */
+const RENEWALS = 5;
 /** Turning speed at full stick [rad/s] for each m/s of the chosen speed. */
 const TURN_PER_SPEED = 8;
 
@@ -19,6 +20,8 @@ export class Drive {
   speed = 0.15;
   maxV = 0.15;
   maxOmega = 1;
+  /** How long a command holds that is not renewed [ms]. */
+  timeout = 500;
   figureEight = false;
   /** A recording cannot be driven. */
   possible = true;
@@ -121,7 +124,7 @@ export class Drive {
   #renew() {
     const now = performance.now();
     // Half a timer interval early counts as on time.
-    if (this.figureEight && now - this.#sent < FIGURE_EIGHT_MS - RENEW_MS / 2) return;
+    if (this.figureEight && now - this.#sent < this.timeout / RENEWALS - RENEW_MS / 2) return;
     this.#sent = now;
     this.send(this.figureEight ? { type: "figure_eight" } : this.#command());
   }

@@ -35,9 +35,10 @@ export class DrivePanel {
   }
 
   /** @param {FieldMessage} field */
-  setField({ max_v, max_omega }) {
+  setField({ max_v, max_omega, drive_timeout }) {
     this.drive.maxV = max_v;
     this.drive.maxOmega = max_omega;
+    this.drive.timeout = drive_timeout * 1000;
     this.#slider.max = String(max_v);
     this.#setSpeed();
   }

@@ -2,6 +2,7 @@
 import { find, findButton, findInput, setText } from "../page/elements.js";
 import { degrees, millimetres } from "../page/format.js";
 
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {"set_pose" | "place"} Act */
 
@@ -49,6 +50,14 @@ export class NumbersForm {
       y: this.#y.valueAsNumber / 1000,
       theta: (this.#heading.valueAsNumber * Math.PI) / 180,
     };
+  }
+
+  /** Begin with the start pose and the configured spread. @param {FieldMessage} field */
+  setField({ start, initial_sd_xy, initial_sd_theta }) {
+    this.pose = start;
+    this.#spread.value = String(Math.log10(initial_sd_xy));
+    this.#turn.value = String((initial_sd_theta * 180) / Math.PI);
+    this.#tell();
   }
 
   /** Write a pose into the form, for small corrections. @param {PoseMessage} pose */

@@ -50,7 +50,7 @@ export class MapPanel {
     this.scene = new Scene(this.surface, this.#view);
     const visible = () => this.surface.visible;
     this.refresh = loop.add(() => this.#paint(), { visible, hertz: HERTZ });
-    this.telling = new Telling(order, () => this.scene.telemetry);
+    this.telling = new Telling(order);
     this.numbers = new NumbersForm((act, pose) => this.#tell(act, pose), this.refresh);
     this.tool = new PoseTool(
       () => this.scene.telemetry?.estimate?.theta ?? 0,
@@ -67,10 +67,12 @@ export class MapPanel {
 
   /** @param {FieldMessage} field @param {ImageBitmap} picture */
   setField(field, picture) {
+    const known = this.#field?.extent.join() === field.extent.join();
     this.#field = field;
     this.scene.setField(field, picture);
+    if (known) return this.refresh();
     // In an open form, the user may have typed something already.
-    if (find("numbers", HTMLElement).hidden) this.numbers.pose = field.start;
+    if (find("numbers", HTMLElement).hidden) this.numbers.setField(field);
     this.#fit();
   }
 
@@ -92,6 +94,7 @@ export class MapPanel {
     this.#certainty.title = claim(integrity);
     setText(this.#certainty, words);
     this.#doubts.show(integrity.alerts);
+    this.telling.show(telemetry.filter);
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
     for (const button of this.#tools) {

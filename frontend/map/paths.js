@@ -1,14 +1,11 @@
 // @ts-check
 import { palette } from "../page/palette.js";
-import { alike } from "./places.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {"truth" | "odometry" | "estimate" | "then"} Who */
 
 const STEP_M = 0.004;
-/** A longer step is a jump, not part of a path. */
-const JUMP_M = 0.12;
 const MOST = 4000;
 /**
  * Dashes and widths in CSS pixels: the paths differ even without colour.
@@ -27,13 +24,14 @@ class Trail {
   /** @type {{x: number, y: number, jump: boolean, stamp: number}[]} */
   #points = [];
 
-  /** @param {PoseMessage} pose @param {number} stamp [s] */
-  add({ x, y }, stamp) {
+  /** @param {PoseMessage} pose @param {number} stamp [s] @param {number} longest step [m] */
+  add({ x, y }, stamp, longest) {
     const last = this.#points.at(-1);
     const moved = last ? Math.hypot(x - last.x, y - last.y) : Infinity;
     if (moved < STEP_M) return;
-    this.#points.push({ x, y, jump: moved > JUMP_M, stamp });
-    this.#trace({ x, y, jump: moved > JUMP_M });
+    const jump = moved > longest;
+    this.#points.push({ x, y, jump, stamp });
+    this.#trace({ x, y, jump });
     if (this.#points.length > MOST) this.#keep(this.#points.slice(-MOST * 0.75));
   }
 
@@ -70,21 +68,25 @@ export class Paths {
     estimate: new Trail(),
   };
   #stamp = -Infinity;
+  /** A longer step [m] is a jump, not part of a path. */
+  longestStep = Infinity;
 
   /** @param {TelemetryMessage} telemetry */
   add(telemetry) {
-    const { stamp, truth, odometry, estimate, replay } = telemetry;
+    const { stamp, truth, odometry, estimate, particles, replay } = telemetry;
     // While a replay seeks, it has no estimate yet.
     if (typeof replay?.catching_up === "number") return;
     if (stamp < this.#stamp) {
       for (const trail of Object.values(this.#trails)) trail.rewind(stamp);
     }
     this.#stamp = stamp;
-    if (truth) this.#trails.truth.add(truth, stamp);
-    if (odometry) this.#trails.odometry.add(odometry, stamp);
-    if (replay?.estimate_then) this.#trails.then.add(replay.estimate_then, stamp);
     // While places look alike, the likeliest one keeps changing: that is not a path.
-    if (estimate && alike(telemetry) < 2) this.#trails.estimate.add(estimate, stamp);
+    const settled = particles.alike < 2 ? estimate : null;
+    const poses = { truth, odometry, then: replay?.estimate_then, estimate: settled };
+    for (const who of /** @type {Who[]} */ (Object.keys(poses))) {
+      const pose = poses[who];
+      if (pose) this.#trails[who].add(pose, stamp, this.longestStep);
+    }
   }
 
   clear() {

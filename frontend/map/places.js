@@ -3,12 +3,7 @@ import { plain } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").HypothesisMessage} HypothesisMessage */
-/** @typedef {import("../messages").State} State */
 
-/** Hypotheses of less weight are noise. */
-const LIKELY = 0.02;
-/** A place with at least this share of the heaviest weight looks like the heaviest place. */
-const ALIKE = 0.5;
 /** Smallest probability of being elsewhere that is shown. */
 const ELSEWHERE = 0.1;
 /** Radii of the ellipse that holds 95 % of a planar normal distribution, in standard deviations. */
@@ -20,25 +15,12 @@ const FUZZ = 1e-6;
 const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
 
 /**
- * Number of places that may be the robot's: one that stands out, several alike ones, or none.
- * @param {Pick<TelemetryMessage, "integrity" | "particles">} telemetry
- * @returns {number}
- */
-export function alike({ integrity: { state }, particles: { hypotheses } }) {
-  if (state === "searching" || state === "lost") return 0;
-  if (state !== "ambiguous") return 1;
-  return hypotheses.filter(({ weight }) => weight >= ALIKE * hypotheses[0].weight).length;
-}
-
-/**
  * Places where the robot may be, heaviest first; empty if there is only one, or none.
  * @param {TelemetryMessage} telemetry
  * @returns {HypothesisMessage[]}
  */
-export function places(telemetry) {
-  if (alike(telemetry) === 0) return [];
-  const likely = telemetry.particles.hypotheses.filter(({ weight }) => weight >= LIKELY);
-  return likely.length > 1 ? likely : [];
+export function places({ particles: { hypotheses, alike, likely } }) {
+  return alike > 0 && likely > 1 ? hypotheses.slice(0, likely) : [];
 }
 
 /**
@@ -51,22 +33,20 @@ export function certainty(telemetry) {
   const within = radius === null ? "" : `, ± ${bound(radius)}`;
   if (state === "certain") return `certain${within}`;
   if (state === "approximate") return radius === null ? "about here, no bound" : `about here${within}`;
-  if (state === "ambiguous") return undecided(telemetry);
+  if (state === "ambiguous") return undecided(telemetry.particles);
   // A robot that stands still sees nothing new: it has to move to find its place.
   const { v, omega } = telemetry.twist;
   if (v === 0 && omega === 0) return `${state}: drive a little`;
   return state === "lost" ? "lost: searching" : "searching";
 }
 
-/** @param {Pick<TelemetryMessage, "integrity" | "particles">} telemetry */
-function undecided(telemetry) {
-  const { hypotheses } = telemetry.particles;
-  const count = alike(telemetry);
-  if (count === 0) return "several places look alike";
-  if (count === 1) return `probably here: ${percent(hypotheses[0].weight)}`;
+/** @param {TelemetryMessage["particles"]} particles */
+function undecided({ hypotheses, alike }) {
+  if (alike === 0) return "several places look alike";
+  if (alike === 1) return `probably here: ${percent(hypotheses[0].weight)}`;
   const elsewhere = 1 - hypotheses.reduce((sum, { weight }) => sum + weight, 0);
   const rest = elsewhere >= ELSEWHERE ? `, ${percent(elsewhere)} elsewhere` : "";
-  return `${NUMBERS[count] ?? count} places look alike${rest}`;
+  return `${NUMBERS[alike] ?? alike} places look alike${rest}`;
 }
 
 /** The claimed bounds in a sentence. @param {TelemetryMessage["integrity"]} integrity */

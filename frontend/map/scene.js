@@ -5,7 +5,7 @@ import * as drawing from "./drawing.js";
 import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
-import { alike, places } from "./places.js";
+import { places } from "./places.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
@@ -36,6 +36,7 @@ export class Scene {
   setField(field, picture) {
     this.#floor = new Floor(field.extent, picture);
     this.#outline = field.robot_outline;
+    this.paths.longestStep = field.longest_step;
   }
 
   /** @param {Draft | null} draft */
@@ -60,7 +61,7 @@ export class Scene {
     });
     drawCloud(context, this.view, decodeCloud(telemetry.particles));
     const found = places(telemetry);
-    const count = alike(telemetry);
+    const count = telemetry.particles.alike;
     this.#inMetres(context, () => {
       found.forEach((place, i) => drawing.drawCertainty(context, place, pixel, i > 0));
       if (found.length === 0) this.#paintEllipse(context, telemetry, pixel, count);

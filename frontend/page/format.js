@@ -43,9 +43,3 @@ export function brief(value) {
 
 /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b [m] */
 export const distance = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-
-/** Bring an angle [rad] into [-pi, pi). @param {number} angle */
-export function wrapAngle(angle) {
-  const turn = 2 * Math.PI;
-  return ((((angle + Math.PI) % turn) + turn) % turn) - Math.PI;
-}

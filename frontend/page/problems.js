@@ -3,15 +3,14 @@ import { HttpError, getJson } from "../wire/http.js";
 import { find, findButton, make, setText } from "./elements.js";
 import { minutes } from "./format.js";
 
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").HealthMessage} HealthMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../messages").ProblemsMessage} ProblemsMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
-/** Telemetry older than this [ms] does not show the present. */
-const STALE_MS = 1500;
 /** A first connection may take this time [ms] before the page shows a message. */
 const PATIENCE_MS = 3000;
-/** @typedef {import("../messages").HealthMessage} HealthMessage */
 
 /** Present problems in a line under the bar, and the record of past ones. */
 export class Problems {
@@ -22,6 +21,8 @@ export class Problems {
   #list = find("problems-items", HTMLElement);
   #known = -1;
   #heard = 0;
+  /** Telemetry older than this [ms] does not show the present. */
+  #staleAfter = Infinity;
   /**
    * Why there is no news, in the program's own words; null before the page asked for it.
    * @type {string | null}
@@ -38,6 +39,11 @@ export class Problems {
     this.#button.addEventListener("keydown", (event) => this.#key(event));
     findButton("problems-close").onclick = () => this.#open(false);
     setInterval(() => this.#say(), 500);
+  }
+
+  /** @param {FieldMessage} field */
+  setField({ stale_after }) {
+    this.#staleAfter = stale_after * 1000;
   }
 
   /** @param {TelemetryMessage} telemetry */
@@ -63,7 +69,7 @@ export class Problems {
 
   /** Whether the page shows an old state, not the present one. */
   get stale() {
-    return this.#link !== "open" || performance.now() - this.#heard > STALE_MS;
+    return this.#link !== "open" || performance.now() - this.#heard > this.#staleAfter;
   }
 
   #say() {

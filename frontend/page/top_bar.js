@@ -1,5 +1,4 @@
 // @ts-check
-import { alike } from "../map/places.js";
 import { find, setText } from "./elements.js";
 import { distance, millimetres, minutes, plain } from "./format.js";
 
@@ -23,9 +22,9 @@ export class TopBar {
 
   /** @param {TelemetryMessage} telemetry @param {number | null} delay exposure to pixel [ms] */
   show(telemetry, delay) {
-    const { robot, truth } = telemetry;
+    const { robot, truth, particles } = telemetry;
     // Among places that look alike, the heaviest one is so by chance: no single error is right.
-    const estimate = alike(telemetry) < 2 ? telemetry.estimate : null;
+    const estimate = particles.alike < 2 ? telemetry.estimate : null;
     setText(this.#name, robot.name);
     const mode = telemetry.replay ? "replay" : MODES[telemetry.mode];
     this.#enter(robot.connected ? mode : "not ready", robot.connected);

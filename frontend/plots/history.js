@@ -1,5 +1,4 @@
 // @ts-check
-import { alike } from "../map/places.js";
 import { distance } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
@@ -48,7 +47,7 @@ export class History {
     this.stamps.push(telemetry.stamp);
     const { truth, odometry, particles, loop } = telemetry;
     // While places look alike, the likeliest one keeps changing: no single error is right.
-    const estimate = alike(telemetry) < 2 ? telemetry.estimate : null;
+    const estimate = particles.alike < 2 ? telemetry.estimate : null;
     this.values.odometryError.push(truth && odometry ? distance(truth, odometry) * 1000 : NaN);
     this.values.estimateError.push(truth && estimate ? distance(truth, estimate) * 1000 : NaN);
     const then = telemetry.replay?.estimate_then;

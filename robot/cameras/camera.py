@@ -9,11 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.camera import Lens
+from robot.errors import BrickPoseError
 from robot.interface import Frame
 
 
-class PictureError(RuntimeError):
+class PictureError(BrickPoseError, RuntimeError):
     """No picture is available at the moment; the message says why, and the cure."""
+
+
+class SourceError(BrickPoseError, ValueError):
+    """No camera can have this name; the message says what is valid."""
 
 
 @runtime_checkable

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from robot.camera import Lens
-from robot.cameras.camera import Camera, PictureError
+from robot.cameras.camera import Camera, PictureError, SourceError
 from robot.cameras.files import FileCamera, FolderPictures, VideoPictures
 from robot.cameras.grabber import Device, Grabber
 from robot.cameras.pi_camera import PiCamera
@@ -96,7 +96,7 @@ def open_camera(
         clock: the clock of the frames' stamps [s].
 
     Raises:
-        ValueError: no camera can have this name; the message says what is valid. A camera that is
+        SourceError: no camera can have this name; the message says what is valid. A camera that is
             only absent at the moment reports it as its ``problem`` and is tried again.
     """
     source = settings.source
@@ -125,7 +125,7 @@ def _device(
         return PictureSocket(path, lens, settings.rotation)
     if path.is_char_device() or path.is_relative_to("/dev"):
         return V4l2Device(path, lens, settings, clock)
-    raise ValueError(f"there is no camera {source!r}; {VALID}")
+    raise SourceError(f"there is no camera {source!r}; {VALID}")
 
 
 def _candidates(

@@ -14,7 +14,7 @@ from typing import Protocol
 import cv2
 
 from robot.camera import Lens
-from robot.cameras.camera import Picture, PictureError, check_size, upright
+from robot.cameras.camera import Picture, PictureError, SourceError, check_size, upright
 from robot.interface import Frame
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")
@@ -102,13 +102,13 @@ class FolderPictures:
         """List the folder.
 
         Raises:
-            ValueError: there are no pictures in it; the message names the valid endings.
+            SourceError: there are no pictures in it; the message names the valid endings.
         """
         self.name = f"the pictures in {folder}"
         self._paths = sorted(p for p in folder.iterdir() if p.suffix.lower() in SUFFIXES)
         self._next = 0
         if not self._paths:
-            raise ValueError(
+            raise SourceError(
                 f"{folder} has no pictures; valid are files that end in {', '.join(SUFFIXES)}"
             )
 
@@ -132,14 +132,14 @@ class VideoPictures:
         """Open it.
 
         Raises:
-            ValueError: the file is not a readable video.
+            SourceError: the file is not a readable video.
         """
         self.name = f"the video {path}"
         self._path = path
         self._capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
         if not self._grab():
             self._capture.release()
-            raise ValueError(
+            raise SourceError(
                 f"{path} is no video that can be read; valid are a folder of pictures or "
                 "a file such as .mp4, .avi or .mkv"
             )

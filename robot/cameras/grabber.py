@@ -15,6 +15,7 @@ from typing import Protocol
 from robot.camera import Lens
 from robot.cameras.camera import PictureError, check_size
 from robot.interface import Frame
+from robot.worker_thread import WorkerThread
 
 LOG = logging.getLogger("brickpose")
 
@@ -83,8 +84,7 @@ class Grabber:
         self._last_stamp = -float("inf")
         self._last_arrival = clock()
         self._trouble: str | None = f"{device.name} is being started"
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+        self._thread = WorkerThread("camera", self._run, owner=device.name, patience=JOIN_S)
 
     @property
     def name(self) -> str:
@@ -99,7 +99,7 @@ class Grabber:
         """Return the newest picture, or None if it was handed out before; do not wait."""
         with self._lock:
             frame, self._slot = self._slot, None
-        return None if self._stopping.is_set() else frame
+        return None if self._thread.stopping.is_set() else frame
 
     @property
     def problem(self) -> str | None:
@@ -111,30 +111,26 @@ class Grabber:
 
     def close(self) -> None:
         """End the thread and release the device; may be called twice."""
-        self._stopping.set()
-        if self._thread.is_alive():
-            self._thread.join(JOIN_S)
-        if self._thread.is_alive():
-            LOG.error("the thread of %s did not end within %g s", self.name, JOIN_S)
+        self._thread.stop()
         with self._lock:
             self._slot = None
             self._trouble = f"{self.name} is closed"
 
-    def _run(self) -> None:
+    def _run(self, stopping: threading.Event) -> None:
         retry = self._first_retry
-        while not self._stopping.is_set():
+        while not stopping.is_set():
             before = self._last_stamp
-            self._attempt()
+            self._attempt(stopping)
             if self._last_stamp > before:
                 retry = self._first_retry
-            self._stopping.wait(retry)
+            stopping.wait(retry)
             retry = min(2 * retry, LAST_RETRY_S)
 
-    def _attempt(self) -> None:
+    def _attempt(self, stopping: threading.Event) -> None:
         """Open the device and take pictures until it fails or the camera is closed."""
         try:
             self._device.open()
-            self._take_pictures()
+            self._take_pictures(stopping)
         except PictureError as error:
             self._tell(str(error))
         except Exception as error:  # whatever a driver raises, the next attempt may succeed
@@ -143,9 +139,9 @@ class Grabber:
         finally:
             self._let_go()
 
-    def _take_pictures(self) -> None:
+    def _take_pictures(self, stopping: threading.Event) -> None:
         patient_until = self._clock() + FIRST_PICTURE_S
-        while not self._stopping.is_set():
+        while not stopping.is_set():
             frame = self._device.grab(GRAB_S)
             # A driver that hands out the same buffer again has no new picture.
             if frame is not None and frame.stamp > self._last_stamp:

@@ -108,7 +108,7 @@ class V4l2Device:
         capture.set(cv2.CAP_PROP_FPS, rate)
         capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
         given = (cv2.CAP_PROP_FRAME_HEIGHT, cv2.CAP_PROP_FRAME_WIDTH)
-        check_size(tuple(int(capture.get(which)) for which in given), lens, self.name)
+        check_size(tuple(int(capture.get(property_id)) for property_id in given), lens, self.name)
 
     def _stamp(self, given: float, arrival: float) -> float:
         """Return the middle of the exposure [s], from the driver's stamp or else from the arrival.

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array
 
 SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
@@ -23,7 +24,7 @@ LARGEST = 1e6
 """Largest number in a description, in any unit; far larger ones overflow when they are squared."""
 
 
-class SpecError(ValueError):
+class SpecError(BrickPoseError, ValueError):
     """A robot description that cannot be used; the message says what is wrong, and where."""
 
 

@@ -63,7 +63,8 @@ class Odometry:
         """
         if self._positions is None:
             self._began = reading.stamp
-            state = OdometryState(reading.stamp, Pose2(), Twist2(), np.zeros((3, 3)))
+            pose = reading.odom_from_robot or Pose2()
+            state = OdometryState(reading.stamp, pose, Twist2(), np.zeros((3, 3)))
         else:
             state = self._advance(self._history[-1], reading, reading.positions - self._positions)
         self._positions = reading.positions
@@ -112,7 +113,8 @@ class Odometry:
         moved = self.drive.moved(turned)
         covariance = self._spread(last, turned, moved)
         twist = self.drive.twist(reading.velocities)
-        return OdometryState(reading.stamp, last.odom_from_robot @ moved, twist, covariance)
+        pose = reading.odom_from_robot or last.odom_from_robot @ moved
+        return OdometryState(reading.stamp, pose, twist, covariance)
 
     def _spread(self, last: OdometryState, turned: Array, moved: Pose2) -> Array:
         """Propagate the covariance over one step (Siegwart and Nourbakhsh 2004, eq. 5.9)."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from robot.errors import BrickPoseError
 from robot.fields import edges as edge_geometry
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import lengths, sample
@@ -30,7 +31,7 @@ _LEAST_LIGHT = 0.1
 _MAX_SEARCH_CELLS = 1_000_000
 
 
-class FieldError(ValueError):
+class FieldError(BrickPoseError, ValueError):
     """A field that cannot be used, or a pose that is not on it; the message says what is valid."""
 
 

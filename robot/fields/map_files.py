@@ -16,6 +16,8 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from robot.errors import BrickPoseError
+
 MAX_YAML_BYTES = 64 << 10
 MAX_PICTURE_BYTES = 256 << 20
 MAX_PIXELS = 64_000_000
@@ -23,7 +25,7 @@ MAX_SIDE = 32_000
 """Largest side [px]: OpenCV's transforms take no more."""
 
 
-class MapError(ValueError):
+class MapError(BrickPoseError, ValueError):
     """A map that cannot be used; the message says what is valid."""
 
 

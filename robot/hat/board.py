@@ -212,7 +212,7 @@ class Board:
                 return self._supply.fault("motor", current)
             case events.PortPowerFault():
                 return self._supply.fault("port", current)
-            case events.CommandError() if current - self._set_up_at < SETUP_ERROR_S:
+            case events.CommandRefused() if current - self._set_up_at < SETUP_ERROR_S:
                 for motor in self.motors:
                     motor.invalidate_setup()
             case _:

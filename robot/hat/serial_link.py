@@ -6,11 +6,11 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
 from typing import Protocol
 
-from robot.hat.serial_port import PortError, SerialPort
+from robot.errors import BrickPoseError, PortError
+from robot.hat.serial_port import SerialPort
+from robot.worker_thread import WorkerThread
 
 LOG = logging.getLogger("brickpose")
 
@@ -66,8 +66,11 @@ class PortDriver(Protocol):
         ...
 
 
-class SerialLink:
-    """Opens the port, carries bytes both ways, and opens the port again after it was lost."""
+class SerialLink(WorkerThread):
+    """Opens the port, carries bytes both ways, and opens the port again after it was lost.
+
+    A port that cannot be opened is reported to the talker, not raised.
+    """
 
     def __init__(
         self,
@@ -78,47 +81,26 @@ class SerialLink:
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """``reset`` pulses the board's reset pin or raises; ``period`` is that of the ticks [s]."""
-        self.failure: Exception | None = None
-        """The exception that ended the thread, if the talker failed."""
+        super().__init__(
+            THREAD, self._carry, owner="the Build HAT", patience=JOIN_S, report=self._complain
+        )
         self._device = device
         self._talker = talker
         self._reset = reset
         self._period = period
         self._clock = clock
         self._reason: str | None = None
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name=THREAD, daemon=True)
-
-    @property
-    def alive(self) -> bool:
-        """Whether the thread runs."""
-        return self._thread.is_alive()
-
-    def start(self) -> None:
-        """Start the thread; a port that cannot be opened is reported to the talker, not raised."""
-        self._thread.start()
 
     def close(self) -> None:
         """Send the farewell and close the port; may be called twice."""
-        self._stopping.set()
-        if self._thread.ident is None:
-            return
-        self._thread.join(JOIN_S)
-        if self._thread.is_alive():
-            LOG.error("the Build HAT's thread did not end within %g s", JOIN_S)
+        self.stop()
 
-    def _run(self) -> None:
-        with suppress(OSError):  # Linux only: what `top -H` shows
-            Path(f"/proc/self/task/{threading.get_native_id()}/comm").write_text(THREAD)
-        try:
-            while not self._stopping.is_set():
-                self._open_and_serve()
-                self._stopping.wait(REOPEN_S)
-        except Exception as error:
-            self.failure = error
-            LOG.exception("the Build HAT's driver failed; its motors were told to stop")
+    def _carry(self, stopping: threading.Event) -> None:
+        while not stopping.is_set():
+            self._open_and_serve(stopping)
+            stopping.wait(REOPEN_S)
 
-    def _open_and_serve(self) -> None:
+    def _open_and_serve(self, stopping: threading.Event) -> None:
         """Serve the port until it is gone or the link is closed."""
         try:
             port = SerialPort(self._device, self._clock)
@@ -127,17 +109,17 @@ class SerialLink:
             return
         try:
             self._reason = None
-            self._serve(port)
+            self._serve(port, stopping)
         except PortError as error:
             self._lost(str(error))
         finally:
             port.close()
 
-    def _serve(self, port: SerialPort) -> None:
+    def _serve(self, port: SerialPort, stopping: threading.Event) -> None:
         try:
             due = self._clock()
             port.put(self._talker.opened(due))
-            while not self._stopping.is_set():
+            while not stopping.is_set():
                 due = self._step(port, due)
         except PortError:
             raise
@@ -167,9 +149,9 @@ class SerialLink:
     def _reset_board(self) -> None:
         try:
             if self._reset is None:
-                raise RuntimeError("this program has no reset pin")
+                raise BrickPoseError("this program has no reset pin")
             self._reset()
-        except (OSError, RuntimeError, ValueError) as error:
+        except (BrickPoseError, OSError) as error:
             self._talker.cannot_reset(str(error), self._clock())
         else:
             self._talker.was_reset(self._clock())
@@ -177,6 +159,9 @@ class SerialLink:
     def _take_leave(self, port: SerialPort) -> None:
         if not port.finish(self._talker.farewell(), FAREWELL_S):
             LOG.error("%s took no farewell; the motors stop when their pulse ends", self._device)
+
+    def _complain(self, error: Exception) -> None:
+        LOG.error("the Build HAT's driver failed; its motors were told to stop", exc_info=error)
 
     def _lost(self, reason: str) -> None:
         """Tell the talker, but not the same reason twice in a row."""

@@ -14,6 +14,8 @@ from pathlib import Path
 
 import serial  # type: ignore[import-untyped, unused-ignore]
 
+from robot.errors import PortError
+
 BAUD = 115_200
 TOGETHER_S = 0.003
 """How long to wait for the rest of a line [s]; a line of 21 bytes takes 2 ms to arrive. Waking up
@@ -27,10 +29,6 @@ RP1_MODELS = re.compile(r"Raspberry Pi (?:5|500|Compute Module 5)\b")
 PTY_MAJORS = range(136, 144)
 
 RASPI_CONFIG = "sudo raspi-config, Interface Options, Serial Port: login shell no, hardware yes"
-
-
-class PortError(OSError):
-    """A serial port cannot be opened or used; the message says what to do."""
 
 
 def find_device(model: Path = MODEL) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from robot.errors import PortError
 from robot.hat.protocol import commands
-from robot.hat.serial_port import PortError, SerialPort
+from robot.hat.serial_port import SerialPort
 
 PATIENCE_S = 1.0
 """Longest time for sending the stop [s]; a line of 63 bytes takes 5 ms."""

@@ -63,9 +63,9 @@ class Supply:
         self._low = low and (self._low or self._low_before)
         self._low_before = low
 
-    def fault(self, what: str, current: float) -> bytes:
+    def fault(self, kind: str, current: float) -> bytes:
         """Take a fault that the board reported, "motor" or "port"; return what clears its latch."""
-        self._faults[what] = current
+        self._faults[kind] = current
         return commands.clear_faults()
 
     def complaints(self, current: float) -> list[str]:
@@ -89,5 +89,5 @@ class Supply:
             )
         return result
 
-    def _recent(self, what: str, current: float) -> bool:
-        return current - self._faults.get(what, -math.inf) < FAULT_S
+    def _recent(self, kind: str, current: float) -> bool:
+        return current - self._faults.get(kind, -math.inf) < FAULT_S

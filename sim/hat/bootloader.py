@@ -10,7 +10,8 @@ import hashlib
 from collections.abc import Callable, Generator
 from enum import Enum, auto
 
-from sim.hat.words import CommandError, Words
+from robot.errors import CommandError
+from sim.hat.words import Words
 
 STX, ETX = 0x02, 0x03
 

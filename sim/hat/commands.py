@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from robot.errors import CommandError
 from sim.hat.firmware.drive import Control, Shape, fixed_point
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.power import Power, supply_text
 from sim.hat.firmware.reports import DEFAULT_PERIOD, Writer
 from sim.hat.firmware.variables import MODES, Variable
 from sim.hat.plants import PORTS
-from sim.hat.words import CommandError, Words
+from sim.hat.words import Words
 
 
 @dataclass(slots=True)

@@ -9,16 +9,13 @@ from sim.hat.firmware.drive import STEPS
 from sim.hat.firmware.power import Power
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware
+from sim.hat.motor_figures import DeviceError
 from sim.hat.plants import PORTS, Plants
 from sim.hat.processor import VERSION, Processor
 from sim.hat.transmitter import Noise, Receiver, Transmitter
 
 TICK = 0.001
 """Time step of the emulation [s]."""
-
-
-class BoardError(ValueError):
-    """The board does not have what was asked for."""
 
 
 class EmulatedBoard:
@@ -46,7 +43,7 @@ class EmulatedBoard:
             seed: seed of ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         self._plants = plants
         self._ticks = 0
@@ -124,7 +121,7 @@ class EmulatedBoard:
         """Return the output of a port's driver, -1..1; None: it is switched off.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         firmware = self._processor.firmware
@@ -134,7 +131,7 @@ class EmulatedBoard:
         """Plug a device in, replacing any other; it gets power and starts.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         device.power_up()
@@ -146,7 +143,7 @@ class EmulatedBoard:
         """Unplug the device at a port, if there is one; its motor coasts.
 
         Raises:
-            BoardError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         self._devices.pop(port, None)
@@ -166,20 +163,20 @@ class EmulatedBoard:
         """Make the next setup of a device on a port fail: "framing", "checksum" or "silence".
 
         Raises:
-            BoardError: an unknown fault, a port outside 0..3, or no firmware runs.
+            DeviceError: an unknown fault, a port outside 0..3, or no firmware runs.
         """
         _check(port)
         names = {fault.name.lower(): fault for fault in SetupFault}
         fault = how if isinstance(how, SetupFault) else names.get(how)
         if fault is None:
-            raise BoardError(f"setup cannot fail by {how!r}; valid are {', '.join(names)}")
+            raise DeviceError(f"setup cannot fail by {how!r}; valid are {', '.join(names)}")
         self._firmware_that_runs.fail_setup(port, fault)
 
     def data_fails(self, port: int, framing: int = 0, checksum: int = 6) -> None:
         """Set the numbers of errors in a device's data; more than five in total disconnect it.
 
         Raises:
-            BoardError: a port outside 0..3, or no firmware runs.
+            DeviceError: a port outside 0..3, or no firmware runs.
         """
         _check(port)
         self._firmware_that_runs.fail_data(port, framing, checksum)
@@ -188,10 +185,10 @@ class EmulatedBoard:
         """Set the duration of the firmware's next pass; above 2 ms the firmware reports it.
 
         Raises:
-            BoardError: less than 1 ms.
+            DeviceError: less than 1 ms.
         """
         if milliseconds < 1:
-            raise BoardError(f"a pass takes {milliseconds} ms; valid is 1 or more")
+            raise DeviceError(f"a pass takes {milliseconds} ms; valid is 1 or more")
         self._processor.stall(milliseconds)
 
     def print_text(self, text: str) -> None:
@@ -206,10 +203,10 @@ class EmulatedBoard:
         """Let time pass [s]; return the bytes that have left the board meanwhile.
 
         Raises:
-            BoardError: the time is negative.
+            DeviceError: the time is negative.
         """
         if not seconds >= 0:
-            raise BoardError(f"{seconds} s cannot pass; valid is 0 or more")
+            raise DeviceError(f"{seconds} s cannot pass; valid is 0 or more")
         # The small term makes ten steps of 0.1 ms one tick, in spite of rounding.
         ticks = int((self._rest + seconds) / TICK + 1e-6)
         self._rest = max(self._rest + seconds - ticks * TICK, 0.0)
@@ -229,7 +226,7 @@ class EmulatedBoard:
     @property
     def _firmware_that_runs(self) -> Firmware:
         if self._processor.firmware is None:
-            raise BoardError("no firmware runs; the bootloader waits for one")
+            raise DeviceError("no firmware runs; the bootloader waits for one")
         return self._processor.firmware
 
     def _drive(self) -> None:
@@ -246,10 +243,10 @@ class EmulatedBoard:
 
 def _probability(name: str, value: float) -> float:
     if not 0 <= value <= 1:
-        raise BoardError(f"{name} is {value}; valid is a probability, 0 to 1")
+        raise DeviceError(f"{name} is {value}; valid is a probability, 0 to 1")
     return value
 
 
 def _check(port: int) -> None:
     if not 0 <= port < PORTS:
-        raise BoardError(f"port is {port}; valid are 0 to {PORTS - 1}")
+        raise DeviceError(f"port is {port}; valid are 0 to {PORTS - 1}")

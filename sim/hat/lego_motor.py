@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim.hat.motor_figures import MOTOR_FIGURES, KindError
+from sim.hat.motor_figures import MOTOR_FIGURES, DeviceError
 from sim.hat.plants import Plant
 
 SAMPLE_PERIOD = 0.01
@@ -51,10 +51,6 @@ class Mode:
     """Largest value in percent."""
     si: int
     """Largest value in ``unit``."""
-
-
-class DeviceError(ValueError):
-    """A device does not have what was asked for."""
 
 
 POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
@@ -111,13 +107,13 @@ class LegoMotor:
                 by its own clock, so the samples in reports have every age up to 10 ms.
 
         Raises:
-            KindError: no angular motor has this type number.
+            DeviceError: no angular motor has this type number.
         """
         if type_id not in MOTOR_FIGURES:
             valid = ", ".join(
                 f"{number:02X} ({item.name})" for number, item in MOTOR_FIGURES.items()
             )
-            raise KindError(f"no angular motor has type {type_id:02X}; valid are {valid}")
+            raise DeviceError(f"no angular motor has type {type_id:02X}; valid are {valid}")
         self.type_id = type_id
         self.connect_seconds = connect_seconds
         self.responding = True

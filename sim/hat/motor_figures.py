@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from robot.errors import BrickPoseError
+
 SUPPLY_V = 8.0
 """Nominal supply voltage of a Build HAT [V]."""
 
@@ -15,8 +17,8 @@ USUAL = "medium angular"
 """Motor of a joint whose description names none."""
 
 
-class KindError(ValueError):
-    """No motor of that kind is known."""
+class DeviceError(BrickPoseError, ValueError):
+    """A device does not exist, or not have what was asked for; the message says what is valid."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +91,7 @@ def figures_described(kind: str | None) -> MotorFigures:
     """Return the figures of a motor by its kind in a robot's description; None: a medium motor.
 
     Raises:
-        KindError: there is no such kind; names the valid ones.
+        DeviceError: there is no such kind; names the valid ones.
     """
     return _first("kind", kind or USUAL)
 
@@ -98,7 +100,7 @@ def figures_named(name: str) -> MotorFigures:
     """Return the figures of a motor by its name in commands.
 
     Raises:
-        KindError: there is no such name; names the valid ones.
+        DeviceError: there is no such name; names the valid ones.
     """
     return _first("name", name)
 
@@ -108,5 +110,5 @@ def _first(field: str, wanted: str) -> MotorFigures:
     for figures in MOTOR_FIGURES.values():
         known.setdefault(getattr(figures, field), figures)
     if wanted not in known:
-        raise KindError(f"no motor is called {wanted!r}; valid are {', '.join(known)}")
+        raise DeviceError(f"no motor is called {wanted!r}; valid are {', '.join(known)}")
     return known[wanted]

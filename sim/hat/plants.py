@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from typing import Protocol
 
-from sim.hat.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
+from sim.hat.motor_figures import RAIL_V, SUPPLY_V, DeviceError, MotorFigures, figures_named
 
 PORTS = 4
 """Number of ports of a board: A to D, on the wire 0 to 3."""
@@ -51,10 +51,6 @@ class Plants(Protocol):
         ...
 
 
-class PlantError(ValueError):
-    """A port, duty or load of a motor is not valid."""
-
-
 class FreeMotor:
     """DC motor on a rigid shaft.
 
@@ -89,10 +85,10 @@ class FreeMotor:
         """Set the share of its voltage that the driver puts out; see ``Plant``.
 
         Raises:
-            PlantError: the duty is outside -1..1, or not a number.
+            DeviceError: the duty is outside -1..1, or not a number.
         """
         if duty is not None and not -1 <= duty <= 1:
-            raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
+            raise DeviceError(f"duty is {duty}; valid is -1 to 1, or None to coast")
         self._duty = duty
         self._pull = self._gain * self._supply_v * (duty or 0.0)
 
@@ -104,7 +100,7 @@ class FreeMotor:
     @load.setter
     def load(self, torque: float) -> None:
         if not math.isfinite(torque):
-            raise PlantError(f"load is {torque}; valid is a torque [N m]")
+            raise DeviceError(f"load is {torque}; valid is a torque [N m]")
         self._load = torque * self.figures.speed_per_torque
 
     @property
@@ -173,7 +169,7 @@ class FreeMotors:
         """Put motors at the ports, with ``figures`` by port; the default is a medium motor.
 
         Raises:
-            PlantError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         figures = {} if figures is None else figures
         for port in figures:
@@ -196,7 +192,7 @@ class FreeMotors:
         """Return the motor at a port.
 
         Raises:
-            PlantError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         _check(port)
         return self._motors[port]
@@ -209,4 +205,4 @@ class FreeMotors:
 
 def _check(port: int) -> None:
     if not 0 <= port < PORTS:
-        raise PlantError(f"port is {port}; valid are 0 to {PORTS - 1}")
+        raise DeviceError(f"port is {port}; valid are 0 to {PORTS - 1}")

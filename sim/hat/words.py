@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from robot.errors import CommandError
 from sim.hat.firmware.variables import single
 
 DIGITS = re.compile(r"[0-9]+")
@@ -15,10 +16,6 @@ DECIMAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)")
 FORMATS = ("u1", "s1", "u2", "s2", "u4", "s4", "f4")
 MANTISSA_LIMIT = 100_000_000
 """No more digits are collected when a number has reached this value."""
-
-
-class CommandError(ValueError):
-    """The rest of a line is not valid: the firmware answers ``Error``."""
 
 
 class Words:

@@ -10,8 +10,8 @@ import numpy as np
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from sim.bullet import BulletWorld
-from sim.hat.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_described
-from sim.hat.plants import FreeMotors, Plant, PlantError
+from sim.hat.motor_figures import RAIL_V, SUPPLY_V, DeviceError, MotorFigures, figures_described
+from sim.hat.plants import FreeMotors, Plant
 
 BLOCKED = 100.0
 """Friction torque of a blocked shaft [N m]: far more than any motor's torque."""
@@ -54,10 +54,10 @@ class WheelMotor:
         """Set the share of its voltage that the driver puts out, -1..1; see ``Plant``.
 
         Raises:
-            PlantError: the duty is outside -1..1, or not a number.
+            DeviceError: the duty is outside -1..1, or not a number.
         """
         if duty is not None and not -1 <= duty <= 1:
-            raise PlantError(f"duty is {duty}; valid is -1 to 1, or None to coast")
+            raise DeviceError(f"duty is {duty}; valid is -1 to 1, or None to coast")
         self.duty = duty
 
     def torque(self, supply_v: float) -> float:
@@ -131,7 +131,7 @@ class BulletWheels:
         """Return the motor at a port.
 
         Raises:
-            PlantError: a port outside 0..3.
+            DeviceError: a port outside 0..3.
         """
         free = self._free.plant(port)
         return self._by_port.get(port, free)

@@ -9,14 +9,11 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from robot.description.wiring import PORTS
+from robot.errors import BrickPoseError, CommandError
 from robot.geometry import Pose2
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.motor_figures import MOTOR_FIGURES, figures_named
 from sim.hat_emulator.emulator import Emulator
-
-
-class ControlError(ValueError):
-    """A command is not valid; the message says what is."""
 
 
 @runtime_checkable
@@ -78,23 +75,23 @@ class Control:
         """Execute a line of words separated by blanks; return the answer."""
         try:
             return self._do(line.split())
-        except ValueError as error:
+        except BrickPoseError as error:
             return f"error: {error}"
 
     def _do(self, words: list[str]) -> str:
         if not words or words[0] not in self._commands:
-            what = words[0] if words else ""
-            raise ControlError(f"no command {what!r}; valid are {', '.join(self._commands)}")
+            name = words[0] if words else ""
+            raise CommandError(f"no command {name!r}; valid are {', '.join(self._commands)}")
         name, *arguments = words
         command = self._commands[name]
         if len(arguments) not in command.counts:
-            raise ControlError(f"valid is: {name} {command.arguments}".rstrip())
+            raise CommandError(f"valid is: {name} {command.arguments}".rstrip())
         return command.do(arguments)
 
     def _unplug(self, words: list[str]) -> str:
         port, board = _port(words[0]), self._emulator.board
         if port not in board.devices:
-            raise ControlError(f"nothing is plugged in at {PORTS[port]}")
+            raise CommandError(f"nothing is plugged in at {PORTS[port]}")
         self._emulator.unplugged[port] = board.devices[port]
         board.unplug(port)
         return "ok"
@@ -108,7 +105,7 @@ class Control:
             device = emulator.unplugged[port]
         else:
             names = ", ".join(figures.name for figures in MOTOR_FIGURES.values())
-            raise ControlError(f"nothing was unplugged at {PORTS[port]}; say what, of {names}")
+            raise CommandError(f"nothing was unplugged at {PORTS[port]}; say what, of {names}")
         emulator.board.plug(port, device)
         return "ok"
 
@@ -117,7 +114,7 @@ class Control:
         emulator = self._emulator
         device = emulator.board.devices.get(port) or emulator.unplugged.get(port)
         if device is None:
-            raise ControlError(f"nothing is plugged in at {PORTS[port]}")
+            raise CommandError(f"nothing is plugged in at {PORTS[port]}")
         device.connect_seconds = seconds
         return "ok"
 
@@ -137,7 +134,7 @@ class Control:
     def _mute(self, words: list[str]) -> str:
         port = _port(words[0])
         if port not in self._emulator.board.devices:
-            raise ControlError(f"nothing is plugged in at {PORTS[port]}")
+            raise CommandError(f"nothing is plugged in at {PORTS[port]}")
         self._emulator.board.devices[port].responding = not _switch(words[1])
         return "ok"
 
@@ -156,7 +153,7 @@ class Control:
         elif words[0] == "port":
             self._emulator.board.power.port_fault = present
         else:
-            raise ControlError(f"no fault {words[0]!r}; valid are motor, port")
+            raise CommandError(f"no fault {words[0]!r}; valid are motor, port")
         return "ok"
 
     def _supply(self, words: list[str]) -> str:
@@ -216,8 +213,8 @@ class Control:
         parts.append("bootloader" if board.in_bootloader else "firmware")
         for port, name in enumerate(PORTS):
             device, plant = board.devices.get(port), plants.plant(port)
-            what = "-" if device is None else f"{device.type_id:02X}"
-            parts.append(f"{name} {what} {plant.angle:z.1f} {plant.speed:z.1f}")
+            type_id = "-" if device is None else f"{device.type_id:02X}"
+            parts.append(f"{name} {type_id} {plant.angle:z.1f} {plant.speed:z.1f}")
         parts.append(f"lost {self._emulator.loop.lost:.3f}")
         return "; ".join(parts)
 
@@ -234,7 +231,7 @@ class Control:
 
 def _port(word: str) -> int:
     if word.upper() not in PORTS:
-        raise ControlError(f"no port {word!r}; valid are {', '.join(PORTS)}")
+        raise CommandError(f"no port {word!r}; valid are {', '.join(PORTS)}")
     return PORTS.index(word.upper())
 
 
@@ -244,11 +241,11 @@ def _number(word: str, low: float, high: float) -> float:
     except ValueError:
         number = math.nan
     if not low <= number <= high:
-        raise ControlError(f"{word!r} is not valid; valid is a number from {low:g} to {high:g}")
+        raise CommandError(f"{word!r} is not valid; valid is a number from {low:g} to {high:g}")
     return number
 
 
 def _switch(word: str) -> bool:
     if word not in ("on", "off"):
-        raise ControlError(f"{word!r} is not valid; valid are on, off")
+        raise CommandError(f"{word!r} is not valid; valid are on, off")
     return word == "on"

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from robot.errors import CommandError
 from sim.hat_emulator.emulator import RealTimeBoard
 from sim.hat_emulator.unix_sockets import listen, stop_listening
 
@@ -26,11 +27,11 @@ class Lines:
         """Take bytes; return the answers to the lines that are now complete.
 
         Raises:
-            ValueError: a line is too long.
+            CommandError: a line is too long.
         """
         *lines, self._begun = (self._begun + data).split(b"\n")
         if len(self._begun) > LONGEST_LINE:
-            raise ValueError(f"a line is longer than {LONGEST_LINE} bytes")
+            raise CommandError(f"a line is longer than {LONGEST_LINE} bytes")
         texts = (line.decode("utf-8", "replace").strip() for line in lines)
         return b"".join(self._answer(text).encode() + b"\n" for text in texts if text)
 
@@ -42,7 +43,7 @@ class LineServer:
         """Listen at ``path``.
 
         Raises:
-            SocketError: it cannot listen there.
+            PortError: it cannot listen there.
         """
         self._answer = answer
         self._loop = loop
@@ -76,7 +77,7 @@ class LineServer:
                 # A client that does not read its answers is disconnected: nothing is queued here.
                 connection.sendall(lines.feed(data))
                 return
-        except (OSError, ValueError):
+        except (CommandError, OSError):
             pass
         self._dismiss(connection)
 
@@ -107,7 +108,7 @@ class TypedLines:
         try:
             data = os.read(self._source, LONGEST_LINE)
             answers = self._lines.feed(data) if data else b""
-        except (OSError, ValueError):
+        except (CommandError, OSError):
             data = b""
         if not data:
             # The input has ended; the emulator goes on.

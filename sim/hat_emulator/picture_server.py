@@ -16,7 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from robot.cameras.picture_socket import HEADER, MARK
+from robot.errors import BrickPoseError
 from robot.geometry import Pose2, Twist2
+from robot.worker_thread import WorkerThread
 from sim.floor_camera import FloorCamera
 from sim.hat_emulator.unix_sockets import listen, stop_listening
 
@@ -27,7 +29,7 @@ ROOM = 1 << 20
 """Size of the system's send buffer for a reader [bytes]: more than a picture."""
 
 
-class PictureServerError(RuntimeError):
+class PictureServerError(BrickPoseError, RuntimeError):
     """The server's thread has failed, or does not end."""
 
 
@@ -68,7 +70,7 @@ class PictureServer:
         """Listen at ``path``; call ``start`` to serve.
 
         Raises:
-            SocketError: it cannot listen there.
+            PortError: it cannot listen there.
         """
         self._listening = listen(path)
         self._camera = camera
@@ -85,9 +87,13 @@ class PictureServer:
         """Due times and bytes of pictures that are computed but not due yet."""
         self._number = 0
         self._newest = memoryview(b"")
-        self._ended = threading.Event()
-        self._failure: Exception | None = None
-        self._thread = threading.Thread(target=self._run, name="pictures", daemon=True)
+        self._thread = WorkerThread(
+            "pictures",
+            self._run,
+            owner="the emulated camera",
+            patience=JOIN_TIMEOUT,
+            wake=self._ring,
+        )
 
     def start(self) -> None:
         """Begin to serve."""
@@ -99,8 +105,9 @@ class PictureServer:
         Raises:
             PictureServerError: serving has failed.
         """
-        if self._failure is not None:
-            raise PictureServerError(f"no more pictures: {self._failure}") from self._failure
+        failure = self._thread.failure
+        if failure is not None:
+            raise PictureServerError(f"no more pictures: {failure}") from failure
         self._shots.append(shot)
         self._ring()
 
@@ -110,14 +117,10 @@ class PictureServer:
         Raises:
             PictureServerError: the thread does not end.
         """
-        if self._ended.is_set():
+        if self._thread.stopping.is_set():
             return
-        self._ended.set()
-        self._ring()
-        if self._thread.is_alive():
-            self._thread.join(JOIN_TIMEOUT)
-            if self._thread.is_alive():
-                raise PictureServerError(f"pictures did not end within {JOIN_TIMEOUT:g} s")
+        if not self._thread.stop():
+            raise PictureServerError(f"pictures did not end within {JOIN_TIMEOUT:g} s")
         for reader in self._readers:
             reader.socket.close()
         self._selector.close()
@@ -129,12 +132,9 @@ class PictureServer:
         with suppress(BlockingIOError):  # the thread is already notified
             self._bell.send(b"!")
 
-    def _run(self) -> None:
-        try:
-            while not self._ended.is_set():
-                self._turn()
-        except Exception as error:  # raised by the next call of take()
-            self._failure = error
+    def _run(self, stopping: threading.Event) -> None:
+        while not stopping.is_set():
+            self._turn()
 
     def _turn(self) -> None:
         """Wait for something to do, and do it."""

@@ -7,12 +7,10 @@ import tty
 from contextlib import suppress
 from pathlib import Path
 
+from robot.errors import PortError
+
 CHUNK = 4096
 """Most bytes in one read."""
-
-
-class TerminalError(OSError):
-    """The serial port cannot be created under the requested name, or it is closed."""
 
 
 class PseudoTerminal:
@@ -27,7 +25,7 @@ class PseudoTerminal:
         """Create it, and a symbolic link to the device if a name is given.
 
         Raises:
-            TerminalError: the name is in use and is not a link, or its folder does not exist.
+            PortError: the name is in use and is not a link, or its folder does not exist.
         """
         self._end: int | None
         self._end, self._device = os.openpty()
@@ -52,10 +50,10 @@ class PseudoTerminal:
         """Return the descriptor of our end, for ``select``.
 
         Raises:
-            TerminalError: it is closed.
+            PortError: it is closed.
         """
         if self._end is None:
-            raise TerminalError("the serial port is closed")
+            raise PortError("the serial port is closed")
         return self._end
 
     def read(self) -> bytes:
@@ -87,9 +85,9 @@ class PseudoTerminal:
                 link.unlink()
             link.symlink_to(self.device)
         except FileExistsError as error:
-            raise TerminalError(f"{link} is there and no link: it stays as it is") from error
+            raise PortError(f"{link} is there and no link: it stays as it is") from error
         except OSError as error:
-            raise TerminalError(f"no link {link} can be made: {error.strerror}") from error
+            raise PortError(f"no link {link} can be made: {error.strerror}") from error
         self._link = link
 
     def _drop_link(self) -> None:

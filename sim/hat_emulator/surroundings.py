@@ -17,11 +17,7 @@ from sim.hat.plants import FreeMotors, Plants
 from sim.hat_emulator.bullet_wheels import BulletWheels
 from sim.hat_emulator.picture_server import Shot
 from sim.simulated import PastPoses
-from sim.world import World
-
-
-class SurroundingsError(ValueError):
-    """The surroundings do not have what was asked for."""
+from sim.world import World, WorldError
 
 
 class Surroundings(Protocol):
@@ -37,7 +33,7 @@ class Surroundings(Protocol):
         """True pose of the robot in the map.
 
         Raises:
-            SurroundingsError: there is no robot.
+            WorldError: there is no robot.
         """
         ...
 
@@ -45,7 +41,7 @@ class Surroundings(Protocol):
         """Place the robot at a pose in the map, as by hand.
 
         Raises:
-            SurroundingsError: there is no robot.
+            WorldError: there is no robot.
             WorldError: the pose is not finite.
         """
         ...
@@ -64,12 +60,12 @@ class Table:
 
     @property
     def truth(self) -> Pose2:
-        """Raise a ``SurroundingsError``: there is no robot."""
-        raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
+        """Raise a ``WorldError``: there is no robot."""
+        raise WorldError("there is no robot: the motors turn freely (--world free)")
 
     def place(self, pose: Pose2) -> None:
-        """Raise a ``SurroundingsError``: there is no robot."""
-        raise SurroundingsError("there is no robot: the motors turn freely (--world free)")
+        """Raise a ``WorldError``: there is no robot."""
+        raise WorldError("there is no robot: the motors turn freely (--world free)")
 
     def close(self) -> None:
         """Do nothing: there is nothing to release."""

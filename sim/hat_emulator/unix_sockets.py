@@ -6,16 +6,14 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
-
-class SocketError(OSError):
-    """A socket cannot listen under that name."""
+from robot.errors import PortError
 
 
 def listen(path: Path) -> socket.socket:
     """Open a non-blocking stream socket; a socket that a killed program left there is replaced.
 
     Raises:
-        SocketError: another program listens there, a file is there, or there is no such folder.
+        PortError: another program listens there, a file is there, or there is no such folder.
     """
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM | socket.SOCK_NONBLOCK)
     try:
@@ -26,9 +24,9 @@ def listen(path: Path) -> socket.socket:
         listening.listen()
     except OSError as error:
         listening.close()
-        if isinstance(error, SocketError):
+        if isinstance(error, PortError):
             raise
-        raise SocketError(f"nothing can listen at {path}: {error.strerror or error}") from error
+        raise PortError(f"nothing can listen at {path}: {error.strerror or error}") from error
     return listening
 
 
@@ -46,4 +44,4 @@ def _check_deserted(path: Path) -> None:
             trial.connect(str(path))
         except ConnectionRefusedError:
             return
-        raise SocketError(f"another program listens at {path}")
+        raise PortError(f"another program listens at {path}")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import threading
 from collections.abc import Iterator
 from typing import Generic, TypeVar
+
+from app.engine.mailboxes.wakeup import Wakeup
 
 T = TypeVar("T")
 
@@ -18,7 +19,7 @@ class Latest(Generic[T]):
         self._lock = threading.Lock()
         self._value: T | None = None
         self._count = 0
-        self._waiting: set[_Waiting] = set()
+        self._waiting: set[Wakeup] = set()
 
     def put(self, value: T) -> None:
         """Replace the value, and wake all readers that wait for one."""
@@ -27,7 +28,7 @@ class Latest(Generic[T]):
             self._count += 1
             waiting = list(self._waiting)
         for item in waiting:
-            item.wake()
+            item.set()
 
     def get(self) -> T | None:
         """Return the newest value; None before the first."""
@@ -36,7 +37,7 @@ class Latest(Generic[T]):
     @contextlib.contextmanager
     def subscribe(self) -> Iterator[Subscription[T]]:
         """Subscribe from a coroutine until the block ends."""
-        waiting = _Waiting()
+        waiting = Wakeup()
         with self._lock:
             self._waiting.add(waiting)
         try:
@@ -56,7 +57,7 @@ class Latest(Generic[T]):
 class Subscription(Generic[T]):
     """One reader, with the number of the last value that it had."""
 
-    def __init__(self, source: Latest[T], waiting: _Waiting) -> None:
+    def __init__(self, source: Latest[T], waiting: Wakeup) -> None:
         self._source = source
         self._waiting = waiting
         self._count = 0
@@ -64,20 +65,8 @@ class Subscription(Generic[T]):
     async def next(self) -> T:
         """Wait for a value that this reader has not had; return the newest, skip older ones."""
         while True:
-            self._waiting.event.clear()
             result = self._source.newer_than(self._count)
             if result is not None:
                 self._count, value = result
                 return value
-            await self._waiting.event.wait()
-
-
-class _Waiting:
-    def __init__(self) -> None:
-        self.event = asyncio.Event()
-        self._loop = asyncio.get_running_loop()
-
-    def wake(self) -> None:
-        # The event loop may have ended since the look-up; then nobody waits any more.
-        with contextlib.suppress(RuntimeError):
-            self._loop.call_soon_threadsafe(self.event.set)
+            await self._waiting.wait()

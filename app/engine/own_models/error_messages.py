@@ -9,6 +9,8 @@ import traceback
 from collections.abc import Iterator
 from pathlib import Path
 
+from robot.errors import BrickPoseError
+
 MODULE_PREFIX = "own_model_"
 """Prefix of the name of each module that is made from a user's file."""
 
@@ -16,7 +18,7 @@ LONGEST = 300
 """Longer messages are cut to this length [characters]: the page shows them in one line."""
 
 
-class OwnModelError(ValueError):
+class OwnModelError(BrickPoseError, ValueError):
     """A user's own model cannot be used; the message names its file and, if known, the line."""
 
 

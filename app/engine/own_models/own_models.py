@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -79,6 +80,16 @@ class OwnModels:
         """What is wrong with files that are not in use."""
         used = [slot.file.path.name for slot in (self._sensor, self._motion) if slot.file]
         return tuple(fault for fault in self._found.faults if not fault.startswith(tuple(used)))
+
+    @property
+    def problems(self) -> Mapping[str, str | None]:
+        """What is wrong, by topic; None if nothing is."""
+        return {
+            "own models": self.fault and f"The robot stands still: {self.fault}",
+            "slow models": self.slow,
+            "idle models": self.idle,
+            "models on offer": " ".join(self.complaints) or None,
+        }
 
     @property
     def slow(self) -> str | None:

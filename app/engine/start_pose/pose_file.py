@@ -13,6 +13,7 @@ from app.files import atomic_file
 from app.messages.message import Message
 from app.messages.telemetry import HypothesisMessage, PoseMessage
 from robot.covariance import CovarianceError, covariance_from
+from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
@@ -21,7 +22,7 @@ LARGEST = 1_000_000
 """A larger file is not a saved pose [bytes]."""
 
 
-class PoseFileError(ValueError):
+class PoseFileError(BrickPoseError, ValueError):
     """A saved pose that cannot be used; the message says why."""
 
 

@@ -18,9 +18,10 @@ from app.lab.workers import Workers, workers
 from app.options import config_of
 from app.settings.config import MAPS
 from app.settings.provenance import changed_settings, versions
+from robot.errors import PackageError
 from robot.fields.field_loading import load_field
 from robot.settings import SettingError
-from sim.bullet import BulletMissingError, load_pybullet
+from sim.bullet import load_pybullet
 
 WITHOUT, WITH = "known", "offset"
 
@@ -143,7 +144,7 @@ def worlds_from_options(given: Given) -> tuple[str, ...]:
         return named
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         say(f"In the kinematic world, with perfect wheels: {error}")
         return ("kinematic",)
     return ("sim", "as-real")

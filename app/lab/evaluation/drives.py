@@ -15,15 +15,17 @@ from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.problems import Problems
 from app.engine.snapshot import Snapshot
+from app.lab.replay_robot import ReplayRobot
 from app.messages.commands import FigureEightCommand, PauseCommand
 from app.settings.config import MAPS, Config
 from app.settings.start_pose import StartPoseSettings
 from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
+from robot.errors import BrickPoseError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.geometry import Array, Pose2, Twist2, interpolate
-from robot.interface import Frame, Reading, RepositionableRobot, RobotError
+from robot.geometry import Pose2, Twist2, interpolate
+from robot.interface import Frame, Reading, RepositionableRobot
 from robot.localization.models.entry_field import EntryField
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
@@ -32,7 +34,7 @@ NO_PICTURE = np.zeros((1, 1), np.uint8)
 """Replaces a picture that was already searched for tape."""
 
 
-class EvaluationError(ValueError):
+class EvaluationError(BrickPoseError, ValueError):
     """The requested evaluation is impossible; the message says why and what is possible."""
 
 
@@ -165,33 +167,6 @@ def _tick(snapshot: Snapshot) -> Tick:
     return Tick(stripped, odometry, snapshot.line_scan, snapshot.odom_from_scan)
 
 
-class ReplayRobot:
-    """A robot that replays the readings of a drive and ignores wheel commands."""
-
-    def __init__(self, drive: Drive) -> None:
-        self.name = "Recorded drive"
-        self.spec = RobotSpec.load()
-        self._readings = iter([tick.reading for tick in drive.ticks])
-
-    def read(self) -> Reading:
-        """Return the next reading.
-
-        Raises:
-            RobotError: the drive is over.
-        """
-        try:
-            return next(self._readings)
-        except StopIteration:
-            raise RobotError("the drive is over") from None
-
-    def write(self, velocities: Array) -> Array:
-        """Return the velocities; they have no effect."""
-        return velocities
-
-    def close(self) -> None:
-        """Do nothing: the robot holds no resources."""
-
-
 class RecordedScanner(LineScanner):
     """A scanner that looks up the recorded line scans of a drive."""
 
@@ -232,7 +207,7 @@ def follow_drive(
     """
     program = build_program(
         _for_lab(config),
-        robot=ReplayRobot(drive),
+        robot=ReplayRobot("The drive", (tick.reading for tick in drive.ticks)),
         field=believed or drive.field,
         scanner=RecordedScanner(drive, config.scanner),
         entries=entries,

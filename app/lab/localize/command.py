@@ -105,7 +105,7 @@ def _shown(bag: Bag, pairing: Pairing) -> Iterator[Measurement]:
 def _nothing(pairing: Pairing, parsed: argparse.Namespace) -> str:
     """Return a message that says why no scan could be used."""
     given = f"no scan of {parsed.bag} could be used"
-    spans = [f"{who} from {a:.3f} to {b:.3f} s" for who, (a, b) in pairing.clocks.items()]
+    spans = [f"{source} from {a:.3f} to {b:.3f} s" for source, (a, b) in pairing.clocks.items()]
     given = "; ".join([given, *pairing.left_out.lines(), *spans])
     if pairing.left_out.without_odometry and parsed.clock == "header":
         given += "; if the clocks differ, --clock log takes when messages were recorded"

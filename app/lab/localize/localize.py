@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from app.engine.build import connect
+from app.engine.follower import Follower
 from app.lab.localize.candidate import PRIOR_MAP_LENGTHS, Candidate
 from app.lab.localize.contest import Contest
 from app.lab.localize.hindsight import withdraw
@@ -15,9 +18,14 @@ from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.reading.pairing import Measurement
 from app.lab.localize.settings import LocalizeSettings
+from app.lab.replay_robot import ReplayRobot
+from app.settings.config import Config
+from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
-from robot.localization.estimate import Estimate, Hypothesis
-from robot.localization.integrity import State
+from robot.interface import Frame, Reading, RobotError
+from robot.localization.estimate import Belief, Estimate, Hypothesis
+from robot.localization.integrity import Integrity, State
+from robot.scan import Scan
 
 
 class Start(NamedTuple):
@@ -30,7 +38,7 @@ class Start(NamedTuple):
     """[rad]"""
 
 
-class LaserFollower:
+class LaserFollower(Follower):
     """The filter of one laser robot on one map, which checks its own reports.
 
     It reports a pose while its best place is confirmed and explains the scans. If the place does
@@ -45,6 +53,7 @@ class LaserFollower:
         """Begin at the given start, or all over the free floor if there is none."""
         begun = time.perf_counter()
         self._map, self._settings = laser_map, settings
+        self.parameters = settings.localization
         self._sensor = laser_map.sensor(settings.localization.sensor, settings.laser)
         self._rng = np.random.default_rng(seed)
         self.found = Localized(tables_s=time.perf_counter() - begun)
@@ -56,18 +65,27 @@ class LaserFollower:
             spread = np.diag(np.square([start.sd_xy, start.sd_xy, start.sd_theta]))
             self._contest.begin_at(laser_map.map_from_cells.inverse() @ start.pose, spread)
 
-    def take(self, measurement: Measurement) -> None:
+    @property
+    def updates(self) -> int:
+        """Scans that the leader used."""
+        return self.found.updates
+
+    def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
+        """Return the state that is claimed; there are no bounds."""
+        return Integrity(self._state)
+
+    def measure(self, seen: Frame | Scan, odometry: OdometryState) -> None:
         """Follow the robot to a scan."""
-        odometry, scan = measurement
+        assert isinstance(seen, Scan)  # a laser's robot has no camera
         begun = time.perf_counter()
-        used = self._contest.take(odometry, scan)
+        used = self._contest.take(odometry.odom_from_robot, seen)
         if used:
             self._decide()
             if self._contest.places_left > self.found.places_left:
                 self._withdraw()
         self.found.filter_s += time.perf_counter() - begun
         self.found.updates += used
-        self._note(odometry, scan.stamp)
+        self._note(odometry.odom_from_robot, seen.stamp)
 
     @property
     def _leader(self) -> Candidate:
@@ -108,6 +126,7 @@ class LaserFollower:
         if leader.estimate is not None:
             pose = leader.map_from_odom @ odometry
             result.final = self._in_map(leader.estimate, pose, stamp)
+            self.belief = Belief(result.final, odometry)
             if self._telling:
                 position = result.final.pose.to_array()
                 given = ReportedPose(stamp, position, odometry.to_array(), result.places_left)
@@ -136,6 +155,15 @@ def localize(
 ) -> Localized:
     """Follow a robot through its measurements; the same seed gives the same result."""
     follower = LaserFollower(laser_map, settings, start, seed)
-    for measurement in measurements:
-        follower.take(measurement)
+    engine = connect(Config(), ReplayRobot("The bag", _readings(measurements)), follower)
+    with contextlib.suppress(RobotError):  # the end of the bag
+        while True:
+            engine.step()
     return follower.found
+
+
+def _readings(measurements: Iterable[Measurement]) -> Iterator[Reading]:
+    """Yield a reading for each scan; what the joints do is not in a bag."""
+    for odom_from_robot, scan in measurements:
+        still = np.zeros(2)
+        yield Reading(scan.stamp, still, still, scan=scan, odom_from_robot=odom_from_robot)

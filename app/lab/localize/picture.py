@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from app.lab.evaluation.report.figures import STROKES, STYLE
+from app.lab.figure_style import STROKES, STYLE
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import LONGEST_GAP, Localized, ReportedPose
 from robot.geometry import Array, Pose2, compose

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import Bounds, minimize
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array
 
 NORMAL_95 = 1.959964
@@ -32,7 +33,7 @@ Loss = Callable[[Array], tuple[float, Array]]
 """Minus the log-likelihood at a point (k,), and its slope there (k,)."""
 
 
-class FitError(ValueError):
+class FitError(BrickPoseError, ValueError):
     """The data are not enough for the fit; the message says what is needed."""
 
 

@@ -120,14 +120,14 @@ def _even_stamps(first: float, last: float, step: float) -> Array:
     return first + step * np.arange(int((last - first) / step + 1e-9) + 1, dtype=np.float64)
 
 
-def _check_track(what: str, stamps: Array, poses: Array) -> None:
+def _check_track(name: str, stamps: Array, poses: Array) -> None:
     if poses.shape != (len(stamps), 3) or len(stamps) < 2:
         raise FitError(
-            f"{what}: {stamps.shape} stamps and {poses.shape} poses; two or more are needed, "
+            f"{name}: {stamps.shape} stamps and {poses.shape} poses; two or more are needed, "
             "each x, y, theta"
         )
     if not (np.isfinite(stamps).all() and np.isfinite(poses).all()):
-        raise FitError(f"{what}: a stamp or a pose is not finite")
+        raise FitError(f"{name}: a stamp or a pose is not finite")
     if not (np.diff(stamps) > 0).all():
         place = int(np.argmax(np.diff(stamps) <= 0)) + 1
-        raise FitError(f"{what}: stamp {place} ({stamps[place]:.6f} s) does not rise")
+        raise FitError(f"{name}: stamp {place} ({stamps[place]:.6f} s) does not rise")

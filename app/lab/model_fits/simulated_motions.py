@@ -10,11 +10,17 @@ from typing import Literal
 
 import numpy as np
 
+from app.engine.build import connect
+from app.engine.driving import Driving
+from app.engine.follower import Follower
 from app.lab.model_fits.runs import MotionRun
+from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController, DriveSettings
-from robot.geometry import Pose2, Twist2
+from robot.driving.odometry import OdometryState
+from robot.geometry import Array, Pose2, Twist2
+from robot.interface import Reading
 from sim.bullet import BulletSettings, BulletWorld
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections
@@ -116,7 +122,7 @@ def run_motion(trial: MotionTrial) -> MotionRun:
     Odometry and truth both begin at the pose (0, 0, 0).
 
     Raises:
-        BulletMissingError: the physics engine is not installed.
+        PackageError: the physics engine is not installed.
     """
     robot, name = trial.robot, zlib.crc32(trial.motion.encode())
     rng = np.random.default_rng([robot.seed, name, trial.repeat])
@@ -125,40 +131,81 @@ def run_motion(trial: MotionTrial) -> MotionRun:
         world = BulletWorld(robot.true, Pose2(), settings=robot.physics)
     else:
         world = KinematicWorld(robot.true, Pose2(), step_time=PERIOD)
+    drive = _MotionDrive(robot, MOTIONS[trial.motion])
+    engine = connect(Config(), _Wheels(robot, world, rng), Follower(), driving=drive)
+    stamps, odometry, truth = [], [], []
     try:
-        return _Drive(robot, world, rng).along(trial.motion)
+        while not drive.over:
+            snapshot = engine.step()
+            assert snapshot.truth is not None  # it is simulated
+            stamps.append(snapshot.stamp)
+            odometry.append(snapshot.odom_from_robot.to_array())
+            truth.append(snapshot.truth.to_array())
     finally:
         world.close()
+    return MotionRun(trial.motion, np.array(stamps), np.array(odometry), np.array(truth))
 
 
-class _Drive:
-    """The loop around a world: encoders, odometry, controller, wheels."""
+class _Wheels:
+    """A simulated robot without a camera: time passes whenever the wheels are commanded."""
+
+    name = "Robot of a trial"
 
     def __init__(self, robot: TrialRobot, world: World, rng: np.random.Generator) -> None:
+        self.spec = robot.spec
         self._world = world
-        self._steps = round(PERIOD / world.step_time)
-        self._kinematics = DifferentialDrive(robot.spec)
-        self._controller = DriveController(self._kinematics, robot.drive)
         self._encoders = Encoders(robot.spec, robot.imperfections, rng)
-        self._positions, _ = self._encoders.read(world.positions, 0.0)
-        self._odometry = [Pose2()]
-        self._truth = [world.pose]
+        self._tick = 0
 
-    def along(self, motion: str) -> MotionRun:
-        """Drive the whole motion with its rests."""
-        self._rest()
-        for leg in MOTIONS[motion]:
-            for twist in self._twists(leg):
-                self._tick(twist)
-            self._rest()
-        return MotionRun(
-            motion,
-            PERIOD * np.arange(len(self._truth), dtype=np.float64),
-            np.array([pose.to_array() for pose in self._odometry]),
-            np.array([pose.to_array() for pose in self._truth]),
-        )
+    def read(self) -> Reading:
+        """Return what the encoders measure."""
+        stamp = self._tick * PERIOD
+        positions, velocities = self._encoders.read(self._world.positions, stamp)
+        return Reading(stamp, positions, velocities, truth=self._world.pose)
 
-    def _twists(self, leg: Leg) -> Iterator[Twist2]:
+    def write(self, velocities: Array) -> Array:
+        """Advance by one period at joint velocities (j,) [rad/s]."""
+        for _ in range(round(PERIOD / self._world.step_time)):
+            self._world.step(velocities)
+        self._tick += 1
+        return velocities
+
+    def close(self) -> None:
+        """Release the world."""
+        self._world.close()
+
+
+class _MotionDrive(Driving):
+    """Drives the legs of a motion and rests after each of them, as odometry says."""
+
+    def __init__(self, robot: TrialRobot, legs: tuple[Leg, ...]) -> None:
+        controller = DriveController(DifferentialDrive(robot.spec), robot.drive)
+        super().__init__(controller, robot.drive.cmd_vel_timeout)
+        self.over = False
+        """Whether the last rest has ended."""
+        self._twists = self._along(legs)
+        self._pose = self._moved = Pose2()
+
+    def update(self, odometry: OdometryState) -> Twist2:
+        """Return the twist to apply where the robot is now by odometry."""
+        pose = odometry.odom_from_robot
+        self._moved, self._pose = self._pose.inverse() @ pose, pose
+        twist = next(self._twists, None)
+        if twist is None:
+            self.over = True
+        else:
+            self.drive(twist, odometry.stamp)
+        return super().update(odometry)
+
+    def _along(self, legs: tuple[Leg, ...]) -> Iterator[Twist2]:
+        """Yield a command for each tick of the motion."""
+        rest = [Twist2()] * round(REST / PERIOD)
+        yield from rest
+        for leg in legs:
+            yield from self._along_leg(leg)
+            yield from rest
+
+    def _along_leg(self, leg: Leg) -> Iterator[Twist2]:
         """Yield the commands of a leg, until odometry reaches its end."""
         fastest = min(SPEED / max(abs(leg.distance), 1e-9), TURNING / max(abs(leg.turn), 1e-9))
         left, rate = 1.0, 0.0
@@ -166,20 +213,4 @@ class _Drive:
             rate += fastest * PERIOD / STARTING
             rate = max(min(rate, fastest, NEARING * left), CREEP * fastest)
             yield leg.twist(rate)
-            left -= leg.share(self._odometry[-2].inverse() @ self._odometry[-1])
-
-    def _rest(self) -> None:
-        for _ in range(round(REST / PERIOD)):
-            self._tick(Twist2())
-
-    def _tick(self, wanted: Twist2) -> None:
-        stamp = (len(self._truth) - 1) * PERIOD
-        self._controller.command(wanted, stamp)
-        wheels = self._kinematics.wheels(self._controller.update(stamp))
-        for _ in range(self._steps):
-            self._world.step(wheels)
-        positions, _ = self._encoders.read(self._world.positions, stamp + PERIOD)
-        moved = self._kinematics.moved(positions - self._positions)
-        self._positions = positions
-        self._odometry.append(self._odometry[-1] @ moved)
-        self._truth.append(self._world.pose)
+            left -= leg.share(self._moved)

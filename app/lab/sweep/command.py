@@ -30,6 +30,7 @@ from app.lab.sweep.work import MEASURES, Measured, follow_all
 from app.lab.workers import Workers
 from app.options import config_of
 from app.settings.config import Config
+from robot.errors import BrickPoseError
 
 
 class ResultCache:
@@ -170,7 +171,7 @@ def sweep_command(parsed: argparse.Namespace) -> int:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:
         kept = len(list((folder / "points").glob("*.json")))
-        raise RuntimeError(
+        raise BrickPoseError(
             f"interrupted; {kept} runs are kept in {folder}, and the same command goes on"
         ) from None
     finally:
@@ -180,6 +181,6 @@ def sweep_command(parsed: argparse.Namespace) -> int:
     if failed:
         say(f"the first that failed: {failed[0]['error']}")
     if len(failed) == len(swept.rows):
-        raise RuntimeError(f"all runs of {parsed.file} failed")
+        raise BrickPoseError(f"all runs of {parsed.file} failed")
     say(f"the table is {folder / f'results.{parsed.format}'}, the plots are in {folder / 'plots'}")
     return 0

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.ticker import NullFormatter
 
 from app.files import atomic_file
-from app.lab.evaluation.report.figures import svg_figure
+from app.lab.figure_style import svg_figure
 
 MEASURE, LABEL = "ate_rmse_m", "absolute error, rms [mm]"
 OFFSET_MEASURE, OFFSET_LABEL = "steady_ate_rmse_m", "steady error, rms [mm]"

@@ -185,10 +185,10 @@ def _drawn(values: list[Any] | Interval, default: Any, rng: np.random.Generator)
     return values[int(rng.integers(len(values)))]
 
 
-def _wrong(path: Path, text: str, name: str, what: str) -> SettingError:
+def _wrong(path: Path, text: str, name: str, complaint: str) -> SettingError:
     """Return an error that names the line of a setting, found by the last part of its path."""
     last = re.escape(name.rpartition(".")[2])
     as_key = re.compile(rf'(^|[.\s"\'\[]){last}["\'\]]?\s*(=|\]|\.)')
     lines = [n for n, line in enumerate(text.splitlines(), 1) if as_key.search(line)]
     where = f"{path}, line {lines[0]}" if lines else str(path)
-    return SettingError(f"{where}: {name} {what}")
+    return SettingError(f"{where}: {name} {complaint}")

@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array
 
 SINGULAR = 1e-12
 """A smaller eigenvalue of a correlation matrix counts as zero."""
 
 
-class ConsistencyError(ValueError):
+class ConsistencyError(BrickPoseError, ValueError):
     """Errors and covariances that cannot be compared; the message says which."""
 
 

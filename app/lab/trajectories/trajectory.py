@@ -8,6 +8,7 @@ from dataclasses import InitVar, dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robot.errors import BrickPoseError
 from robot.geometry import Array, heading_angles, heading_vectors
 
 FARTHEST = 1e9
@@ -22,7 +23,7 @@ NO_LENGTH = 1e-6
 Indices = NDArray[np.int64] | NDArray[np.bool_]
 
 
-class TrajectoryError(ValueError):
+class TrajectoryError(BrickPoseError, ValueError):
     """A trajectory that cannot be used; the message names the file and the line."""
 
 

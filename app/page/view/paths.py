@@ -6,12 +6,11 @@ from collections import deque
 
 import numpy as np
 
+from app.page.thresholds import LONGEST_STEP_M
 from robot.geometry import Array, Pose2
 
 STEP_M = 0.01
 LONGEST = 400
-BREAK_M = 0.1
-"""A longer step [m] was not driven: the robot or the estimate was put elsewhere."""
 
 
 class Path:
@@ -30,7 +29,7 @@ class Path:
             way = Pose2(last_x, last_y).distance_to(pose)
             if way < STEP_M:
                 return
-            self._breaks.append(way > BREAK_M)
+            self._breaks.append(way > LONGEST_STEP_M)
         else:
             self._breaks.append(True)
         self._points.append((pose.x, pose.y))

@@ -17,6 +17,7 @@ import yourdfpy
 from numpy.typing import NDArray
 
 from app.engine.snapshot import Snapshot
+from app.page.thresholds import LIKELY
 from app.page.view.paths import Path
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -27,8 +28,6 @@ TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
 RAY, HIT = (184, 116, 0), (200, 16, 46)
 HEADINGS = 150
 """About this many particles are drawn with their heading."""
-LIKELY = 0.05
-"""Hypotheses of less weight are not drawn."""
 FAR_AWAY = -100.0
 """Coordinate of things that must not be visible [m]."""
 LARGEST_FLOOR_PX = 1536

@@ -186,17 +186,17 @@ def _files(path: Path) -> list[Path]:
 def _check_beginning(path: Path, file: BinaryIO) -> None:
     """Raise RecordingError if the file is not an MCAP file; it says what the file is."""
     begin = file.read(len(MAGIC) + HEAD.size)
-    others = [what for start, what in OTHERS.items() if begin.startswith(start)]
+    others = [description for start, description in OTHERS.items() if begin.startswith(start)]
     if not begin:
-        what = "empty"
+        description = "empty"
     elif others:
-        what = others[0]
+        description = others[0]
     elif not MAGIC.startswith(begin[: len(MAGIC)]):
-        what = "no MCAP file"
+        description = "no MCAP file"
     elif len(begin) < len(MAGIC) + HEAD.size:
-        what = "an MCAP file that ends at once"
+        description = "an MCAP file that ends at once"
     elif begin[len(MAGIC)] != Opcode.HEADER:
-        what = "an MCAP file without its first record"
+        description = "an MCAP file without its first record"
     else:
         return
-    raise RecordingError(f"{path} is {what}; valid is an MCAP file with ROS 2 messages")
+    raise RecordingError(f"{path} is {description}; valid is an MCAP file with ROS 2 messages")

@@ -21,6 +21,8 @@ from mcap.records import Chunk, Footer, McapRecord
 from mcap.stream_reader import StreamReader
 from mcap.writer import MCAP0_MAGIC
 
+from robot.errors import BrickPoseError
+
 HEAD = struct.Struct("<BQ")
 """Head of each record: opcode, and length of the content."""
 MESSAGE = struct.Struct("<HIQQ")
@@ -37,7 +39,7 @@ LARGEST_CHUNK = 1 << 29
 Record = TypeVar("Record", bound=McapRecord)
 
 
-class DamageError(ValueError):
+class DamageError(BrickPoseError, ValueError):
     """The bytes are not a valid record."""
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from robot.errors import BrickPoseError
 
-class RecordingError(ValueError):
+
+class RecordingError(BrickPoseError, ValueError):
     """A recording cannot be read or made; the message says why, and what is valid."""
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.engine.commands import RULES, Repeat
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
-from app.messages.parsing import CommandError
+from robot.errors import CommandError
 from robot.fields.field import Field
 
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, WORDS, Frames, FramingError, header
 from app.ros2.dds.plan import Plan
+from robot.errors import BrickPoseError
 
 COMMAND = (sys.executable, "-m", "app.ros2.dds.process")
 
@@ -28,7 +29,7 @@ LONGEST_IN = 64 * 1024
 CHUNK = 16 * 1024
 
 
-class ChildError(RuntimeError):
+class ChildError(BrickPoseError, RuntimeError):
     """The process ended or failed; says how."""
 
 

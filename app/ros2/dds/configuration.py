@@ -14,6 +14,7 @@ from app.ros2.incoming import IncomingTopic
 from app.ros2.message_types import type_hash, typestore
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings
+from robot.errors import BrickPoseError
 
 
 def shapes(type_names: Iterable[str]) -> Shapes:
@@ -56,6 +57,12 @@ URI = "CYCLONEDDS_URI"
 
 LOOPBACK = "<Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces>"
 
+NEVER_PRUNED = (
+    "<InitialLocatorPruneDelay>inf</InitialLocatorPruneDelay>"
+    "<DiscoveredLocatorPruneDelay>inf</DiscoveredLocatorPruneDelay>"
+)
+"""Keeps addresses that were silent for long: a participant may come to them at any time."""
+
 ALONE = (
     "<CycloneDDS><Domain Id='any'><General>" + LOOPBACK + "<AllowMulticast>false</AllowMulticast>"
     # Loopback takes a whole picture at once; at Ethernet's size it would be 24 packets per reader.
@@ -64,15 +71,16 @@ ALONE = (
     # machine, and does so often: late participants learn of it only then.
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><SPDPInterval>1s</SPDPInterval>"
     "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
-    "<Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
+    + NEVER_PRUNED
+    + "<Peers><Peer address='127.0.0.1'/></Peers></Discovery>"
     "</Domain></CycloneDDS>"
 )
 """Configuration for this machine only."""
 
-ALONE_BEFORE_11 = ALONE.replace(LOOPBACK, "")
-"""The same without the loopback interface, for Cyclone DDS 0.10, which a Pi has: from that
-interface, it does not reach participants that announce other addresses of this machine. Its
-sockets are bound to the loopback device all the same."""
+ALONE_BEFORE_11 = ALONE.replace(LOOPBACK, "").replace(NEVER_PRUNED, "")
+"""The same for Cyclone DDS 0.10, which a Pi has. It prunes no addresses. It goes without the
+loopback interface: from there, it does not reach participants that announce other addresses of
+this machine. Its sockets are bound to the loopback device all the same."""
 
 ONE_ADDRESS = (
     "<CycloneDDS><Domain Id='any'><General><Interfaces>"
@@ -80,7 +88,7 @@ ONE_ADDRESS = (
 )
 
 
-class DomainError(ValueError):
+class DomainError(BrickPoseError, ValueError):
     """The domain is not a valid domain of DDS."""
 
 

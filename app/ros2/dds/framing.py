@@ -9,6 +9,8 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
+from robot.errors import BrickPoseError
+
 HEADER = struct.Struct("<IH")
 """Length and number of the payload; the number is a topic's index in the plan, or one of those
 below."""
@@ -27,7 +29,7 @@ TROUBLE = 0xFFFB
 ALIVE_S = 1.0
 
 
-class FramingError(ValueError):
+class FramingError(BrickPoseError, ValueError):
     """The bytes do not follow this framing."""
 
 

@@ -14,10 +14,12 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from robot.errors import BrickPoseError
+
 DEVICE = b"lo\0"
 
 
-class ConfinementError(OSError):
+class ConfinementError(BrickPoseError, OSError):
     """The system does not allow binding the sockets to the loopback device."""
 
 

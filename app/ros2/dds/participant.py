@@ -26,6 +26,7 @@ from cyclonedds.util import duration
 from app.ros2.dds.loopback import confine_to_this_machine
 from app.ros2.dds.plan import Endpoint, Plan, Shapes, dds_topic
 from app.ros2.dds.raw_types import RawSample, filled, raw_types
+from robot.errors import BrickPoseError
 
 TOPIC = "ros_discovery_info"
 """The topic's name in DDS; unlike others, it has no prefix ``rt/``."""
@@ -82,7 +83,7 @@ BLOCKING_S = 0.01
 UNREAD = ViewState.Any | SampleState.NotRead | InstanceState.Any
 
 
-class WriteError(ValueError):
+class WriteError(BrickPoseError, ValueError):
     """DDS refuses a message."""
 
 

@@ -15,6 +15,7 @@ import time
 from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, TROUBLE, WORDS, Frames, header
 from app.ros2.dds.participant import Participant, WriteError
 from app.ros2.dds.plan import Plan
+from robot.worker_thread import WorkerThread
 
 LONGEST_OUT = 64 * 1024 * 1024
 LONGEST_IN = 16 * 1024
@@ -37,23 +38,27 @@ class Wire:
             self.end.sendall(header(number, payload) + payload)
 
 
-class CommandReader(threading.Thread):
-    """Passes received messages to the program, until ``end`` is called."""
+class CommandReader(WorkerThread):
+    """Passes received messages to the program."""
 
     def __init__(self, participant: Participant, wire: Wire) -> None:
-        super().__init__(name="hearing", daemon=True)
+        super().__init__(
+            "hearing",
+            self._pass_on,
+            owner="the DDS process",
+            patience=ALIVE_S,
+            wake=participant.wake,
+        )
         self._participant = participant
         self._wire = wire
-        self._ending = threading.Event()
 
-    def run(self) -> None:
-        """Wait for messages and pass them on."""
-        while not self._ending.is_set():
+    def _pass_on(self, stopping: threading.Event) -> None:
+        while not stopping.is_set():
             came = self._participant.heard(ALIVE_S)
             for number, data in came:
                 self._hand_over(number, data)
             if came:
-                self._ending.wait(PAUSE_S)
+                stopping.wait(PAUSE_S)
 
     def _hand_over(self, number: int, data: bytes) -> None:
         if len(data) <= LONGEST_IN:
@@ -61,12 +66,6 @@ class CommandReader(threading.Thread):
         else:
             words = f"a message of {len(data)} bytes came; valid are up to {LONGEST_IN}"
             self._wire.send(TROUBLE, words.encode())
-
-    def end(self) -> None:
-        """End the thread, and wait for it."""
-        self._ending.set()
-        self._participant.wake()
-        self.join(ALIVE_S)
 
 
 def main(descriptor: int) -> int:
@@ -83,7 +82,7 @@ def main(descriptor: int) -> int:
         wire.send(READY)
         hearing.start()
         _publish(participant, wire, frames, rest, hearing)
-        hearing.end()
+        hearing.stop()
         # Cyclone's objects end when they are collected; then they tell the other participants.
         del hearing, participant
         gc.collect()
@@ -129,7 +128,7 @@ def _publish(
             _write(participant, wire, number, payload)
         if time.monotonic() - clock >= ALIVE_S:
             clock = time.monotonic()
-            if not hearing.is_alive():
+            if not hearing.alive:
                 raise RuntimeError("it no longer hears commands")
             wire.send(ALIVE)
 

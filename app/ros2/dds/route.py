@@ -9,17 +9,19 @@ import time
 from collections.abc import Iterable, Iterator
 from importlib.util import find_spec
 
+from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.framing import TROUBLE
-from app.ros2.dds.mailbox import Mailbox
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
 from app.ros2.topic import Published, Topic
 from app.settings.ros2 import Ros2Settings
+from robot.errors import BrickPoseError, PackageError
+from robot.worker_thread import WorkerThread
 
 FIRST_WAIT_S = 1.0
 LONGEST_WAIT_S = 30.0
@@ -35,7 +37,6 @@ PAUSE_S = 0.005
 TELL_S = 5.0
 """Least time between two log lines about refused commands [s]."""
 
-LOOK_S = 0.2
 JOIN_S = 3.0
 
 NO_CYCLONE = (
@@ -44,14 +45,10 @@ NO_CYCLONE = (
 )
 
 
-class DdsError(RuntimeError):
-    """DDS cannot be used here; says what to do."""
-
-
 class DdsRoute(Route):
     """Sends messages to the DDS process, and takes commands from it; restarts it when it fails.
 
-    Nothing here can block the engine. Messages wait in a mailbox, one per topic, until the process
+    Nothing here can block the engine. Messages wait in an outbox, one per topic, until the process
     has room. A thread receives from the process. ``failure`` says what goes wrong.
     """
 
@@ -70,12 +67,15 @@ class DdsRoute(Route):
         self._settings = settings
         self._host = host
         self._pace = Pace(lambda topic: settings.period(topic.rate))
-        self._mailbox = Mailbox()
+        self._outbox = Outbox[Published]()
+        self._latched: dict[str, Published] = {}
+        self._filling = threading.Lock()
         self._down: str | None = None
         self._trouble: str | None = None
         self._told_at = -math.inf
-        self._stop = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._thread = WorkerThread(
+            "dds", self._keep_running, owner="DDS", patience=JOIN_S, wake=self._let_end
+        )
 
     @property
     def failure(self) -> str | None:
@@ -86,14 +86,13 @@ class DdsRoute(Route):
         """Start to publish; the process needs a second for that.
 
         Raises:
-            DdsError: the package is missing.
+            PackageError: the package is missing.
             DomainError: ROS_DOMAIN_ID is not a valid domain.
         """
         if find_spec("cyclonedds") is None:
-            raise DdsError(NO_CYCLONE)
+            raise PackageError(NO_CYCLONE)
         self._plan = plan(self._settings, self._host, self._inbox.incoming())
         self._numbers = {writer.topic: number for number, writer in enumerate(self._plan.writers)}
-        self._thread = threading.Thread(target=self._keep_running, name="dds", daemon=True)
         self._thread.start()
         self._publisher.add(self)
 
@@ -102,59 +101,69 @@ class DdsRoute(Route):
         return topic.live and self._pace.due(topic, stamp)
 
     def take(self, published: Published) -> None:
-        """Put the message into the mailbox."""
-        self._mailbox.put(published)
+        """Let the message wait, in place of an older one of its topic."""
+        name = published.topic.name
+        with self._filling:
+            self._outbox.put(name, published)
+            if published.topic.quality.latched:
+                self._latched[name] = published
 
     def flush(self) -> None:
         """Send the waiting messages if the process has room; the other thread reports failures."""
         child = self.child
         if child is not None and self.ready.is_set():
             with contextlib.suppress(ChildError):
-                child.offer(lambda: self._in_bytes(self._mailbox.take_all()))
+                child.offer(lambda: self._in_bytes(iter(self._outbox.take, None)))
 
     def close(self) -> None:
         """End the process and its thread here; may be called twice."""
         self._publisher.remove(self)
-        self._stop.set()
+        self._thread.stop()
+
+    def _let_end(self) -> None:
         child = self.child
         if child is not None:
             child.let_end()
-        if self._thread is not None:
-            self._thread.join(JOIN_S)
-            if self._thread.is_alive():
-                LOG.error("the thread of DDS did not end within %g s", JOIN_S)
-            self._thread = None
 
-    def _keep_running(self) -> None:
+    def _keep_running(self, stopping: threading.Event) -> None:
         wait = FIRST_WAIT_S
-        while not self._stop.is_set():
+        while not stopping.is_set():
             began = time.monotonic()
             try:
-                self._live()
+                self._live(stopping)
             except (ChildError, OSError) as error:
-                if self._stop.is_set():
+                if stopping.is_set():
                     return
                 wait = FIRST_WAIT_S if time.monotonic() - began > SOUND_S else wait
                 self._down = f"{error}; it is started again in {wait:g} s"
                 LOG.error(self._down)
-            self._stop.wait(wait)
+            stopping.wait(wait)
             wait = min(2 * wait, LONGEST_WAIT_S)
 
-    def _live(self) -> None:
+    def _live(self, stopping: threading.Event) -> None:
         """Run one process from its start to its end; the end is always an error."""
         child = self.child = Child(self._plan)
         try:
-            if self._stop.is_set():
+            if stopping.is_set():
                 return
             child.wait_until_ready()
-            self._mailbox.begin_anew()
+            self._begin_anew()
             self._down = self._trouble = None
             self.ready.set()
             while True:
-                self._hear(child)
+                if self._hear(child):
+                    stopping.wait(PAUSE_S)
         finally:
             self.ready.clear()
             child.close()
+
+    def _begin_anew(self) -> None:
+        """Prepare for a new process: latched messages wait again, the others are dropped as old."""
+        with self._filling:
+            for _ in iter(self._outbox.take, None):
+                pass
+            for name, published in self._latched.items():
+                self._outbox.put(name, published)
 
     def _in_bytes(self, messages: Iterable[Published]) -> Iterator[tuple[int, bytes]]:
         for message in messages:
@@ -165,7 +174,8 @@ class DdsRoute(Route):
             else:
                 yield self._numbers[self._settings.full_name(message.topic.name)], data
 
-    def _hear(self, child: Child) -> None:
+    def _hear(self, child: Child) -> bool:
+        """Carry out what the process passes on; return whether anything came."""
         came = child.receive_some()
         newest = {number: data for number, data in came if number < len(self._plan.readers)}
         for number, data in came:
@@ -173,14 +183,13 @@ class DdsRoute(Route):
                 self._complain(data.decode(errors="replace"))
         for number, data in newest.items():
             self._carry_out(number, data)
-        if came:
-            self._stop.wait(PAUSE_S)
+        return bool(came)
 
     def _carry_out(self, number: int, data: bytes) -> None:
         topic = self._inbox.incoming()[number]
         try:
             self._inbox.take(topic.name, topic.type, data)
-        except ValueError as error:
+        except BrickPoseError as error:
             self.refused = str(error)
             if time.monotonic() - self._told_at > TELL_S:
                 self._told_at = time.monotonic()

@@ -18,6 +18,7 @@ from app.ros2.message_types import (
 from app.ros2.rosbridge.names import Names
 from app.ros2.rosbridge.values.fields import FILLER, fields
 from app.ros2.rosbridge.values.reading import message_of
+from robot.errors import BrickPoseError
 
 if TYPE_CHECKING:
     from foxglove import MessageSchema, ServiceRequest
@@ -64,7 +65,7 @@ class Commands:
                 self._inbox.refuse(name)
                 raise
             self._inbox.take(name, type_name, message)
-        except ValueError as error:
+        except BrickPoseError as error:
             return str(error)
         return None
 

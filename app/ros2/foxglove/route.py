@@ -13,6 +13,7 @@ from app.ros2.route import Pace, Route
 from app.ros2.topic import Published, Topic
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings
+from robot.errors import PackageError, PortError
 
 if TYPE_CHECKING:
     from foxglove import Channel, Context
@@ -20,14 +21,6 @@ if TYPE_CHECKING:
 
 BACKLOG = 128
 """Most messages that wait for a slow viewer; beyond it, the oldest are dropped."""
-
-
-class FoxgloveMissingError(ImportError):
-    """The SDK is not installed; the message says what to do."""
-
-
-class FoxglovePortError(OSError):
-    """The server cannot listen on the port; the message says how to choose another one."""
 
 
 class FoxgloveRoute(Route):
@@ -59,8 +52,8 @@ class FoxgloveRoute(Route):
         """Start the server.
 
         Raises:
-            FoxgloveMissingError: the SDK is not installed.
-            FoxglovePortError: the port is in use, or the address does not belong to this machine.
+            PackageError: the SDK is not installed.
+            PortError: the port is in use, or the address does not belong to this machine.
         """
         foxglove = _sdk()
         # Keep the context: without it, its channels would be removed.
@@ -129,7 +122,7 @@ class FoxgloveRoute(Route):
                 message_backlog_size=BACKLOG,
             )
         except Exception as error:  # the SDK raises plain exceptions
-            raise FoxglovePortError(
+            raise PortError(
                 f"Foxglove cannot listen on {self._host} port {self._settings.foxglove_port}: "
                 f"{error}; another port is chosen by ros2.foxglove_port"
             ) from error
@@ -172,7 +165,7 @@ def _sdk() -> Any:
         import foxglove  # noqa: PLC0415
         import foxglove.websocket  # noqa: PLC0415
     except ImportError as error:
-        raise FoxgloveMissingError(
+        raise PackageError(
             "Foxglove needs its SDK: pip install 'brickpose[foxglove]' "
             f"(.venv/bin/pip in a checkout); {error}"
         ) from error

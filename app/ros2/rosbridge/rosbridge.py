@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-
 import anyio
 from starlette.websockets import WebSocket
 
 from app.engine.drivers import Drivers
+from app.engine.mailboxes.wakeup import Wakeup
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
@@ -29,15 +27,15 @@ class Rosbridge:
         self._bridge: Bridge | None = None
         self._clients = 0
 
-    async def serve(self, socket: WebSocket) -> None:
-        """Talk to one client until it leaves."""
+    async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
+        """Talk to one client until it leaves; whether it only watches."""
         if self._clients >= MOST_CLIENTS:
             await socket.close(TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are connected already")
             return
         self._clients += 1
         try:
             await socket.accept()
-            await _Client(socket, await self._shared()).talk()
+            await _Client(socket, await self._shared(), watches).talk()
         finally:
             self._clients -= 1
 
@@ -55,12 +53,11 @@ class Rosbridge:
 
 
 class _Client:
-    def __init__(self, socket: WebSocket, bridge: Bridge) -> None:
+    def __init__(self, socket: WebSocket, bridge: Bridge, watches: bool) -> None:
         self._socket = socket
-        self._loop = asyncio.get_running_loop()
-        self._waiting = asyncio.Event()
+        self._waiting = Wakeup()
         self._outgoing = WebsocketWriter(socket)
-        self._session = Session(bridge, self._wake)
+        self._session = Session(bridge, self._waiting.set, watches=watches)
 
     async def talk(self) -> None:
         try:
@@ -71,16 +68,9 @@ class _Client:
         finally:
             self._session.close()
 
-    def _wake(self) -> None:
-        if not self._waiting.is_set():
-            # The event loop may have ended; then no client waits any more.
-            with contextlib.suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(self._waiting.set)
-
     async def _send_messages(self) -> None:
         while True:
             await self._waiting.wait()
-            self._waiting.clear()
             while (data := self._session.next()) is not None:
                 if not await self._outgoing.send(data):
                     return

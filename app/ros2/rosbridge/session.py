@@ -6,11 +6,11 @@ import json
 from collections.abc import Callable
 from typing import Any
 
+from app.engine.mailboxes.outbox import Outbox
 from app.messages.commands import Command
 from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
-from app.ros2.rosbridge.outbox import Data, Outbox
 from app.ros2.rosbridge.requests import (
     Pieces,
     Request,
@@ -23,9 +23,18 @@ from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
 from app.ros2.topic import Published, Topic
+from robot.errors import BrickPoseError
+
+MOST_BYTES = 16_000_000
+"""Most bytes that wait for one client; beyond it, older messages of a name are dropped."""
+
+Data = str | bytes
 
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one."""
+
+WATCHES = "this token only watches; ask for the link to drive"
+"""Answer to commands of a client that only watches."""
 
 
 class Session(Route):
@@ -36,17 +45,19 @@ class Session(Route):
 
     name = "rosbridge"
 
-    def __init__(self, bridge: Bridge, wake: Callable[[], None]) -> None:
+    def __init__(self, bridge: Bridge, wake: Callable[[], None], *, watches: bool = False) -> None:
         """Start a session.
 
         Args:
             bridge: the objects that all sessions share.
             wake: called from the topics' thread when ``next`` has a message.
+            watches: whether the client only watches: its commands are refused.
         """
         self._bridge = bridge
         self._wake = wake
+        self._watches = watches
         self._level = "error"
-        self._outbox = Outbox()
+        self._outbox = Outbox[Data](MOST_BYTES)
         self._pieces = Pieces()
         self._subscriptions: dict[str, Subscription] = {}
         self._by_topic: dict[str, tuple[Subscription, ...]] = {}
@@ -72,7 +83,7 @@ class Session(Route):
         try:
             request = parse(data)
             answers = self._do(request)
-        except ValueError as error:
+        except BrickPoseError as error:
             answers = self._status(request, str(error))
         return [json.dumps(answer, separators=(",", ":"), allow_nan=False) for answer in answers]
 
@@ -98,7 +109,7 @@ class Session(Route):
         """Put the message into the outbox, where the event loop finds it."""
         for item in self._due:
             data = self._bridge.encoder.encode(published, item.name, item.compression)
-            self._outbox.put(item.name, data, item.queue)
+            self._outbox.put(item.name, data, item.queue, len(data))
         self._wake()
 
     def _do(self, request: Request) -> list[Request]:
@@ -123,6 +134,7 @@ class Session(Route):
 
     def _publish(self, request: Request) -> list[Request]:
         topic = self._bridge.names.incoming_topic(text(request, "topic"), None)
+        self._refuse_watchers()
         try:
             message = message_of(request.get("msg", {}), topic.type)
         except MessageError:
@@ -130,6 +142,10 @@ class Session(Route):
             raise
         self._took(self._bridge.inbox.take(topic.name, topic.type, message))
         return []
+
+    def _refuse_watchers(self) -> None:
+        if self._watches:
+            raise MessageError(WATCHES)
 
     def _took(self, command: Command) -> None:
         self._bridge.drivers.took(self, command)
@@ -188,7 +204,7 @@ class Session(Route):
         answer: Request = {"op": "service_response", "service": name}
         try:
             answer |= {"values": self._called(name, request), "result": True}
-        except ValueError as error:
+        except BrickPoseError as error:
             answer |= {"values": str(error), "result": False}
         return [_with_id(request, answer)]
 
@@ -199,6 +215,7 @@ class Session(Route):
         if given is not None:
             return given
         service = self._bridge.service(name)
+        self._refuse_watchers()
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
         self._took(self._bridge.inbox.call(service.name, message))

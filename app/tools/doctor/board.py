@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterator
 
 from app.tools.doctor.finding import Finding, ok, problem, sentence, warning
 from robot.description.wiring import Wiring
+from robot.errors import PortError
 from robot.hat.board import Board, BoardState
 from robot.hat.motor import Motor
 from robot.hat.serial_link import SerialLink
-from robot.hat.serial_port import PortError, SerialPort
+from robot.hat.serial_port import SerialPort
 from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import FirmwareImage, FirmwareImageError

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from app.tools.doctor.finding import Finding, ok, problem, sentence, warning
 from robot.camera import Lens
-from robot.cameras.camera import Camera
+from robot.cameras.camera import Camera, SourceError
 from robot.cameras.choice import open_camera
 from robot.cameras.settings import CameraSourceSettings
 
@@ -37,7 +37,7 @@ def check_camera(
     """
     try:
         camera = open_camera(lens, settings)
-    except ValueError as error:
+    except SourceError as error:
         yield problem(sentence(str(error)))
         return
     try:

@@ -42,10 +42,10 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
     yield from check_camera(spec.lens, config.camera)
 
 
-def _tell(what: str) -> None:
+def _tell(text: str) -> None:
     """Print what a check waits for to standard error, apart from the report."""
-    if what:
-        sys.stderr.write(f"         ... {what}\n")
+    if text:
+        sys.stderr.write(f"         ... {text}\n")
         sys.stderr.flush()
 
 
@@ -56,5 +56,5 @@ def _verdict(levels: list[str]) -> str:
     return f"No problem, {_number(warnings, WARNING)}"
 
 
-def _number(count: int, what: str) -> str:
-    return f"{count or 'no'} {what}{'' if count == 1 else 's'}"
+def _number(count: int, noun: str) -> str:
+    return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from app.settings.config import ROOT, Config
 from app.tools.doctor.finding import Finding, ok, problem, warning
-from sim.bullet import BulletMissingError, load_pybullet
+from robot.errors import PackageError
+from sim.bullet import load_pybullet
 
 OLDEST = (3, 11)
 CONSTRAINTS = ROOT / "constraints.txt"
@@ -74,7 +75,7 @@ def simulator(robot: str) -> Finding:
         return ok(f"pybullet is not needed by the robot {robot}")
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         if robot == "sim":
             return problem(str(error))
         return warning(f"The kinematic robot drives, with perfect wheels: {error}")

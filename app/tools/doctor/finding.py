@@ -13,29 +13,29 @@ class Finding:
 
     level: str
     """``ok``; ``warning``: it works, but could be better; ``problem``: it does not work."""
-    what: str
+    message: str
     """What the check found."""
     cure: str = ""
-    """What to do, if ``what`` does not already say it."""
+    """What to do, if ``message`` does not already say it."""
 
     def __str__(self) -> str:
-        line = f"{self.level:<8} {self.what}"
+        line = f"{self.level:<8} {self.message}"
         return f"{line}. Cure: {self.cure}" if self.cure else line
 
 
-def ok(what: str) -> Finding:
+def ok(message: str) -> Finding:
     """Return a finding that all is well."""
-    return Finding(OK, what)
+    return Finding(OK, message)
 
 
-def warning(what: str, cure: str = "") -> Finding:
+def warning(message: str, cure: str = "") -> Finding:
     """Return a finding that something works but should be better."""
-    return Finding(WARNING, what, cure)
+    return Finding(WARNING, message, cure)
 
 
-def problem(what: str, cure: str = "") -> Finding:
+def problem(message: str, cure: str = "") -> Finding:
     """Return a finding that something does not work."""
-    return Finding(PROBLEM, what, cure)
+    return Finding(PROBLEM, message, cure)
 
 
 def sentence(text: str) -> str:

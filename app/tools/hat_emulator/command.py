@@ -17,13 +17,14 @@ from app.engine.build import Streams
 from app.settings.config import MAPS, Config, load_config
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
+from robot.errors import PackageError
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Twist2
 from robot.settings import SettingError
-from sim.bullet import BulletMissingError, BulletWorld, load_pybullet
+from sim.bullet import BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
-from sim.hat.motor_figures import KindError, MotorFigures, figures_described, figures_named
+from sim.hat.motor_figures import DeviceError, MotorFigures, figures_described, figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.line_server import LineServer, TypedLines
@@ -45,7 +46,7 @@ def emulate_hat(options: Mapping[str, Any]) -> int:
         SettingError: an option is not valid or has no effect.
         FieldError: the map cannot be used.
         OSError: the serial port or a socket cannot be created.
-        BulletMissingError: ``--world sim`` was asked for, but pybullet is not installed.
+        PackageError: ``--world sim`` was asked for, but pybullet is not installed.
     """
     config = _config(options)
     spec = RobotSpec.load()
@@ -144,7 +145,7 @@ def _world(options: Mapping[str, Any]) -> str:
 def _usual_world() -> str:
     try:
         load_pybullet()
-    except BulletMissingError:
+    except PackageError:
         return "free"
     return "sim"
 
@@ -160,6 +161,6 @@ def _motors(text: str | None, spec: RobotSpec) -> dict[int, MotorFigures]:
             raise SettingError(f"--motors: no port {port!r}; valid are {', '.join(PORTS)}")
         try:
             motors[PORTS.index(port)] = figures_named(name)
-        except KindError as error:
+        except DeviceError as error:
             raise SettingError(f"--motors: {error}") from error
     return motors

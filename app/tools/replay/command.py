@@ -14,14 +14,14 @@ from app.console import say
 from app.files import make_folder
 from app.lab.trajectories.files.tum import write_tum
 from app.lab.trajectories.trajectory import Trajectory
-from app.page.address import address_of
+from app.page.access_options import ACCESS_OPTIONS, announce, certificate_of, tokens_of
 from app.page.serving import listen, serve
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.recordings.replay.requests import FASTEST, SLOWEST
 from robot.geometry import Array, Pose2
 from robot.settings import SettingError
 
-ONLY_SERVED = ("host", "port", "speed", "paused")
+ONLY_SERVED = ("host", "port", "speed", "paused", *ACCESS_OPTIONS)
 """Options that have no effect without a dashboard."""
 
 
@@ -34,14 +34,17 @@ def run(given: dict[str, Any]) -> int:
     path: Path = given.pop("file")
     out: Path | None = given.pop("out", None)
     _check(given, out)
+    access = {name: given.pop(name) for name in ACCESS_OPTIONS if name in given}
     options = ReplayOptions(**given)
     if out is not None:
         return _write(path, options, out)
+    certificate = certificate_of(access)
     with listen(options.host, options.port) as listening:
+        tokens = tokens_of(access, listening)
         program = open_replay(path, options)
         say(f"{path.name} is {program.replay.duration_s:.1f} s long")
-        say(f"BrickPose is at {address_of(listening)} (Ctrl-C ends it)")
-        serve(program, listening)
+        announce(listening, tokens, "https" if certificate else "http")
+        serve(program, listening, tokens, certificate)
     return 0
 
 
@@ -60,7 +63,7 @@ def _check(given: dict[str, Any], out: Path | None) -> None:
         raise SettingError(f"--port is {given['port']}; valid is 0 to 65535")
     for name in ONLY_SERVED:
         if out is not None and name in given:
-            raise SettingError(f"--{name} has no effect with --out")
+            raise SettingError(f"--{name.replace('_', '-')} has no effect with --out")
 
 
 def _write(path: Path, options: ReplayOptions, out: Path) -> int:

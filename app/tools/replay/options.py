@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.options import Commands
+from app.page.access_options import add_access
 from app.settings.config import Config
 
 
@@ -66,6 +67,7 @@ def add_replay(commands: Commands) -> None:
         metavar="DIR",
         help="write estimated.tum, then.tum, truth.tum and odometry.tum there instead",
     )
+    add_access(command)
     command.set_defaults(command=_replay)
 
 

@@ -15,6 +15,8 @@ from typing import NoReturn
 from xml.etree import ElementTree
 from xml.parsers import expat
 
+from robot.errors import BrickPoseError
+
 MAX_BYTES = 2 << 20
 MAX_ELEMENTS = 10_000
 MAX_DEPTH = 64
@@ -29,7 +31,7 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _MM = {"": 1.0, "mm": 1.0, "cm": 10.0, "in": 25.4}
 
 
-class SvgError(ValueError):
+class SvgError(BrickPoseError, ValueError):
     """A drawing that cannot be used; the message says what is valid."""
 
 

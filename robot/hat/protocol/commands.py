@@ -11,6 +11,8 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 
+from robot.errors import CommandError
+
 LONGEST = 256
 """Number of characters of a line that the firmware keeps; to be safe, the CR is counted too."""
 
@@ -19,24 +21,20 @@ EXPONENT = re.compile(r"(?:^|[ ;])[+-]?[0-9]*\.?[0-9]*[0-9.][eE][+-]?[0-9]")
 STX, ETX, CR = b"\x02", b"\x03", b"\r"
 
 
-class LineError(ValueError):
-    """The text is not a valid command line."""
-
-
 def line(*parts: str) -> bytes:
     """Return one command line of these commands.
 
     Raises:
-        LineError: the text is not printable ASCII, has a number with an exponent, or is longer
+        CommandError: the text is not printable ASCII, has a number with an exponent, or is longer
             than 256 bytes.
     """
     text = ";".join(parts)
     if not (text.isascii() and text.isprintable()):
-        raise LineError(f"{text!r} is not a line; valid are printable ASCII characters")
+        raise CommandError(f"{text!r} is not a line; valid are printable ASCII characters")
     if EXPONENT.search(text):
-        raise LineError(f"{text!r}: the firmware knows no exponents; valid is 0.00001")
+        raise CommandError(f"{text!r}: the firmware knows no exponents; valid is 0.00001")
     if len(text) >= LONGEST:
-        raise LineError(f"a line has {len(text) + 1} bytes; valid are at most {LONGEST}")
+        raise CommandError(f"a line has {len(text) + 1} bytes; valid are at most {LONGEST}")
     return text.encode("ascii") + CR
 
 
@@ -44,10 +42,10 @@ def fixed(value: float, places: int) -> str:
     """Return a number in the firmware's format, as short as possible: ``-.5``, ``0``, ``20``.
 
     Raises:
-        LineError: the number is NaN or infinite.
+        CommandError: the number is NaN or infinite.
     """
     if not math.isfinite(value):
-        raise LineError(f"{value} is no number for the firmware; valid are finite ones")
+        raise CommandError(f"{value} is no number for the firmware; valid are finite ones")
     text = f"{value:.{places}f}"
     if "." in text:
         text = text.rstrip("0").rstrip(".")
@@ -160,5 +158,5 @@ def reboot() -> bytes:
 
 def _port(port: int) -> int:
     if port not in PORTS:
-        raise LineError(f"there is no port {port}; valid are 0 to 3")
+        raise CommandError(f"there is no port {port}; valid are 0 to 3")
     return port

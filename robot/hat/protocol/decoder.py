@@ -27,10 +27,10 @@ from robot.hat.protocol.bootloader_events import (
 from robot.hat.protocol.events import (
     Answered,
     Banner,
-    BusError,
+    BusFault,
     Button,
     CombiData,
-    CommandError,
+    CommandRefused,
     Connected,
     Connecting,
     ConnectionFailed,
@@ -80,7 +80,7 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
         lambda f: Value(int(f[0]), float(f[1])),
     ),
     (rb"", lambda f: Answered()),
-    (rb"Error", lambda f: CommandError()),
+    (rb"Error", lambda f: CommandRefused()),
     (rb"([0-9]{1,2}\.[0-9]{2}) V", lambda f: Supply(float(f[0]))),
     (rb"P([0-3]): pulse done", lambda f: PulseDone(int(f[0]))),
     (rb"P([0-3]): ramp done", lambda f: RampDone(int(f[0]))),
@@ -116,7 +116,7 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
     ),
     (rb"deltat=([0-9A-Fa-f]{8})", lambda f: Late(int(f[0], 16))),
     (rb"MQ overrun!", lambda f: QueueOverrun()),
-    (rb"(Attempting reset of I.{1,4}C bus)", lambda f: BusError(_text(f[0]))),
+    (rb"(Attempting reset of I.{1,4}C bus)", lambda f: BusFault(_text(f[0]))),
     (
         rb"Firmware version: ([0-9]{1,12}) (\S+)",
         lambda f: FirmwareVersion(int(f[0]), _text(f[1])),
@@ -234,7 +234,7 @@ class Decoder:
     def _unglued(self, line: bytes, events: list[Event]) -> bytes:
         """Return a line without bus errors and prompts, which have no line end of their own."""
         for error in GLUED_ERROR.findall(line):
-            events.append(BusError(error.decode("utf-8", "replace")))
+            events.append(BusFault(error.decode("utf-8", "replace")))
         line = GLUED_ERROR.sub(b"", line)
         prompts = FIRMWARE_PROMPTS.match(line)
         if prompts is None:

@@ -28,7 +28,7 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class CommandError:
+class CommandRefused:
     """A command was not understood. The rest of its line was dropped; the part before it ran."""
 
 
@@ -186,7 +186,7 @@ class QueueOverrun:
 
 
 @dataclass(frozen=True, slots=True)
-class BusError:
+class BusFault:
     """The bus between the board's own chips failed."""
 
     text: str
@@ -222,7 +222,7 @@ class Unknown:
 
 Event = (
     Answered
-    | CommandError
+    | CommandRefused
     | FirmwareVersion
     | BootloaderVersion
     | BootloaderPrompt
@@ -244,7 +244,7 @@ Event = (
     | FaultDump
     | Late
     | QueueOverrun
-    | BusError
+    | BusFault
     | InitDone
     | Banner
     | DescriptionLine

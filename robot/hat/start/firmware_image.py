@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 
+from robot.errors import BrickPoseError
+
 EXPECTED_VERSION = 1737564117
 """Version of the firmware that the driver supports, of 22 January 2025."""
 
@@ -18,7 +20,7 @@ SIGNATURE_LENGTH = 64
 CURE = "install the one with it: pip install buildhat==0.9.0"
 
 
-class FirmwareImageError(RuntimeError):
+class FirmwareImageError(BrickPoseError, RuntimeError):
     """There is no firmware to send; the message says where to get it."""
 
 

@@ -8,6 +8,8 @@ import warnings
 from collections.abc import Callable
 from typing import Any
 
+from robot.errors import BrickPoseError
+
 RESET_PIN = 4
 """BCM number."""
 BOOT0_PIN = 22
@@ -17,7 +19,7 @@ PULSE_S = 0.01
 CURE = "Install them: pip install gpiozero lgpio"
 
 
-class ResetError(RuntimeError):
+class ResetError(BrickPoseError, RuntimeError):
     """The board cannot be reset by its pin; the message says what to do."""
 
 

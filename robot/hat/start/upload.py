@@ -14,7 +14,7 @@ from robot.hat.protocol.bootloader_events import (
     UploadTimeout,
     VerificationFailed,
 )
-from robot.hat.protocol.events import CommandError, Event, FirmwareVersion, InitDone
+from robot.hat.protocol.events import CommandRefused, Event, FirmwareVersion, InitDone
 from robot.hat.start.firmware_image import FirmwareImage
 
 
@@ -52,7 +52,7 @@ LIMITS_S = {
 }
 
 FAILURES: dict[type[Event], str] = {
-    CommandError: "it did not understand a command",
+    CommandRefused: "it did not understand a command",
     ChecksumFailure: "bytes were garbled on the way",
     UploadTimeout: "bytes were lost on the way",
     UploadRefused: "it refused what was announced",

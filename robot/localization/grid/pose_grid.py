@@ -75,10 +75,10 @@ class PoseGrid:
         middles: Array = (self.cells + 0.5) * self.boxes.size - (0, 0, math.pi)
         return middles
 
-    def only(self, which: NDArray[np.bool_]) -> PoseGrid:
+    def only(self, selection: NDArray[np.bool_]) -> PoseGrid:
         """Some of the boxes."""
-        mass = self.mass[which]
-        return replace(self, cells=self.cells[which], mass=mass / mass.sum())
+        mass = self.mass[selection]
+        return replace(self, cells=self.cells[selection], mass=mass / mass.sum())
 
     def finer(self) -> PoseGrid:
         """Each box cut into eight, of half its sides."""

@@ -61,7 +61,7 @@ class MultiHypothesisFilter:
         self._new_filter = new_filter
         self._rng = rng
         self._tracks: list[Track] = []
-        self._told: list[Prior] = []
+        self._priors: list[Prior] = []
         """The given start; empty after ``scatter``, and when the start is long ago."""
         self._anywhere: Cloud
         """Displayed until a place is found."""
@@ -69,10 +69,9 @@ class MultiHypothesisFilter:
         self._search: PlaceSearch | None = None
         self._scans = 0
         """Number of scans kept since the start."""
-        self._lost_at = 0  # The same number when the place was last lost; 0 is the start.
+        self._lost_at = 0  # ``_scans`` when the place was last lost; 0 is the start.
         self._start_is_given = True
         """Whether the start was given, and the place was neither lost nor changed since."""
-        self._confirmation = Confirmation()
         self._looseness = 1.0
         self._wait = FIRST
         """Scans until the next search."""
@@ -163,7 +162,7 @@ class MultiHypothesisFilter:
         self._local.move(moved)
         if self._search is not None:
             self._search.move(moved)
-        self._told = [prior.moved(moved, self.setup.motion) for prior in self._told]
+        self._priors = [prior.moved(moved, self.setup.motion) for prior in self._priors]
 
     def correct(self, scan: Scan) -> None:
         """Correct each hypothesis by a scan, weigh them, and search for more."""
@@ -173,7 +172,7 @@ class MultiHypothesisFilter:
             self._wait -= 1
             self._scans += 1
             if self._scans >= PRIOR_MAP_LENGTHS * self.setup.hypotheses.map_scans:
-                self._told = []
+                self._priors = []
             self._weigh(rays_of(scan, BEAMS))
             self._select()
             self._follow_images()
@@ -233,7 +232,7 @@ class MultiHypothesisFilter:
         """Forget all but about the last ``scans`` scans: before them the robot was carried off."""
         self._local.begin_anew(max(scans, 1))
         self._search, self._wait = None, LOST
-        self._told, self._lost_at = [], self._scans
+        self._priors, self._lost_at = [], self._scans
         self._start_is_given = False
 
     def _look_around(self) -> None:
@@ -261,9 +260,9 @@ class MultiHypothesisFilter:
         # as likely as an earlier one that fits as well. But if the leading track is older than the
         # loss, and fits again, its place was not lost at all.
         old = any(track.born < self._lost_at for track in self._tracks[:1])
-        whole = search.whole and not self._told and not old
-        elsewhere = self._elsewhere.log_weight
-        places = weigh_places(search, self._tracks, self._told, elsewhere, whole, p)
+        whole = search.whole and not self._priors and not old
+        lost = self._elsewhere.log_weight
+        places = weigh_places(search, self._tracks, self._priors, lost, whole, p)
         followed = equal_tracks(search, self._tracks, p)
         rival = has_rival(self._tracks, places, followed, self.setup.field.symmetries, p)
         self._confirmation.end(self._scans, rival)
@@ -272,12 +271,12 @@ class MultiHypothesisFilter:
             if place.log_weight > p.log_hopeless:
                 self._follow(place.pose, place.covariance, place.log_weight)
         # A new place that is not hopeless may be the first of several.
-        result = len(self._tracks) > before
-        self._search_interval = SOON if result else min(2 * self._search_interval, LATE)
+        more = len(self._tracks) > before
+        self._search_interval = SOON if more else min(2 * self._search_interval, LATE)
         if places:
             self._wait = min(self._wait, self._search_interval)
             self._select()
-        if whole and result:  # A better fit than a bad one is not certain yet.
+        if whole and more:  # A better fit than a bad one is not certain yet.
             self._elsewhere.at_least(FRESH)
 
     def _follow(self, pose: Pose2, covariance: Array, log_weight: float) -> None:
@@ -289,7 +288,7 @@ class MultiHypothesisFilter:
     def _start(self, tracks: list[Track], priors: list[Prior]) -> None:
         p = self.setup.hypotheses
         self._tracks = tracks
-        self._told = priors
+        self._priors = priors
         self._elsewhere = Kidnapping(p.log_kidnapped if tracks else FRESH)
         self._scans = self._lost_at = 0
         self._search, self._wait, self._search_interval = None, FIRST, SOON

@@ -28,6 +28,10 @@ PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.0015]))
 """Prior information on pitch, roll and scale: for a camera that was mounted with care."""
 HELD = np.diag(1 / np.square([0.03, 0.03, 0.1]))
 """Information besides a scan, which holds a pose where it was [1/m², 1/m², 1/rad²]."""
+DIRECTION_SD = 0.05
+"""Standard deviation of an edge's direction [rad]. Edges that are parallel to within this tell
+nothing along them: else a unit of tilt or scale would seem to shift the pose by hundreds of metres
+where edges cross at a milliradian."""
 STANDS_OUT, EXPLAINS = 2.0, 0.3
 """A tilt is taken off the scans if it exceeds this many standard deviations, and explains more than
 this share of the residuals."""
@@ -161,5 +165,13 @@ def _project_out_pose(sums: Array, caused: Array) -> tuple[Array, Array]:
     gain = inverse(by_pose + np.eye(3)) @ (across * RAYS_WORTH)
     left = sums[3:, 3:] - np.ascontiguousarray(across.T) @ gain
     # Where a scan gives no information, the pose error stays.
+    held = HELD + DIRECTION_SD**2 * _strongest(by_pose) * np.diag(np.array([1.0, 1.0, 0.0]))
     by_errors = np.ascontiguousarray(across[:, :3]) * RAYS_WORTH
-    return left, inverse(by_pose + HELD) @ (HELD @ caused - by_errors)
+    return left, inverse(by_pose + held) @ (held @ caused - by_errors)
+
+
+@njit(cache=True, nogil=True)
+def _strongest(information: Array) -> float:
+    """Return the largest information on the position along any direction [1/m²]."""
+    xx, xy, yy = information[0, 0], information[0, 1], information[1, 1]
+    return float(0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy))

@@ -18,7 +18,7 @@ def sample_motion_model_odometry(
     Args:
         poses: (n, 3) [m, m, rad] before the step.
         moved: the step by odometry, seen from its start; the book writes it as two poses.
-        alphas: alpha1 to alpha4, as variances: the second edition's form, which nav2 uses.
+        alphas: alpha1 to alpha4 as shares of variances, as in the book's table and in nav2.
         rng: source of the random numbers.
     """
     alpha1, alpha2, alpha3, alpha4 = alphas

@@ -24,7 +24,8 @@ from app.lab.evaluation.integrity.summary import Row, summary_of
 from app.lab.workers import Workers
 from app.settings.config import Config, load_config
 from app.settings.provenance import changed_settings, versions
-from sim.bullet import BulletMissingError, load_pybullet
+from robot.errors import PackageError
+from sim.bullet import load_pybullet
 
 
 def evaluate_integrity(
@@ -141,7 +142,7 @@ def _config(given: dict[str, Any]) -> Config:
     config = load_config(given["config"]) if "config" in given else Config()
     try:
         load_pybullet()
-    except BulletMissingError as error:
+    except PackageError as error:
         say(f"In the kinematic world, with perfect wheels: {error}")
         return replace(config, robot="kinematic")
     return config

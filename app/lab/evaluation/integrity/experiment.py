@@ -134,7 +134,7 @@ def each_run(jobs: list[IntegrityJob], workers: Workers) -> Iterator[IntegrityRu
     for place, outcome in tqdm(done, total=len(jobs), unit="drive", disable=None):
         job = jobs[place]
         if isinstance(outcome, Exception):
-            what = " ".join(str(outcome).split()) or type(outcome).__name__
-            yield Failure(map_stem(job.config.map), job.condition, job.config.seed, what)
+            reason = " ".join(str(outcome).split()) or type(outcome).__name__
+            yield Failure(map_stem(job.config.map), job.condition, job.config.seed, reason)
         else:
             yield from outcome

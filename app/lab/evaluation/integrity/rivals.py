@@ -148,9 +148,9 @@ def _claimed(way: DriveSegment, claims: Claims) -> list[Pose2]:
     for place in some:
         truth = Pose2(*claims.truth[place].tolist())
         pose = way.at_first(Pose2(*claims.poses[place].tolist()), truth)
-        for which, (other, count) in enumerate(groups):
+        for index, (other, count) in enumerate(groups):
             if _alike(pose, other):
-                groups[which] = other, count + 1
+                groups[index] = other, count + 1
                 break
         else:
             groups.append((pose, 1))

@@ -2,64 +2,25 @@
 
 from __future__ import annotations
 
-import io
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import cv2
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from app.lab.evaluation.convergence import errors
 from app.lab.evaluation.results import METHODS, poses_of
 from app.lab.evaluation.runs import Run
+from app.lab.figure_style import STROKES, Stroke, svg_figure
 from app.lab.trajectories.trajectory import Trajectory
 from robot.fields.field import Field
 from robot.geometry import Array
-
-
-class Stroke(NamedTuple):
-    """How a trajectory is drawn: its colour or its dashes alone are enough to recognize it."""
-
-    label: str
-    colour: str
-    dashes: str
-    width: float
-
-
-STROKES = {
-    "truth": Stroke("truth", "#000000", "-", 2.6),
-    "odometry": Stroke("odometry", "#d55e00", "--", 1.2),
-    "amcl": Stroke("AMCL", "#56b4e9", "-", 1.1),
-}
-"""Colours of Okabe and Ito, which colour-blind people can distinguish."""
 
 LEAST_MM = 0.02
 """Smaller errors are not drawn: the error of odometry begins at zero."""
 FLOOR_PX = 400
 """Longest side of the floor's picture [px]."""
-STYLE: Any = {
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "brickpose",  # equal figures give equal files
-    "svg.fonttype": "none",
-    "axes.titlesize": 9,
-}
-
-
-@contextmanager
-def svg_figure(width: float, height: float, svgs: list[str]) -> Iterator[Figure]:
-    """Give a figure [inch] to draw on; its SVG is appended to ``svgs`` at the end."""
-    with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
-        yield figure
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None})
-    svgs.append(text.getvalue())
 
 
 def paths(field: Field, panels: dict[str, Run]) -> str:

@@ -15,6 +15,7 @@ from app.lab.evaluation.experiment import Experiment
 from app.lab.evaluation.report import figures
 from app.lab.evaluation.results import METHODS
 from app.lab.evaluation.runs import Run
+from app.lab.figure_style import STROKES
 from app.settings.provenance import settings_of
 from robot.fields.field import Field
 
@@ -135,7 +136,7 @@ def _each(table: dict[str, Any], method: str) -> Sequence[float]:
 def _row(key: tuple[str, str], table: dict[str, Any], method: str) -> dict[str, Any]:
     return {
         "title": _title(*key),
-        "method": figures.STROKES[method].label,
+        "method": STROKES[method].label,
         "paper": PAPER.get((*key, method), "-"),
         "ate": table["methods"][method]["ate_rmse_m"],
         "aligned": table["methods"][method]["ate_aligned_rmse_m"],

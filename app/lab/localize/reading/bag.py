@@ -20,13 +20,15 @@ from rosbags.rosbag2 import Reader as Ros2Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from robot.errors import BrickPoseError
+
 OLD_NAMES = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
 """Types that were renamed without any change in content."""
 STORAGE = (".mcap", ".db3")
 ENDINGS = (".bag", *STORAGE)
 
 
-class BagError(ValueError):
+class BagError(BrickPoseError, ValueError):
     """The bag cannot be used; the message says what it has and what would be valid."""
 
 

@@ -50,7 +50,7 @@ class SkippedCounts:
             "scans without odometry around them": self.without_odometry,
             "odometry messages that are not finite or whose stamps do not rise": self.odometry,
         }
-        return [f"{count} {what} were left out" for what, count in given.items() if count]
+        return [f"{count} {kind} were left out" for kind, count in given.items() if count]
 
 
 class Pairing:

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
-from app.lab.evaluation.report.figures import svg_figure
 from app.lab.evaluation.report.report import embedded, page
+from app.lab.figure_style import svg_figure
 from app.lab.model_fits.motion_statistics import EndSpread, MotionStatistics
 from app.lab.model_fits.regions import Held
 from app.lab.model_fits.sensor_statistics import SensorStatistics

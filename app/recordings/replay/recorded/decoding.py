@@ -17,6 +17,7 @@ from app.messages.commands import COMMAND, Command, SetPoseCommand
 from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import from_cdr
 from robot.covariance import by_rows
+from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2, Twist2
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -57,7 +58,7 @@ def _jpeg(data: bytes) -> tuple[int, int] | None:
     return None
 
 
-class ContentError(ValueError):
+class ContentError(BrickPoseError, ValueError):
     """A message has no usable content; says why."""
 
 

@@ -53,19 +53,19 @@ def fields(type_name: str) -> dict[str, Kind]:
     """
     message_class(type_name)
     described = typestore().fielddefs[type_name][1]
-    return {name: _kind(what) for name, what in described if name != FILLER}
+    return {name: _kind(description) for name, description in described if name != FILLER}
 
 
-def _kind(described: Any) -> Kind:
+def _kind(description: Any) -> Kind:
     from rosbags.interfaces import Nodetype  # noqa: PLC0415 -- as for the type store
 
-    form, what = described
+    form, content = description
     if form == Nodetype.NAME:
-        return Kind(what, nested=True)
+        return Kind(content, nested=True)
     if form == Nodetype.BASE:
-        return Kind(what[0], nested=False)
-    inner = _kind(what[0])
-    fixed = what[1] if form == Nodetype.ARRAY else 0
+        return Kind(content[0], nested=False)
+    inner = _kind(content[0])
+    fixed = content[1] if form == Nodetype.ARRAY else 0
     return Kind(inner.name, inner.nested, many=True, length=fixed)
 
 

@@ -18,8 +18,8 @@ from app.lab.evaluation.integrity.drives import CARRY_STAMP
 from app.lab.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
 from app.lab.evaluation.integrity.summary import NO_ALERT, Row
-from app.lab.evaluation.report.figures import svg_figure
 from app.lab.evaluation.report.report import embedded, page
+from app.lab.figure_style import svg_figure
 from app.settings.provenance import settings_of
 from robot.geometry import Array
 from robot.localization.integrity import Cause, State
@@ -32,7 +32,7 @@ COLUMNS = 3
 """Number of columns of small diagrams."""
 
 
-def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, what: str) -> str:
+def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, quantity: str) -> str:
     """Draw error against bound of all pictures that claim one place; logarithmic.
 
     Args:
@@ -40,13 +40,13 @@ def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, what: 
         bins: (k + 1,) borders of the bins.
         unit: the unit that is shown.
         scale: factor from the bins' unit to the unit that is shown.
-        what: whose error it is: "place" or "heading".
+        quantity: whose error it is: "place" or "heading".
     """
     done: list[str] = []
     with svg_figure(4.8, 4.4, done) as figure:
         axes = figure.add_subplot()
-        mesh = _diagram(axes, counts, scale * bins, what == "place")
-        axes.set(xlabel=f"error of the {what} [{unit}]", ylabel=f"claimed bound [{unit}]")
+        mesh = _diagram(axes, counts, scale * bins, quantity == "place")
+        axes.set(xlabel=f"error of the {quantity} [{unit}]", ylabel=f"claimed bound [{unit}]")
         _name_regions(axes, scale * bins)
         if mesh is not None:
             figure.colorbar(mesh, ax=axes, label="pictures", shrink=0.8)

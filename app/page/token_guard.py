@@ -1,0 +1,142 @@
+"""Access control: each request and socket brings a token, or is refused."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+
+from starlette.datastructures import MutableHeaders
+from starlette.requests import HTTPConnection
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from app.page.token_guesses import Guessing
+from app.page.tokens import Role, Tokens
+from app.settings.config import FRONTEND
+
+SUBPROTOCOL = "brickpose.token."
+"""A websocket's subprotocol of this beginning brings a token: browsers cannot set its headers."""
+READING = frozenset(["GET", "HEAD", "OPTIONS"])
+NO_TOKEN = (
+    "This robot asks for a token. Open the link that the program printed, or send the header "
+    "Authorization: Bearer TOKEN."
+)
+
+
+def role_in(scope: Scope) -> Role:
+    """Return what a request may do; without tokens, everything."""
+    role: Role = scope.get("brickpose.role", Role.DRIVE)
+    return role
+
+
+class TokenRequired:
+    """Passes requests on that bring a token, and notes in their scope what they may do.
+
+    A token comes in the header, in the address (a link), as a websocket's subprotocol, or in the
+    cookie that the answer to a link sets.
+    """
+
+    def __init__(
+        self, app: ASGIApp, tokens: Tokens, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._app = app
+        self._tokens = tokens
+        self._clock = clock
+        self._guessing = Guessing()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        request = HTTPConnection(scope)
+        refusal, role = self._judge(request)
+        if refusal is not None:
+            await _refuse(refusal, scope, receive, send)
+            return
+        offered = scope.get("subprotocols", [])
+        scope["brickpose.role"] = role
+        scope["subprotocols"] = [name for name in offered if not name.startswith(SUBPROTOCOL)]
+        link = request.query_params.get("token", "")
+        cookie = _cookie(request, link) if self._tokens.role_of(link) is not None else None
+        await self._app(scope, receive, _Sender(cookie, offered, send))
+
+    def _judge(self, request: HTTPConnection) -> tuple[Response | None, Role]:
+        """Return an answer to refuse the request with, if need be; and what it may do."""
+        address = request.client.host if request.client else ""
+        stamp = self._clock()
+        tokens = list(_tokens_of(request))
+        wait = self._guessing.wait(address, stamp) if tokens else 0.0
+        if wait > 0:
+            text = f"Too many wrong tokens; try again in {wait:.0f} s."
+            headers = {"Retry-After": f"{wait + 1:.0f}"}
+            return PlainTextResponse(text, 429, headers), Role.WATCH
+        role = next((role for t in tokens if (role := self._tokens.role_of(t)) is not None), None)
+        if role is None:
+            if tokens:
+                self._guessing.wrong(address, tokens[0], stamp)
+            return _no_token(request), Role.WATCH
+        self._guessing.right(address)
+        if role is Role.WATCH and request.scope.get("method", "GET") not in READING:
+            return PlainTextResponse("This token only watches.", 403), role
+        return None, role
+
+
+class _Sender:
+    """Sends answers, with the cookie or the subprotocol that belongs to the token."""
+
+    def __init__(self, cookie: str | None, offered: list[str], send: Send) -> None:
+        self._cookie = cookie
+        self._offered = [name for name in offered if name.startswith(SUBPROTOCOL)]
+        self._send = send
+
+    async def __call__(self, message: Message) -> None:
+        if message["type"] == "http.response.start" and self._cookie is not None:
+            MutableHeaders(scope=message).append("Set-Cookie", self._cookie)
+        # A browser gives up a socket of which none of the offered subprotocols is chosen.
+        if message["type"] == "websocket.accept" and self._offered:
+            message = {**message, "subprotocol": message.get("subprotocol") or self._offered[0]}
+        await self._send(message)
+
+
+def _tokens_of(request: HTTPConnection) -> Iterator[str]:
+    """Yield the tokens that a request brings; what is given on purpose comes before the cookie."""
+    kind, _, value = request.headers.get("authorization", "").partition(" ")
+    if kind.lower() in ("bearer", "token"):
+        yield value.strip()
+    if "token" in request.query_params:
+        yield request.query_params["token"]
+    for name in request.scope.get("subprotocols", []):
+        if name.startswith(SUBPROTOCOL):
+            yield name.removeprefix(SUBPROTOCOL)
+    if (cookie := request.cookies.get(_cookie_name(request))) is not None:
+        yield cookie
+
+
+def _cookie_name(request: HTTPConnection) -> str:
+    # Browsers share cookies among the ports of a host, where other robots may be served.
+    return f"brickpose-{(request.scope.get('server') or ('', 0))[1]}"
+
+
+def _cookie(request: HTTPConnection, token: str) -> str:
+    secure = "; Secure" if request.url.scheme in ("https", "wss") else ""
+    return f"{_cookie_name(request)}={token}; HttpOnly; SameSite=Strict; Path=/{secure}"
+
+
+def _no_token(request: HTTPConnection) -> Response:
+    headers = {"WWW-Authenticate": 'Bearer realm="BrickPose"', "Cache-Control": "no-store"}
+    if request.url.path == "/" and "text/html" in request.headers.get("accept", ""):
+        return FileResponse(FRONTEND / "token.html", 401, headers)
+    return PlainTextResponse(NO_TOKEN, 401, headers)
+
+
+async def _refuse(answer: Response, scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "http":
+        await answer(scope, receive, send)
+        return
+    socket = WebSocket(scope, receive, send)
+    if "websocket.http.response" in scope.get("extensions", {}):
+        await socket.send_denial_response(answer)
+    else:
+        await socket.close(1008, "a token is missing or wrong")

@@ -1,0 +1,87 @@
+"""A program with tokens lets nobody in without one, by any of its doors."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+import httpx
+import pytest
+from serving import Server, ask, until
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from app.page.token_guard import SUBPROTOCOL
+from benchmarks.programs import server as started
+
+PAGES = (
+    "/", "/static/main.js", "/docs", "/openapi.json", "/view/", "/camera.jpg", "/camera.mjpg",
+    "/api/access", "/api/health", "/api/state", "/api/field", "/api/field.png", "/api/parameters",
+    "/api/problems", "/api/recordings", "/api/recordings/none", "/api/recording_contents",
+)  # fmt: skip
+SOCKETS = ("/", "/rosbridge", "/api/live", "/api/camera", "/view")
+REFUSED = 401
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    arguments = ["--token", "drive-me", "--watch-token", "watch-me"]
+    with started("--robot", "kinematic", "--map", "stub", *arguments) as running:
+        with socket_at(running, "/api/live", "drive-me") as socket:
+            until(socket, lambda now: now["estimate"])
+        yield running
+
+
+def socket_at(server: Server, path: str, token: str = ""):
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    return connect(server.url.replace("http", "ws") + path, additional_headers=headers)
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_no_page_is_told_to_a_stranger(server, path) -> None:
+    assert httpx.get(f"{server.url}{path}").status_code == REFUSED
+    assert httpx.get(f"{server.url}{path}?token=guess-1").status_code == REFUSED
+
+
+@pytest.mark.parametrize("path", SOCKETS)
+def test_no_socket_is_opened_to_a_stranger(server, path) -> None:
+    with pytest.raises(InvalidStatus) as refused, socket_at(server, path):
+        pass
+    assert refused.value.response.status_code == REFUSED
+
+
+def test_who_only_watches_sees_and_does_not_drive(server) -> None:
+    with socket_at(server, "/api/live", "watch-me") as socket:
+        assert ask(socket, type="ping")["type"] == "ack"
+        for command in ({"type": "drive", "v": 0.1, "omega": 0}, {"type": "stop"}):
+            answer = ask(socket, **command)
+            assert answer["message"] == "This link only watches; ask for the link to drive."
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        {"op": "publish", "topic": "/cmd_vel", "msg": {"linear": {"x": 0.1}}},
+        {"op": "call_service", "service": "/reinitialize_global_localization"},
+    ],
+    ids=["publish", "service"],
+)
+def test_who_only_watches_gives_no_orders_by_rosbridge_either(server, order) -> None:
+    for token, refused in (("watch-me", True), ("drive-me", False)):
+        with socket_at(server, "/rosbridge", token) as socket:
+            socket.send(json.dumps({"op": "call_service", "service": "/rosapi/topics"}))
+            assert json.loads(socket.recv(timeout=10))["result"]
+            socket.send(json.dumps(order))
+            socket.send(
+                json.dumps({"op": "call_service", "service": "/rosapi/topics", "id": "end"})
+            )
+            answers = []
+            while not answers or answers[-1].get("id") != "end":
+                answers.append(json.loads(socket.recv(timeout=10)))
+            assert any("only watches" in json.dumps(answer) for answer in answers) == refused
+
+
+def test_a_socket_of_a_page_brings_its_token_as_a_subprotocol(server) -> None:
+    address = server.url.replace("http", "ws") + "/api/live"
+    with connect(address, subprotocols=[f"{SUBPROTOCOL}drive-me"]) as socket:
+        assert ask(socket, type="stop")["type"] == "ack"

@@ -1,0 +1,53 @@
+"""Our own exceptions: all of them are errors that the program tells its users."""
+
+import builtins
+import importlib
+import pkgutil
+
+import pytest
+
+import app
+import robot
+import sim
+from robot.errors import BrickPoseError
+
+STANDARD = tuple(
+    kind
+    for kind in vars(builtins).values()
+    if isinstance(kind, type) and issubclass(kind, Exception) and kind is not Exception
+)
+
+
+def own_exceptions() -> list[type[Exception]]:
+    """The exception classes that are defined in our packages."""
+    names = [
+        module.name
+        for package in (app, robot, sim)
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+        if not module.name.endswith("__main__")
+    ]
+    return [
+        item
+        for module in map(importlib.import_module, names)
+        for item in vars(module).values()
+        if isinstance(item, type)
+        and issubclass(item, Exception)
+        and item.__module__ == module.__name__
+        and item is not BrickPoseError
+    ]
+
+
+OWN = own_exceptions()
+
+
+@pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.__name__)
+def test_each_is_one_of_ours_and_a_standard_one(kind):
+    assert issubclass(kind, BrickPoseError)
+    assert issubclass(kind, STANDARD)
+    assert kind.__name__.endswith("Error")
+    assert str(kind("what is wrong")) == "what is wrong"
+
+
+def test_no_two_have_the_same_name():
+    assert len(OWN) > 30
+    assert len({kind.__name__ for kind in OWN}) == len(OWN)
