@@ -21,8 +21,7 @@ from robot.camera import FloorView
 from robot.fields.field import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
 from robot.settings import check_settings, setting
-from sim.clutter import KINDS, add_clutter
-from sim.lighting import add_glare, add_uneven_light
+from sim.clutter import KINDS, add_clutter, add_glare, add_uneven_light
 
 SAMPLES = (4, 8)
 """Samples over the height of a pixel; rows whose pixels cover more floor use more."""

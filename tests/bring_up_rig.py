@@ -3,9 +3,9 @@
 from robot.hat.protocol.decoder import Decoder
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.plants import FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.plants import FreeMotors
 
 STEP = 0.01
 IMAGE = FirmwareImage(EXPECTED_VERSION, bytes(range(256)) * 4, b"\x0d" * 64)

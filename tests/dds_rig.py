@@ -10,9 +10,9 @@ from mcap_ros2._dynamic import generate_dynamic
 from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
-from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.route import DdsRoute
 from app.ros2.encoding.frames import header, turned, vector
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition, new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource

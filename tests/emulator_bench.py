@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from sim.hat.devices.motor_figures import figures_named
+from sim.hat.motor_figures import figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.pseudo_terminal import PseudoTerminal

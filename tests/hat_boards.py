@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from sim.hat.devices.device import Device
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.motor_figures import figures_named
-from sim.hat.devices.plants import FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.motor_figures import figures_named
+from sim.hat.plants import FreeMotors
 
 LARGE = 0x4C
 COMBINED = "combi 0 1 0 2 0 3 0;select 0;selrate 10"
@@ -52,13 +49,11 @@ class Bench:
         self,
         motors: int = 1,
         warm: bool = True,
-        others: Mapping[int, Device] | None = None,
         seed: int = 0,
     ) -> None:
         self.plants = FreeMotors({port: figures_named("large") for port in range(4)})
         self.motors = [LegoMotor(LARGE, self.plants.plant(port)) for port in range(motors)]
-        devices: dict[int, Device] = dict(enumerate(self.motors))
-        self.board = EmulatedBoard(self.plants, devices | dict(others or {}), warm=warm, seed=seed)
+        self.board = EmulatedBoard(self.plants, dict(enumerate(self.motors)), warm=warm, seed=seed)
         self._cut = b""
         """The start of a line that has not ended."""
 

@@ -23,8 +23,6 @@ ACCESSORS = frozenset(["at", "now", "of"])
 """As names of functions and properties alone."""
 ALLOWED = {
     ("app/messages/commands.py", "on"): "a field of the live protocol",
-    ("sim/hat/language/drive_commands.py", "on"): "a command of the Build HAT",
-    ("sim/hat/language/drive_commands.py", "off"): "a command of the Build HAT",
 }
 
 

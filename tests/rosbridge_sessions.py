@@ -7,7 +7,7 @@ from engine_runs import run
 
 from app.engine.drivers import Driver, Drivers
 from app.engine.snapshot import Snapshot
-from app.ros2.commands.inbox import Inbox
+from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.session import Session

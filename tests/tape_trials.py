@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from floor_looks import cast_ray
 from numpy.typing import NDArray
 
 from robot.description.spec import RobotSpec
 from robot.fields.edge_index import index_edges
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.fields.ray_casting import cast_ray
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings

@@ -11,9 +11,8 @@ from robot.description.spec import RobotSpec
 from robot.errors import PackageError
 from robot.geometry import Pose2
 from sim.bullet import BulletSettings, BulletWorld, load_pybullet
-from sim.hat.devices.device import DeviceError
-from sim.hat.devices.motor_figures import figures_named
-from sim.hat.devices.plants import FreeMotor
+from sim.hat.motor_figures import DeviceError, figures_named
+from sim.hat.plants import FreeMotor
 from sim.hat_emulator.bullet_wheels import BulletWheels
 
 SPEC = RobotSpec.load()

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from floor_looks import grey_at
 
 from app.command_line import _parser, main
 from app.lab.evaluation.worlds import WORLDS, in_world
@@ -17,10 +18,9 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError
+from sim.exposures import GAP_EVERY, Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, draw
-from sim.pictures.exposures import Exposures
-from sim.pictures.losses import GAP_EVERY
 from sim.settings import SimSettings
 
 NAMES = [
@@ -171,7 +171,7 @@ def test_a_floor_that_is_larger_than_its_drawing_is_seen_farther_off():
     floor = load_field("square", MAPS).floor
     larger = floor.scaled(1.02)
     points = np.random.default_rng(0).uniform(-0.7, 0.7, (500, 2))
-    np.testing.assert_array_equal(larger.grey_at(1.02 * points), floor.grey_at(points))
+    np.testing.assert_array_equal(grey_at(larger, 1.02 * points), grey_at(floor, points))
     assert np.abs(picture(floor_scale=1.02) - picture()).max() > 50
 
 

@@ -5,8 +5,15 @@ from hypothesis import strategies as st
 from app.command_line import _parser
 from app.lab.sweep.sweep_file import Interval
 from app.options import config_from
-from app.settings.config import Config, as_table, by_path, from_table, load_config, with_settings
-from app.settings.old_names import NEW_NAMES
+from app.settings.config import (
+    NEW_NAMES,
+    Config,
+    as_table,
+    by_path,
+    from_table,
+    load_config,
+    with_settings,
+)
 from app.settings.provenance import settings_of
 from robot.settings import SettingError
 

@@ -12,7 +12,7 @@ from robot.localization.hypotheses.confirmation import LEADING, Confirmation
 from robot.localization.hypotheses.images import EQUAL
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.setup import Setup
 

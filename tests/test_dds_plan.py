@@ -11,12 +11,11 @@ from engine_runs import kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.ros2.commands.incoming import INCOMING
 from app.ros2.dds import configuration
-from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach
+from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach, shapes
 from app.ros2.dds.framing import Frames, FramingError, header
 from app.ros2.dds.plan import Plan, dds_topic, dds_type
-from app.ros2.dds.shapes import shapes
+from app.ros2.incoming import INCOMING
 from app.ros2.message_types import to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
@@ -129,7 +128,7 @@ def made():
 @needs_cyclone
 @pytest.mark.parametrize("one", LIVE, ids=lambda one: one.name)
 def test_cyclones_own_reading_of_the_types_gives_the_same_bytes(made, one):
-    from app.ros2.dds.domain.raw_types import raw_types
+    from app.ros2.dds.raw_types import raw_types
 
     if one.name not in made:
         pytest.skip("this robot has none")
@@ -141,8 +140,8 @@ def test_cyclones_own_reading_of_the_types_gives_the_same_bytes(made, one):
 
 LISTENING = """
 import json, os, socket, sys
-from app.ros2.dds.domain.loopback import _udp_sockets
-from app.ros2.dds.domain.participant import Participant
+from app.ros2.dds.loopback import _udp_sockets
+from app.ros2.dds.participant import Participant
 from app.ros2.dds.plan import Plan
 participant = Participant(Plan.from_json(sys.stdin.buffer.read()))
 told = [one.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16) for one in _udp_sockets()]

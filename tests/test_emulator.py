@@ -9,8 +9,7 @@ from contextlib import closing
 import pytest
 from emulator_bench import START, A, Bench
 
-from sim.hat_emulator.emulator import InitialState
-from sim.hat_emulator.real_time import LONGEST_LAG
+from sim.hat_emulator.emulator import LONGEST_LAG, InitialState
 from sim.hat_emulator.surroundings import Table
 
 

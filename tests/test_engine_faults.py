@@ -71,9 +71,9 @@ def test_a_motor_unplugged_is_told_with_its_port_and_the_robot_stands_until_it_i
 
 def test_after_a_fault_nothing_moves_by_itself(engine, bricks):
     driven(engine, 1.0)
-    bricks.emulated.motor_fault = True
+    bricks.emulated.power.motor_fault = True
     driven(engine, 0.3)
-    bricks.emulated.motor_fault = False
+    bricks.emulated.power.motor_fault = False
     shown = [engine.step() for _ in range(400)]
     assert shown[-1].connected
     assert shown[-1].mode == "idle"

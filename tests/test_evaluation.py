@@ -10,9 +10,9 @@ from in_process import Here
 
 from app.engine.build import build_program
 from app.files import atomic_folder
+from app.lab.evaluation.command import evaluate
 from app.lab.evaluation.convergence import settled, time_to_converge
 from app.lab.evaluation.drives import EvaluationError, record
-from app.lab.evaluation.evaluate import evaluate
 from app.lab.evaluation.experiment import Experiment
 from app.lab.evaluation.results import METHODS, condition_table, spread
 from app.lab.evaluation.runs import Run, follow

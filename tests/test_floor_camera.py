@@ -9,6 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from floor_looks import grey_at
 from numpy.typing import NDArray
 
 from robot.camera import FloorView, Lens
@@ -65,7 +66,7 @@ def test_a_pixel_shows_the_mean_of_the_floor_that_it_sees(small: FloorView) -> N
     rows = (np.arange(120)[:, None] + part).ravel()
     columns = (np.arange(160)[:, None] + part).ravel()
     pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
-    seen = STUB.grey_at(pose.apply(small.floor_points(pixels)))
+    seen = grey_at(STUB, pose.apply(small.floor_points(pixels)))
     mean = seen.reshape(120, 8, 160, 8).mean(axis=(1, 3))
     off = picture - mean
     assert abs(off.mean()) < 0.1

@@ -3,8 +3,19 @@ import math
 import numpy as np
 import pytest
 import shapely
+from floor_looks import grey_at
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from robot.fields.floor_picture import MAX_PIXELS, FloorPicture, Layer, finest_resolution, paint
+from robot.fields.edges import outline
+from robot.fields.floor_picture import (
+    MAX_PIXELS,
+    FloorPicture,
+    Layer,
+    coverage,
+    finest_resolution,
+    paint,
+)
 
 EXTENT = (-0.2, -0.1, 0.2, 0.1)
 LIGHT, DARK = 200.0, 40.0
@@ -102,7 +113,7 @@ def test_the_border_is_the_tone_of_the_rim():
 def test_grey_at_looks_into_the_pixel_around_a_point():
     picture = paint(EXTENT, [FLOOR, Layer(shapely.box(0.010, 0.020, 0.011, 0.021), DARK)])
     points = np.array([[0.01001, 0.02099], [0.01099, 0.02001], [0.00999, 0.0205], [5.0, 0.0]])
-    assert picture.grey_at(points).tolist() == [DARK, DARK, LIGHT, LIGHT]
+    assert grey_at(picture, points).tolist() == [DARK, DARK, LIGHT, LIGHT]
 
 
 def test_a_picture_is_read_only():
@@ -113,3 +124,49 @@ def test_a_picture_is_read_only():
 def test_an_extent_that_the_pixels_do_not_fill_is_refused():
     with pytest.raises(ValueError, match="do not cover"):
         FloorPicture(np.zeros((10, 10), np.uint8), 0.001, (0.0, 0.0, 0.01, 0.02))
+
+
+def by_clipping(area, shape):
+    """The covered share of each cell, by cutting the area with the cell."""
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    cells = shapely.box(columns, rows, columns + 1, rows + 1)
+    return shapely.area(shapely.intersection(cells, area))
+
+
+def test_a_box_between_grid_lines_covers_parts_of_cells():
+    covered = coverage(outline(shapely.box(0.5, 0.25, 2.5, 1.25)), (3, 4))
+    expected = np.outer([0.75, 0.25, 0], [0.5, 1, 0.5, 0])
+    assert np.allclose(covered, expected, atol=1e-12)
+
+
+def test_a_box_on_grid_lines_covers_whole_cells():
+    covered = coverage(outline(shapely.box(1, 0, 3, 2)), (3, 4))
+    assert covered.tolist() == [[0, 1, 1, 0], [0, 1, 1, 0], [0, 0, 0, 0]]
+
+
+def test_what_lies_outside_the_grid_is_cut_off():
+    covered = coverage(outline(shapely.box(-5, -5, 9, 1.5)), (3, 4))
+    assert np.allclose(covered, np.outer([1, 0.5, 0], np.ones(4)), atol=1e-12)
+
+
+def test_nothing_covers_nothing():
+    assert not coverage(np.empty((0, 4)), (2, 3)).any()
+
+
+@settings(deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(3, 9))
+def test_coverage_is_the_area_of_each_cell_that_lies_inside(seed, corners):
+    rng = np.random.default_rng(seed)
+    disc = shapely.MultiPoint(rng.uniform(-2, 9, (corners, 2))).convex_hull
+    hole = shapely.MultiPoint(rng.uniform(0, 7, (4, 2))).convex_hull
+    area = shapely.difference(disc, hole)
+    shape = (6, 8)
+    assert np.allclose(coverage(outline(area), shape), by_clipping(area, shape), atol=1e-9)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.1, 0.7853981633974483, 1.5])
+def test_the_sum_is_the_area(angle):
+    box = shapely.box(-4.3, -2.1, 4.3, 2.1)
+    c, s = np.cos(angle), np.sin(angle)
+    turned = shapely.transform(box, lambda points: points @ [[c, s], [-s, c]] + 10)
+    assert coverage(outline(turned), (20, 20)).sum() == pytest.approx(8.6 * 4.2, abs=1e-9)

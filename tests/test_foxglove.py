@@ -11,8 +11,8 @@ from node_peers import needs_node, start_node
 from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.messages.commands import DriveCommand, ScatterCommand
-from app.ros2.commands.inbox import Inbox
 from app.ros2.foxglove.route import FoxgloveRoute
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource

@@ -104,11 +104,11 @@ def a_blocked_wheel(bricks):
 
 
 def a_motor_power_fault(bricks):
-    bricks.emulated.motor_fault = True
+    bricks.emulated.power.motor_fault = True
 
 
 def a_port_power_fault(bricks):
-    bricks.emulated.port_fault = True
+    bricks.emulated.power.port_fault = True
 
 
 def a_low_supply(bricks):
@@ -185,10 +185,10 @@ def test_a_blocked_wheel_is_told_and_tried_again_when_it_is_free(bricks):
 
 
 def test_a_fault_that_is_over_lets_it_drive_on(bricks):
-    bricks.emulated.motor_fault = True
+    bricks.emulated.power.motor_fault = True
     bricks.run(1.5)
     assert "motor power fault" in said(bricks)
-    bricks.emulated.motor_fault = False
+    bricks.emulated.power.motor_fault = False
     bricks.until(bricks.ready, 6.0)
 
 

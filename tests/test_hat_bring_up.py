@@ -9,7 +9,7 @@ from robot.hat.protocol import bootloader_events as boot
 from robot.hat.protocol import events as ev
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import EXPECTED_VERSION
-from robot.hat.start.stage import Stage
+from robot.hat.start.upload import Stage
 
 
 def test_a_board_that_runs_is_ready_at_once():
@@ -56,9 +56,9 @@ def test_a_motor_under_a_position_loop_is_not_driven_home():
     assert rig.board.duty(0) == 0
 
 
-def test_reports_echo_and_traces_of_another_program_end():
+def test_reports_and_echo_of_another_program_end():
     rig = Rig()
-    rig.board.receive(PROGRAM + b"echo 1\rdebug 16\r")
+    rig.board.receive(PROGRAM + b"echo 1\r")
     rig.board.advance(0.5)
     rig.begin()
     rig.until(rig.ready, 2)

@@ -4,7 +4,7 @@ import pytest
 from bring_up_rig import PROGRAM, Rig
 
 from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage, FirmwareImageError
-from robot.hat.start.stage import Stage
+from robot.hat.start.upload import Stage
 
 
 def test_a_board_in_its_bootloader_gets_its_firmware():

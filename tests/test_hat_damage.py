@@ -5,9 +5,9 @@ import pytest
 
 from robot.hat.protocol import commands
 from sim.hat.bricks import Bricks
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.plants import FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.plants import FreeMotors
 
 STANDING = commands.stop((0, 1))
 

@@ -6,8 +6,9 @@ import pytest
 from hat_boards import COMBINED, Bench
 
 from sim.hat.bootloader import checksum
-from sim.hat.devices.plants import FreeMotors
-from sim.hat.emulated_board import DeviceError, EmulatedBoard
+from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.motor_figures import DeviceError
+from sim.hat.plants import FreeMotors
 
 IMAGE = b"an image 1737564117 2025-01-22T16:41:57+00:00 as it says itself"
 SIGNATURE = bytes(range(64))

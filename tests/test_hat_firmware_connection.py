@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 from hat_boards import COMBINED, LARGE, Bench
 
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.passive import BUTTON, MOTOR, PassiveDevice
+from sim.hat.lego_motor import LegoMotor
 
 
 def test_a_motor_is_seen_after_its_line_was_low_and_usable_two_seconds_later() -> None:
@@ -129,49 +128,3 @@ def test_more_than_five_errors_end_a_connection() -> None:
     bench.board.data_fails(0, framing=2, checksum=4)
     assert bench.lines(0.1) == ["P0: too many errors (2+4): disconnecting", "P0: disconnected"]
     bench.until("established", 4.0)
-
-
-def test_a_passive_motor_is_accepted_after_six_equal_looks() -> None:
-    bench = Bench(motors=0)
-    bench.board.plug(2, PassiveDevice(MOTOR))
-    assert 0.5 <= bench.until("P2: connected to passive ID 1\r\n", 1.0) <= 0.7
-    assert b"P2: connected to passive ID 1\r\n" in bench.say("list")
-    bench.say("port 2;port_plimit 1;set 1")
-    assert bench.steps(1, port=2) == [255]
-    assert bench.plants.plant(2).duty == 1.0
-
-
-def test_a_passive_number_is_decimal() -> None:
-    bench = Bench(motors=0, others={3: PassiveDevice(10)})
-    assert b"P3: connected to passive ID 10\r\n" in bench.say("list")
-
-
-def test_a_passive_device_keeps_its_settings_and_is_lost_within_200_ms() -> None:
-    bench = Bench(motors=0, others={0: PassiveDevice(MOTOR)})
-    bench.say("port 0;port_plimit 1;set 1", 1.0)
-    assert bench.steps(1) == [255]
-    bench.board.unplug(0)
-    assert bench.until("P0: disconnected\r\n", 0.3) <= 0.21
-    assert bench.steps(1) == [0]
-    bench.board.plug(0, PassiveDevice(MOTOR))
-    bench.until("P0: connected to passive ID 1\r\n", 1.0)
-
-
-def test_a_button_tells_when_it_is_pressed_and_released() -> None:
-    button = PassiveDevice(BUTTON)
-    bench = Bench(motors=0, others={0: button})
-    assert bench.lines(0.5) == []
-    button.pressed = True
-    assert bench.until("P0: button pressed\r\n", 0.3) <= 0.11
-    button.pressed = False
-    assert bench.until("P0: button released\r\n", 0.3) <= 0.11
-
-
-def test_another_device_in_the_place_of_a_passive_one_is_found() -> None:
-    bench = Bench(motors=0, others={0: PassiveDevice(MOTOR)})
-    bench.board.plug(0, PassiveDevice(BUTTON))
-    lines = bench.lines(1.2)
-    assert lines == ["P0: disconnected", "P0: connected to passive ID 5"]
-    bench.board.plug(0, LegoMotor(LARGE, bench.plants.plant(0)))
-    bench.until("P0: connecting to active device\r\n", 0.5)
-    bench.until("established", 3.0)

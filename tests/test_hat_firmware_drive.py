@@ -7,7 +7,7 @@ from hat_boards import COMBINED, Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.firmware.bridge import Bridge, fixed_point
+from sim.hat.firmware.drive import Bridge, fixed_point
 
 SPEED_PID = "pid 0 0 0 s1 1 0 0.003 0.01 0 100 0.01"
 

@@ -10,7 +10,7 @@ from hat_boards import COMBINED, Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.firmware.controllers import Control, Controller
+from sim.hat.firmware.drive import Control, Controller
 from sim.hat.firmware.variables import MODES, ModeData, Variable
 
 SPEED_PID = "pid 0 0 0 s1 1 0 0.003 0.01 0 100 0.01"
@@ -49,7 +49,7 @@ def test_the_terms_are_those_of_the_formula_in_single_precision(
         integral = F(float(integral) + float(error) * 0.01)
         integral = min(max(integral, F(-windup)), F(windup))
         expected = -((error * F(p) + integral * F(i)) + slope * F(d))
-        assert controller.drive(received(pack("<h", value)), setpoint, None) == float(expected)
+        assert controller.drive(received(pack("<h", value)), setpoint) == float(expected)
 
 
 def test_without_data_the_last_drive_stays() -> None:
@@ -84,9 +84,12 @@ def test_a_blocked_run_bursts_in_the_next_slow_one() -> None:
 def test_a_selection_of_another_mode_freezes_what_the_controller_sees() -> None:
     bench = Bench()
     bench.say(f"port 0;{COMBINED};port_plimit 1;{SPEED_PID};set 20", 1.0)
-    bench.say("debug 16;select 4;selrate 0", 0.1)
-    seen = {line.split()[1] for line in bench.lines(0.5) if line.startswith("P0: pv=")}
-    assert len(seen) == 1
+    bench.say("select 4;selrate 0;port_plimit 0", 0.1)
+    bench.say("port_plimit 1", 0.02)
+    assert bench.plants.plant(0).speed < 50, "it was about 200"
+    begin = bench.board.duty(0)
+    bench.board.advance(0.5)
+    assert bench.board.duty(0) == pytest.approx(begin, abs=0.05), "it still sees the old speed"
 
 
 @given(st.lists(st.integers(-400, 400), min_size=1, max_size=30))

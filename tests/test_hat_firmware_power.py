@@ -1,4 +1,4 @@
-"""Supply, lights and fault lines."""
+"""Supply and fault lines."""
 
 from __future__ import annotations
 
@@ -34,22 +34,6 @@ def test_the_converter_ends_at_its_range() -> None:
     assert Power(supply_v=-1.0).millivolts == 0
 
 
-@pytest.mark.parametrize(
-    ("volts", "lights"),
-    [(4.7, 0), (4.9, 3), (5.9, 3), (6.1, 2), (8.4, 2), (8.6, 1)],
-)
-def test_the_lights_show_the_supply(volts: float, lights: int) -> None:
-    bench = Bench(motors=0)
-    bench.say("ledmode 0")
-    bench.say("ledmode -1")
-    bench.board.supply_v = volts
-    assert bench.board.lights == lights
-
-
-def test_the_bootloader_shows_the_orange_light() -> None:
-    assert Bench(motors=0, warm=False).board.lights == 1
-
-
 def test_a_lower_supply_turns_the_motor_more_slowly() -> None:
     bench = Bench()
     bench.say("port 0;port_plimit 1;set 1", 1.0)
@@ -61,7 +45,7 @@ def test_a_lower_supply_turns_the_motor_more_slowly() -> None:
 
 def test_a_motor_fault_is_told_after_10_ms_and_every_1011_ms() -> None:
     bench = Bench(motors=0)
-    bench.board.motor_fault = True
+    bench.board.power.motor_fault = True
     assert bench.until("Motor power fault", 0.1) == pytest.approx(0.013, abs=0.001)
     assert bench.until("Motor power fault", 2.0) == pytest.approx(1.011, abs=0.001)
     assert bench.lines(1.2)[-6:] == DUMP
@@ -70,7 +54,7 @@ def test_a_motor_fault_is_told_after_10_ms_and_every_1011_ms() -> None:
 def test_a_motor_fault_stops_no_motor() -> None:
     bench = Bench()
     bench.say("port 0;port_plimit 1;set 1")
-    bench.board.motor_fault = True
+    bench.board.power.motor_fault = True
     bench.board.advance(0.5)
     assert bench.board.duty(0) == 1.0
 
@@ -78,23 +62,23 @@ def test_a_motor_fault_stops_no_motor() -> None:
 @pytest.mark.parametrize("line", ["motor_fault", "port_fault"])
 def test_a_fault_of_10_ms_is_not_told(line: str) -> None:
     bench = Bench(motors=0)
-    setattr(bench.board, line, True)
+    setattr(bench.board.power, line, True)
     bench.board.advance(0.010)
-    setattr(bench.board, line, False)
+    setattr(bench.board.power, line, False)
     assert bench.lines(1.5) == []
 
 
 def test_a_motor_fault_that_is_over_is_not_told_again() -> None:
     bench = Bench(motors=0)
-    bench.board.motor_fault = True
+    bench.board.power.motor_fault = True
     bench.until("8A\r\n   3  BA 2C 8A\r\n", 0.1)
-    bench.board.motor_fault = False
+    bench.board.power.motor_fault = False
     assert bench.say("clear_faults", 2.0) == b"\r\n"
 
 
 def test_a_port_fault_is_told_once_a_second() -> None:
     bench = Bench(motors=0)
-    bench.board.port_fault = True
+    bench.board.power.port_fault = True
     assert bench.until("Port power fault", 0.1) == pytest.approx(0.013, abs=0.001)
     assert bench.until("Port power fault", 2.0) == pytest.approx(1.0, abs=0.001)
     assert bench.lines(2.5) == 2 * ["Port power fault"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from hat_boards import COMBINED, Bench
 
-from sim.hat.devices.device import Mode, ValueType
 from sim.hat.firmware.reports import mode_line
 from sim.hat.firmware.variables import ModeData
+from sim.hat.lego_motor import Mode, ValueType
 
 
 def test_zero_is_a_blank_and_a_zero() -> None:
@@ -61,18 +61,11 @@ def test_a_period_of_0_reports_each_message() -> None:
     assert len(bench.lines(1.0)) == pytest.approx(100, abs=1)
 
 
-def test_selonce_reports_the_next_message_and_then_nothing() -> None:
-    bench = Bench()
-    assert bench.say("port 0;selonce 4", 0.5) == b"\r\nP0M4:  0  0\r\n"
-
-
-def test_a_bare_select_ends_reports_and_the_device_goes_on_in_its_mode() -> None:
+def test_a_bare_select_ends_reports() -> None:
     bench = Bench()
     bench.say(f"port 0;{COMBINED};port_plimit 1")
     bench.say("select")
     assert bench.lines(0.3) == []
-    bench.say("debug 8", 0.02)
-    assert any(line.startswith("P0: DATA mode=0 payload=") for line in bench.lines(0.05))
 
 
 def test_a_combination_forgets_the_selection() -> None:
@@ -104,57 +97,15 @@ def test_a_combination_that_the_motor_refuses_is_read_out_of_what_it_sends_inste
     assert bench.lines(0.03)[-1] == "P0C1:  0  0"
 
 
-@pytest.mark.parametrize(
-    ("place", "text"),
-    [
-        ("0 s1", "0.00000"),
-        ("1 s4", "200.000"),
-        ("1 u1", "200.000"),
-        ("1 s1", "-56.0000"),
-        ("1 u2", "200.000"),
-        ("5 s2", "-160.000"),
-        ("5 u2", "65376.0"),
-        ("5 u4", "65376.0"),
-        ("3 f4", "-2.97747E38"),
-    ],
-)
-def test_a_number_is_taken_from_its_place_in_its_format(place: str, text: str) -> None:
-    bench = Bench()
-    bench.plants.plant(0).angle = 200.0
-    bench.say(f"port 0;combi 0 1 0 2 0 3 0;select 0 {place};selrate 0")
-    assert bench.lines(0.03)[-1] == f"P0V: {text}"
-
-
-def test_a_bad_format_ends_reports() -> None:
-    bench = Bench()
-    bench.say(f"port 0;{COMBINED}")
-    assert bench.say("select 0 1 x4", 0.01).endswith(b"Error\r\n")
-    assert bench.lines(0.3) == []
-
-
 def test_nothing_is_reported_on_an_empty_port() -> None:
     assert Bench().say(f"port 2;{COMBINED}", 0.5) == b"\r\n"
 
 
-def test_a_raw_message_can_select_too() -> None:
-    bench = Bench()
-    bench.say("port 0;debug 8;write1 43 4", 0.02)
-    assert "P0: DATA mode=4 payload=00 00 00 00" in bench.lines(0.05)
-
-
-def test_write2_reaches_the_device_without_an_effect() -> None:
-    bench = Bench()
-    bench.say("port 0;debug 8;write2 43 43 4", 0.02)
-    assert set(bench.lines(0.05)) == {"P0: DATA mode=0 payload=00"}
-    bench.say("debug 0")
-    assert bench.say("write2 46") == b"\r\nError\r\n"
-
-
-def test_floats_of_a_mode_have_six_digits_and_a_short_message_ends_the_line_early() -> None:
+def test_a_short_message_ends_the_line_early() -> None:
     data = ModeData()
-    data.store(b"\0\0\x80\x3f\0\0\x20\xc1")
-    mode = Mode("X", "", ValueType.FLOAT32, 3, 4, 0, 1, 1, 1)
-    assert mode_line(1, 2, mode, data) == "P1M2: 1.00000 -10.0000\r\n"
+    data.store(b"\1\0\xf6\xff")
+    mode = Mode("X", "", ValueType.INT16, 3, 4, 0, 1, 1, 1)
+    assert mode_line(1, 2, mode, data) == "P1M2: +1 -10\r\n"
     assert mode_line(1, 2, mode, ModeData()) == ""
 
 

@@ -38,14 +38,6 @@ def test_there_is_no_exponent() -> None:
     assert Bench().say("set 1e-5") == b"\r\nError\r\n"
 
 
-def test_one_number_of_a_mode_is_reported_as_a_float_every_100_ms() -> None:
-    bench = Bench()
-    bench.plants.plant(0).angle = -91.0
-    bench.say("port 0;combi 0 1 0 2 0 3 0;select 0;select")
-    assert bench.say("port 0 ; select 0 5 s2", 0.099) == b"\r\n"
-    assert bench.board.advance(0.4) == 4 * b"P0V: -91.0000\r\n"
-
-
 def test_a_pulse_of_half_a_second_is_done_a_few_milliseconds_later() -> None:
     bench = Bench()
     bench.board.receive(b"port 0 ; pwm ; set pulse 0.5 0 0.5 0\r")
@@ -72,14 +64,3 @@ def test_the_listing_has_the_whole_block_of_a_motor() -> None:
     empty = "".join(f"P{port}: no device detected\n" for port in (1, 2, 3))
     listed = "\n" + LISTED_BLOCK + empty
     assert Bench().say("list", 0.3).decode() == listed.replace("\n", "\r\n")
-
-
-def test_a_controller_traces_its_terms() -> None:
-    bench = Bench()
-    bench.plants.plant(0).angle = 720.0
-    bench.motors[0].power_up()
-    bench.say("debug 16; combi 0 1 0 2 0 3 0;select 0")
-    bench.say("pid 0 0 1 s4 0.0027777778 0 0.1 0 0 3 0;set 1;coast")
-    heard = bench.say("set 1", 0.05).decode()
-    assert "P0: pv=0.00000 sp=1.00000: e=-1.00000 ie=-" in heard
-    assert heard.split("\r\n")[-2].endswith(" cv=0.100000")

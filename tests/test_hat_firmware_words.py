@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.errors import CommandError
-from sim.hat.firmware.single import float_text, single
-from sim.hat.language.words import Words
+from sim.hat.firmware.variables import single
+from sim.hat.words import Words
 
 DIGITS = st.text(st.sampled_from("0123456789"), max_size=12)
 
@@ -72,46 +72,10 @@ def test_a_missing_integer_consumes_nothing() -> None:
     assert left(words) == "-x"
 
 
-def test_hexadecimal_digits_may_be_of_either_case() -> None:
-    assert Words(b"fF").hexadecimal() == 255
-
-
 @pytest.mark.parametrize("text", ["s3", "x4", "f2", "s", "", "S4", "f1"])
 def test_only_seven_formats_exist(text: str) -> None:
     with pytest.raises(CommandError, match="u1, s1, u2, s2, u4, s4, f4"):
         Words(text.encode()).format()
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0.00000"),
-        (-0.0, "-0.00000"),
-        (1e-40, "0.00000"),
-        (-91.0, "-91.0000"),
-        (1.0, "1.00000"),
-        (-10.205, "-10.2050"),
-        (-300.0, "-300.000"),
-        (0.0990501, "0.0990501"),
-        (0.01, "0.0100000"),
-        (0.00999, "9.99000E-3"),
-        (1.23456e-5, "1.23456E-5"),
-        (123456.0, "123456"),
-        (999999.6, "1.00000E6"),
-        (1234567.0, "1.23457E6"),
-        (-2147483648.0, "-2.14748E9"),
-        (float("inf"), "Inf"),
-        (float("-inf"), "-Inf"),
-        (float("nan"), "NaN"),
-    ],
-)
-def test_floats_are_printed_with_six_digits(value: float, text: str) -> None:
-    assert float_text(value) == text
-
-
-@given(st.floats(width=32, allow_nan=False, allow_infinity=False, allow_subnormal=False))
-def test_a_printed_float_is_the_number_to_six_digits(value: float) -> None:
-    assert float(float_text(value)) == pytest.approx(value, rel=6e-6)
 
 
 @given(st.floats(allow_nan=False))

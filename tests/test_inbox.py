@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from app.engine.drivers import Driver, Drivers
 from app.messages.commands import DriveCommand, ScatterCommand, SetPoseCommand, UpdateCommand
-from app.ros2.commands.inbox import Inbox
 from app.ros2.encoding.frames import pose_with_covariance, turned, vector
 from app.ros2.encoding.frames import time as ros_time
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError, new, to_cdr
 from app.ros2.source import TopicSource
 from app.settings.ros2 import Ros2Settings
@@ -168,7 +168,7 @@ def test_a_pose_that_cannot_be_is_refused(program, inbox, message, words):
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.6, 2))
 def test_any_heading_is_read_back(theta, length):
-    from app.ros2.commands.incoming import _heading
+    from app.ros2.incoming import _heading
 
     turn = turned(theta)
     turn.z, turn.w = turn.z * length, turn.w * length

@@ -10,7 +10,7 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.description.inertia import ENTRIES, principal_moments, with_inertia
+from robot.description.rigid_bodies import ENTRIES, principal_moments, with_inertia
 from robot.description.spec import SPIKE
 from robot.description.urdf import Shape, SpecError, numbers
 from robot.geometry import Array

@@ -10,9 +10,8 @@ import pytest
 from app.command_line import main
 from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.integrity.claims import follow_claims
-from app.lab.evaluation.integrity.course import RADII, course_on
-from app.lab.evaluation.integrity.drives import lap_drive
-from app.lab.evaluation.integrity.evaluate_integrity import evaluate_integrity
+from app.lab.evaluation.integrity.command import evaluate_integrity
+from app.lab.evaluation.integrity.drives import RADII, course_on, lap_drive
 from app.lab.evaluation.integrity.experiment import IntegrityExperiment
 from app.lab.evaluation.integrity.measures import measures, right
 from app.lab.evaluation.integrity.oracle import decided_stamp, field_decides
@@ -134,8 +133,8 @@ def test_a_known_start_decides_at_once_and_a_scattered_one_later(stub_lap):
 
 
 def test_a_robot_that_believes_in_another_field_does_not_fit(stub_lap):
-    other = load_field("town", MAPS)
-    claims = follow_claims(stub_lap, replace(FAST, seed=2), "known", other)
+    other = replace(stub_lap, drive=replace(stub_lap.drive, field=load_field("town", MAPS)))
+    claims = follow_claims(other, replace(FAST, seed=2), "known")
     assert measures(claims)["right"] < 0.9
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from claims_made import PERIOD, claims_made
 
-from app.lab.evaluation.integrity.claims_file import COLUMNS, claims_csv, read_numbers
+from app.lab.evaluation.integrity.claims import COLUMNS, claims_csv, read_numbers
 from app.lab.evaluation.integrity.measures import longest, measures
 from app.lab.evaluation.integrity.oracle import decision_measures
 from app.lab.evaluation.integrity.stanford import PLACE_BINS, counted, trade

@@ -10,10 +10,8 @@ from hat_boards import LISTED_BLOCK
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.devices.device import Device, DeviceError, ValueType
-from sim.hat.devices.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
-from sim.hat.devices.motor_figures import MOTOR_FIGURES
-from sim.hat.devices.passive import LIGHT, PassiveDevice
+from sim.hat.lego_motor import APOS, CALIB, MODES, POS, POWER, SPEED, STATS, LegoMotor
+from sim.hat.motor_figures import MOTOR_FIGURES, DeviceError
 
 
 class Shaft:
@@ -52,11 +50,6 @@ def test_the_listing_names_port_and_type(type_id: int) -> None:
     lines = LegoMotor(type_id, Shaft()).description(3).split("\r\n")
     assert lines[0] == f"P3: connected to active ID {type_id:02X}"
     assert lines[1] == f"type {type_id:02X}"
-
-
-def test_a_passive_device_is_listed_by_its_decimal_number() -> None:
-    assert PassiveDevice(LIGHT).description(1) == "P1: connected to passive ID 8\r\n"
-    assert PassiveDevice(11).description(2) == "P2: connected to passive ID 11\r\n"
 
 
 def test_pos_starts_at_zero_at_power_up() -> None:
@@ -194,7 +187,6 @@ def test_values_fit_their_mode() -> None:
     assert motor.read(STATS) == (0,) * 14
     sizes = [MODES[mode].type.size for mode in motor.combinations[0]]
     assert sizes == [1, 4, 2]
-    assert ValueType.FLOAT32.size == 4
 
 
 @pytest.mark.parametrize("mode", [-1, 6, 15])
@@ -208,17 +200,7 @@ def test_a_type_that_is_no_angular_motor_is_refused() -> None:
         LegoMotor(0x3D, Shaft())
 
 
-def test_a_passive_device_has_nothing_to_tell() -> None:
-    light: Device = PassiveDevice(LIGHT)
-    assert light.passive
-    assert not light.sample(1.0)
-    with pytest.raises(DeviceError, match="no modes"):
-        light.read(0)
-    with pytest.raises(DeviceError, match="1 to 11"):
-        PassiveDevice(12)
-
-
 def test_connecting_takes_as_long_as_it_is_told_to() -> None:
-    slow: Device = LegoMotor(0x30, Shaft(), connect_seconds=9.0)
+    slow = LegoMotor(0x30, Shaft(), connect_seconds=9.0)
     assert slow.connect_seconds == 9.0
     assert math.isclose(LegoMotor(0x30, Shaft()).connect_seconds, 2.0)

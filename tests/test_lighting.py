@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robot.fields.floor_picture import FloorPicture
-from sim.lighting import add_uneven_light
+from sim.clutter import add_uneven_light
 
 FLOOR = FloorPicture(np.full((300, 400), 200, dtype=np.uint8), 0.01, (0.0, 0.0, 4.0, 3.0))
 

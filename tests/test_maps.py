@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import shapely
 from costs import processor_seconds
+from floor_looks import grey_at
 
 from robot.fields.edges import lengths
 from robot.fields.svg_field import load_svg
@@ -42,8 +43,8 @@ def test_the_square_has_eight_edges_around_50_mm_of_tape():
 def test_the_square_is_dark_to_the_left_of_its_edges():
     field = load_svg(MAPS / "square.svg")
     middles = (field.edges[:, :2] + field.edges[:, 2:]) / 2
-    assert (field.floor.grey_at(middles + 0.01 * field.normals) == field.floor.border).all()
-    assert (field.floor.grey_at(middles - 0.01 * field.normals) < 60).all()
+    assert (grey_at(field.floor, middles + 0.01 * field.normals) == field.floor.border).all()
+    assert (grey_at(field.floor, middles - 0.01 * field.normals) < 60).all()
 
 
 @pytest.mark.parametrize(("name", "edges", "mark"), [("stub", 12, 0.3), ("tee", 16, 0.7)])
@@ -83,7 +84,7 @@ def test_the_floor_goes_on_beyond_the_tape(name):
     points = field.edges.reshape(-1, 2)
     assert (points.min(axis=0) >= [xmin + 0.2, ymin + 0.2]).all()
     assert (points.max(axis=0) <= [xmax - 0.2, ymax - 0.2]).all()
-    assert field.floor.grey_at(np.array([[field.start.x, field.start.y]]))[0] > 200
+    assert grey_at(field.floor, np.array([[field.start.x, field.start.y]]))[0] > 200
 
 
 @pytest.mark.parametrize(("name", "seconds"), [("square", 0.3), ("town", 1.0)])

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from wandering_paths import KINDS, moved, pair, rigid
+from wandering_paths import KINDS, moved, pair, relative_errors, rigid
 
 from app.lab.trajectories.association import associate
 from app.lab.trajectories.files.reading import read_trajectory
@@ -14,11 +14,10 @@ from app.lab.trajectories.metrics import (
     absolute_errors,
     align,
     ate_rmse,
+    fit_scale,
     heading_errors,
-    relative_errors,
     rms,
 )
-from app.lab.trajectories.scale import fit_scale
 from app.lab.trajectories.trajectory import Trajectory
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"

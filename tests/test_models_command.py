@@ -9,8 +9,8 @@ from in_process import Here
 from shared_data import SHARED
 
 from app.command_line import main
+from app.lab.model_fits.command import ModelsJob, evaluate_models
 from app.lab.model_fits.fitted_file import toml_of
-from app.lab.model_fits.models import ModelsJob, evaluate_models
 from app.lab.model_fits.motion_statistics import recorded_motion
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.config import Config, load_config, with_settings

@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.hat.devices.device import DeviceError, Plant, Plants
-from sim.hat.devices.motor_figures import (
+from sim.hat.motor_figures import (
     MOTOR_FIGURES,
     RAIL_V,
     SUPPLY_V,
+    DeviceError,
     MotorFigures,
     figures_described,
     figures_named,
 )
-from sim.hat.devices.plants import FreeMotor, FreeMotors
+from sim.hat.plants import FreeMotor, FreeMotors, Plant, Plants
 
 KINDS = pytest.mark.parametrize(
     "figures", [figures_named(name) for name in ("medium", "large", "small")]
@@ -28,7 +28,9 @@ LOADS = st.floats(-0.2, 0.2)
 
 def at_test_voltage(figures: MotorFigures) -> FreeMotor:
     """At the voltage at which the figures were measured."""
-    return FreeMotor(figures, figures.volts * SUPPLY_V / RAIL_V)
+    motor = FreeMotor(figures)
+    motor.supply_v = figures.volts * SUPPLY_V / RAIL_V
+    return motor
 
 
 def run(motor: FreeMotor, seconds: float) -> None:
@@ -257,7 +259,7 @@ def test_free_motors_step_together_at_four_ports() -> None:
 
 
 def test_free_motors_share_the_supply() -> None:
-    motors = FreeMotors(supply_v=6.0)
+    motors = FreeMotors()
     motors.supply_v = 7.0
     assert [motors.plant(port).supply_v for port in range(4)] == [7.0] * 4
     assert motors.supply_v == 7.0

@@ -14,7 +14,7 @@ from robot.geometry import Pose2
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.rescoring import Rescored
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 
 OLD, NEW, OTHER = Pose2(0.2, 0.2, 0.0), Pose2(-0.2, 0.1, 2.0), Pose2(0.0, -0.3, -1.0)
 KIDNAPPED = DEFAULTS.hypotheses.log_kidnapped

@@ -5,10 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.recordings.attachments import SETTINGS
+from app.recordings.attachments import SETTINGS, as_toml
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.parts import RecordedParts, with_new_names
-from app.recordings.settings_file import as_toml
 from app.settings.config import Config, from_table, with_settings
 
 OLD = """

@@ -17,8 +17,8 @@ from robot.cameras.picture_socket import PictureSocket
 from robot.errors import PortError
 from robot.geometry import Pose2, Twist2
 from sim.floor_camera import CameraSettings
-from sim.hat_emulator.camera_feed import CameraFeed
 from sim.hat_emulator.picture_server import PictureServer, PictureServerError, Shot
+from sim.hat_emulator.surroundings import CameraFeed
 from sim.hat_emulator.unix_sockets import listen, stop_listening
 
 STANDING = Twist2(0.0, 0.0)

@@ -25,9 +25,9 @@ from robot.localization.hypotheses.place_search import (
     PlaceSearch,
 )
 from robot.localization.hypotheses.rescoring import Rescored
-from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.scan_matching import Match
 from robot.localization.setup import Setup
 

@@ -11,8 +11,15 @@ from stub_drive import draw_poses
 
 from robot.geometry import Array, Pose2, mean_pose, pose_covariance
 from robot.localization.filter import Cloud
-from robot.localization.grid.grid_start import cloud_grid, even_grid, normal_grid
-from robot.localization.grid.pose_grid import Boxes, Indices, PoseGrid, sum_alike
+from robot.localization.grid.pose_grid import (
+    Boxes,
+    Indices,
+    PoseGrid,
+    cloud_grid,
+    even_grid,
+    normal_grid,
+    sum_alike,
+)
 
 BOXES = Boxes(0.00125, 1024)
 

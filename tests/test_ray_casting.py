@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from floor_looks import cast_ray
 from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import normals, outline
 from robot.fields.field_loading import load_field
-from robot.fields.ray_casting import cast_ray, cast_rays
+from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, heading_vectors
 
 MAPS = Path(__file__).parent.parent / "maps"

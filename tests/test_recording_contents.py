@@ -10,11 +10,10 @@ from recordings import record
 
 from app.engine.build import build_program
 from app.messages.commands import SetParametersCommand
-from app.recordings.attachments import SETTINGS, URDF, VERSIONS
+from app.recordings.attachments import SETTINGS, URDF, VERSIONS, as_toml
 from app.recordings.contents import contents_of
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.replay.opening import ReplayOptions, open_replay
-from app.recordings.settings_file import as_toml
 from app.settings.config import MAPS, Config, load_config
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field

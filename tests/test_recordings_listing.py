@@ -10,8 +10,7 @@ from recordings import make
 
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.listing import find, listed
-from app.recordings.routes import recordings_router
+from app.recordings.routes import find, listed, recordings_router
 
 
 @pytest.fixture

@@ -8,11 +8,10 @@ from mcap.reader import make_reader
 from replays import recorded_eight
 
 from app.command_line import main
-from app.lab.replay_trajectories import replay
 from app.lab.trajectories.files.tum import parse_tum
-from app.recordings.replay.filter_config import with_filter_config
-from app.recordings.replay.opening import ReplayOptions
+from app.recordings.replay.opening import ReplayOptions, with_filter_config
 from app.settings.config import Config
+from app.tools.replay.command import replay
 from robot.settings import SettingError
 
 

@@ -7,7 +7,7 @@ from recordings import record
 from replays import course_of, gist, go, recorded_eight, to_the_end
 
 from app.messages.commands import ResetCommand, SetParametersCommand, SetPoseCommand
-from app.recordings.replay.checkpoints import Checkpoints
+from app.recordings.replay.timeline import Checkpoints
 
 
 @pytest.fixture(scope="module")

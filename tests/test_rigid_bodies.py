@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robot.description.inertia import with_inertia
-from robot.description.rigid_bodies import rigid_bodies
+from robot.description.rigid_bodies import rigid_bodies, with_inertia
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import SpecError
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from floor_looks import cast_ray
 from hypothesis import given
 from hypothesis import strategies as st
 from stub_drive import MAPS, STUB, Drive, near
@@ -13,7 +14,6 @@ from stub_drive import MAPS, STUB, Drive, near
 from robot.fields.edge_index import index_edges
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.fields.ray_casting import cast_ray
 from robot.geometry import Array, Pose2
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import TAIL, ScanMatcher

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon
 
-from robot.description.inertia import with_inertia
+from robot.description.rigid_bodies import with_inertia
 from robot.description.spec import SPIKE, RobotSpec, SpecError
 from robot.description.urdf import origin_of, read_model, shape_of
 

@@ -9,9 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robot.fields.drawing.curves import flatten
-from robot.fields.drawing.dashes import dashes
-from robot.fields.drawing.fills import fill_area
-from robot.fields.drawing.strokes import Pen, Polyline, stroke_area
+from robot.fields.drawing.strokes import Pen, Polyline, dashes, fill_area, stroke_area
 
 TOLERANCE = 0.08
 CORNER = Polyline(np.array([[0.0, 0.0], [100.0, 0.0], [100.0, 80.0]]), closed=False)

@@ -7,8 +7,8 @@ import pytest
 from in_process import Here
 from sweep_files import write
 
+from app.lab.sweep.command import sweep
 from app.lab.sweep.plots import plot_setting
-from app.lab.sweep.sweep import sweep
 from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.work import MEASURES
 from app.lab.workers import LocalWorkers, WorkerError

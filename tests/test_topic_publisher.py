@@ -9,11 +9,10 @@ from engine_runs import EIGHT, kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.ros2.clock import RosClock
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.source import TopicSource
+from app.ros2.source import RosClock, TopicSource
 from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic
 
@@ -221,8 +220,8 @@ def test_ros_time_keeps_distances_and_follows_a_clock_that_was_set(program, monk
     clock = RosClock()
     snapshot = program.engine.step()
     now = 1_700_000_000_000_000_000
-    monkeypatch.setattr("app.ros2.clock.time.time_ns", lambda: now)
-    monkeypatch.setattr("app.ros2.clock.time.monotonic", lambda: 100.0)
+    monkeypatch.setattr("app.ros2.source.time.time_ns", lambda: now)
+    monkeypatch.setattr("app.ros2.source.time.monotonic", lambda: 100.0)
 
     def follow(stamp, published):
         clock.follow(replace(snapshot, stamp=stamp, published=published))
@@ -247,8 +246,8 @@ def test_a_clock_that_was_set_between_two_recordings_is_seen_by_the_second(progr
     clock = RosClock()
     snapshot = program.engine.step()
     now, here = 1_700_000_000_000_000_000, 100.0
-    monkeypatch.setattr("app.ros2.clock.time.time_ns", lambda: now)
-    monkeypatch.setattr("app.ros2.clock.time.monotonic", lambda: here)
+    monkeypatch.setattr("app.ros2.source.time.time_ns", lambda: now)
+    monkeypatch.setattr("app.ros2.source.time.monotonic", lambda: here)
     clock.hold()
     clock.follow(replace(snapshot, stamp=5.0, published=here))
     clock.release()

@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 from app.messages.commands import PingCommand, SetPoseCommand
 from app.ros2.links import Link
 from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
-from app.ros2.published import Published
 from app.ros2.source import TopicSource
+from app.ros2.topic import Published
 from app.ros2.topics import TOPICS, topic
 from robot.localization.integrity import Alert, Cause, Integrity, State
 

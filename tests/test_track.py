@@ -10,7 +10,7 @@ from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
 from robot.localization.hypotheses.track import STUCK, Track
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.rays import rays_of
 from robot.localization.setup import Setup

@@ -3,7 +3,8 @@
 import pytest
 
 from robot.description.spec import SPIKE, RobotSpec, SpecError
-from robot.description.wiring import read_wirings
+from robot.description.urdf import parse_xml
+from robot.description.wiring import Wiring, driven, read_wiring
 
 HEAD = '<robot name="r">'
 PORT, DIRECTION, MOTOR = "port", "direction", "motor"
@@ -16,6 +17,11 @@ def joint(name: str, **params: str) -> str:
         f'<ros2_control><joint name="{name}">{given}<command_interface name="velocity"/></joint>'
         "</ros2_control>"
     )
+
+
+def read_wirings(text: str) -> list[Wiring]:
+    root = parse_xml(text)
+    return [read_wiring(root, control) for control in driven(root)]
 
 
 def robot(*joints: str) -> str:
@@ -57,9 +63,3 @@ def test_any_number_of_joints_is_read_in_order():
 def test_what_cannot_be_is_refused_and_what_is_valid_is_named(params, complaint):
     with pytest.raises(SpecError, match=complaint):
         read_wirings(robot(joint("wheel", **params)))
-
-
-def test_two_joints_on_one_port_are_refused():
-    text = robot(joint("one", port="A", direction="1"), joint("two", port="A", direction="-1"))
-    with pytest.raises(SpecError, match="'one' and 'two' are both on port A"):
-        read_wirings(text)

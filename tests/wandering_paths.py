@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from app.lab.trajectories.metrics import motion_errors, relative_pairs
 from app.lab.trajectories.trajectory import Trajectory
 
 KINDS = ("planar", "space")
@@ -49,3 +50,7 @@ def pair(kind, seed):
     rng = np.random.default_rng(seed)
     truth = walk(kind, rng)
     return truth, noisy(truth, rng), rng
+
+
+def relative_errors(truth, estimate, delta, unit):
+    return motion_errors(truth, estimate, *relative_pairs(truth, delta, unit))

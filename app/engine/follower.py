@@ -6,11 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine.belief import Belief
 from app.engine.own_models.own_models import OwnChoice
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame
+from robot.localization.estimate import Belief
 from robot.localization.filter import Cloud
 from robot.localization.integrity import SEARCHING, Integrity
 from robot.localization.parameters import LocalizationParameters

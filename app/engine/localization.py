@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.engine.belief import Belief
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
@@ -15,7 +14,7 @@ from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Frame
-from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.estimate import Belief, Estimate, Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.filters import make_filter, transfer_belief
 from robot.localization.integrity import Integrity

@@ -9,7 +9,6 @@ from typing import get_args
 from app.engine.driving import Mode
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.problems import Problem, Problems
-from app.engine.replay_state import ReplayState
 from app.messages.commands import Command
 from app.messages.message import Layer
 from robot.geometry import Array, Pose2, Twist2
@@ -19,6 +18,25 @@ from robot.localization.filter import Cloud
 from robot.localization.integrity import Integrity
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayState:
+    """State of a replay at one tick."""
+
+    file: str
+    """Name of the recording."""
+    position_s: float
+    """Time since the recording's beginning [s]."""
+    duration_s: float
+    speed: float
+    """Seconds of the recording in one second."""
+    paused: bool
+    catching_up: float | None
+    """Share of the way to the requested time, 0 to 1; None when the replay is there."""
+    estimate_then: Pose2 | None
+    """The recorded estimate, carried forward to the tick by odometry."""
+
 
 LAYERS: frozenset[Layer] = frozenset(get_args(Layer))
 """All layers of the 3D view."""

@@ -11,7 +11,7 @@ from app.engine.drivers import Drivers
 from app.engine.program import Program
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
-from app.ros2.commands.inbox import Inbox
+from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.ros2.source import TopicSource

@@ -8,8 +8,7 @@ import math
 from app.engine.drivers import DriveState
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
-from app.engine.replay_state import ReplayState
-from app.engine.snapshot import LAYERS, Snapshot
+from app.engine.snapshot import LAYERS, ReplayState, Snapshot
 from app.messages.answers import FieldMessage, ParameterMessage
 from app.messages.telemetry import (
     DriverMessage,

@@ -11,9 +11,8 @@ import yaml
 
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
-from app.recordings.attachments import SETTINGS, URDF, VERSIONS, Attachment, Contents
+from app.recordings.attachments import SETTINGS, URDF, VERSIONS, Attachment, Contents, as_toml
 from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.settings_file import as_toml
 from app.settings.config import MAPS, Config
 from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec

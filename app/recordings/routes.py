@@ -2,15 +2,92 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import yaml
 from fastapi import APIRouter, HTTPException, Response
 from fastapi.responses import FileResponse, StreamingResponse
+from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from app.messages.message import Message
 from app.recordings.files.recorded import RecordingError
-from app.recordings.listing import Listed, find, listed
+from app.recordings.files.recording_file import METADATA_FILE
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
+"""Valid names of recordings: none of them can lead out of the folder."""
+
+LARGEST_METADATA = 1_000_000
+"""Largest ``metadata.yaml`` [bytes]; BrickPose writes no larger one."""
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """One recording."""
+
+    name: str
+    file: Path
+    size_bytes: int
+    duration_s: float | None
+    """Duration in ``metadata.yaml``; None if it is unknown."""
+    unfinished: bool
+    """Whether it is still being recorded, or was cut off."""
+    changed: float
+    """When it was last written [s since 1970]."""
+
+
+def listed(parent: Path) -> list[Listed]:
+    """Return all recordings in a folder, newest first; none if there is no such folder."""
+    if not parent.is_dir():
+        return []
+    result = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
+    return sorted((each for each in result if each), key=lambda item: -item.changed)
+
+
+def find(parent: Path, name: str) -> Listed:
+    """Return a recording by its name.
+
+    Raises:
+        RecordingError: there is no such recording; lists some that exist.
+    """
+    result = _look(parent / name) if NAME.fullmatch(name) else None
+    if result is None:
+        some = ", ".join(item.name for item in listed(parent)[:5]) or "none yet"
+        raise RecordingError(f"there is no recording {name!r}; valid are {some}")
+    return result
+
+
+def _look(folder: Path) -> Listed | None:
+    """Return the recording in a folder; None for a link, which could lead anywhere."""
+    path = folder / f"{folder.name}_0.mcap"
+    try:
+        if folder.is_symlink() or path.is_symlink() or not path.is_file():
+            return None
+        status = path.stat()
+        with path.open("rb") as file:
+            file.seek(max(0, status.st_size - len(MAGIC)))
+            unfinished = status.st_size <= len(MAGIC) or file.read() != MAGIC
+    except OSError:
+        return None  # it was deleted meanwhile, or belongs to another user
+    duration = _duration(folder / METADATA_FILE)
+    return Listed(folder.name, path, status.st_size, duration, unfinished, status.st_mtime)
+
+
+def _duration(path: Path) -> float | None:
+    try:
+        if path.stat().st_size > LARGEST_METADATA:
+            return None
+        content = yaml.load(path.read_bytes(), _Loader)
+        nanoseconds = content["rosbag2_bagfile_information"]["duration"]["nanoseconds"]
+        return int(nanoseconds) / 1e9
+    except (OSError, yaml.YAMLError, LookupError, TypeError, ValueError):
+        return None
+
 
 MEDIA_TYPE = "application/octet-stream"
 BLOCK = 1 << 20

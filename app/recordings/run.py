@@ -12,10 +12,9 @@ from app.engine.problems import LOG
 from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from app.settings.recording import RecordingSettings
 from robot.worker_thread import WorkerThread
 

@@ -9,10 +9,9 @@ from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.route import Route
 from app.ros2.source import TopicSource
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from app.ros2.topics import TOPICS
 from robot.worker_thread import WorkerThread
 

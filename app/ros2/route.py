@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from app.ros2.published import Published
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 
 SLACK = 0.001
 """Tolerance for content that is nearly due, as ticks come a little early or late [s]."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ros2.encoding import belief, diagnostics, motion, robot_state, sensors
+from app.ros2.encoding import belief, motion, robot_state, sensors
 from app.ros2.topic import LATCHED, Topic
 
 TOPICS: tuple[Topic, ...] = (
@@ -82,7 +82,7 @@ TOPICS: tuple[Topic, ...] = (
         "diagnostics",
         "diagnostic_msgs/msg/DiagnosticArray",
         motion.each_second,
-        diagnostics.diagnostics,
+        robot_state.diagnostics,
     ),
     Topic(
         "truth",

@@ -12,11 +12,11 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from app.settings.old_names import NEW_NAMES
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
@@ -27,8 +27,29 @@ from robot.driving.odometry import OdometrySettings
 from robot.hat.settings import BuildHatSettings
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScannerSettings
-from robot.settings import SettingError, check_names, check_settings, setting
+from robot.settings import SettingError, check_names, check_settings, describe, setting
+from sim.floor_camera import CameraSettings
 from sim.settings import SimSettings
+
+NEW_NAMES: Mapping[str, str] = MappingProxyType(
+    {
+        "camera_source": "camera.source",
+        "pictures": "camera",
+        "physics": "sim.physics",
+        "imperfections": "sim.imperfections",
+        **{f"camera.{name}": f"sim.camera.{name}" for name in describe(CameraSettings)},
+    }
+)
+"""New paths of settings and tables, by their old paths."""
+
+
+def new_name(path: str) -> str:
+    """Return the present path of a setting, given its old path; most are the same."""
+    if path in NEW_NAMES:
+        return NEW_NAMES[path]
+    table, dot, name = path.partition(".")
+    return f"{NEW_NAMES.get(table, table)}{dot}{name}"
+
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

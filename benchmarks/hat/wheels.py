@@ -15,8 +15,8 @@ from benchmarks.result import Result
 from robot.geometry import Array
 from robot.hat.protocol import commands
 from sim.hat.bricks import MEDIUM, Bricks
-from sim.hat.devices.motor_figures import MOTOR_FIGURES
-from sim.hat.devices.plants import FreeMotors
+from sim.hat.motor_figures import MOTOR_FIGURES
+from sim.hat.plants import FreeMotors
 
 SPEED = 500.0
 """[degree/s]"""

@@ -1,9 +1,14 @@
-"""The interface that every camera implements."""
+"""The interface that every camera implements; check and rotation of its pictures."""
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.interface import Frame
 
@@ -41,3 +46,30 @@ class Camera(Protocol):
     def close(self) -> None:
         """Release the camera; may be called twice."""
         ...
+
+
+Picture = NDArray[np.uint8]
+"""(h, w) grey or (h, w, 3) BGR."""
+
+
+def check_size(shape: tuple[int, ...], lens: Lens, name: str) -> None:
+    """Refuse a picture (h, w) or (h, w, 3) whose size is not the size in the lens description.
+
+    It is not scaled: a camera that gives another size often sees another part of the floor.
+
+    Raises:
+        PictureError: the sizes differ; the message names both.
+    """
+    if tuple(shape[:2]) != (lens.height, lens.width):
+        raise PictureError(
+            f"{name} gives pictures of {shape[1]} x {shape[0]} px, but the lens is described for "
+            f"{lens.width} x {lens.height} px: set the camera to that size, or calibrate it at "
+            "its own and describe that lens in the robot's camera_info file"
+        )
+
+
+def upright(picture: Any, rotation: int) -> Picture:
+    """Return a picture turned by 0 or 180 degrees."""
+    if rotation:
+        picture = cv2.rotate(picture, cv2.ROTATE_180)
+    return np.asarray(picture, dtype=np.uint8)

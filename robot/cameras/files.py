@@ -14,8 +14,7 @@ from typing import Protocol
 import cv2
 
 from robot.camera import Lens
-from robot.cameras.camera import PictureError, SourceError
-from robot.cameras.pictures import Picture, check_size, upright
+from robot.cameras.camera import Picture, PictureError, SourceError, check_size, upright
 from robot.interface import Frame
 
 SUFFIXES = (".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp")

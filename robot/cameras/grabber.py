@@ -13,8 +13,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from robot.camera import Lens
-from robot.cameras.camera import PictureError
-from robot.cameras.pictures import check_size
+from robot.cameras.camera import PictureError, check_size
 from robot.interface import Frame
 from robot.worker_thread import WorkerThread
 

@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from robot.camera import Lens
-from robot.cameras.camera import PictureError
-from robot.cameras.pictures import check_size, upright
+from robot.cameras.camera import PictureError, check_size, upright
 from robot.interface import Frame
 
 HEADER = struct.Struct("<4sdIII")

@@ -10,8 +10,7 @@ from pathlib import Path
 import cv2
 
 from robot.camera import Lens
-from robot.cameras.camera import PictureError
-from robot.cameras.pictures import check_size, upright
+from robot.cameras.camera import PictureError, check_size, upright
 from robot.cameras.settings import CameraSourceSettings
 from robot.cameras.stamps import middle_of_exposure, on_monotonic
 from robot.interface import Frame

@@ -15,7 +15,7 @@ from shapely import MultiPoint, Polygon
 from shapely.geometry.polygon import orient
 
 from robot.camera import CameraError, FloorView, Lens
-from robot.description.inertia import with_inertia
+from robot.description.rigid_bodies import with_inertia
 from robot.description.urdf import SpecError, origin_of, parse_xml, read_model, shape_of, text_of
 from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from robot.description.motor_kinds import MOTORS
-from robot.description.urdf import SpecError, child, parse_xml, positive, text_of
+from robot.description.urdf import SpecError, child, positive, text_of
 
 PORTS = ("A", "B", "C", "D")
 TOLERANCE = 1e-6
@@ -29,24 +29,6 @@ class Wiring:
     """One of ``MOTORS``; None accepts any motor that has an encoder."""
     max_velocity: float
     """[rad/s]"""
-
-
-def read_wirings(urdf: str) -> tuple[Wiring, ...]:
-    """Return the wiring of each joint that takes velocity commands, in the description's order.
-
-    Raises:
-        SpecError: a joint is invalid, or two share a port; the message names them and says what is
-            valid.
-    """
-    root = parse_xml(urdf)
-    wirings = tuple(read_wiring(root, control) for control in driven(root))
-    for place, wiring in enumerate(wirings):
-        for other in wirings[:place]:
-            if wiring.port == other.port:
-                raise SpecError(
-                    f"{other.name!r} and {wiring.name!r} are both on port {wiring.port}"
-                )
-    return wirings
 
 
 def driven(root: ElementTree.Element) -> list[ElementTree.Element]:

@@ -16,25 +16,6 @@ TINY = 1e-200
 
 
 @njit(cache=True, nogil=True)
-def cast_ray(
-    x: float, y: float, heading: float, index: EdgeIndex, range_max: float
-) -> tuple[float, int]:
-    """Return the distance [m] to the first edge met from its light side, and the edge's number.
-
-    If no edge is met within the range, the result is (+inf, -1). Of edges at the same distance, it
-    is the one with the smallest number.
-
-    Args:
-        x: start of the ray [m].
-        y: start of the ray [m].
-        heading: direction of the ray [rad].
-        index: the edges.
-        range_max: how far the ray reaches [m].
-    """
-    return cast_toward(x, y, math.cos(heading), math.sin(heading), index, range_max)
-
-
-@njit(cache=True, nogil=True)
 def cast_rays(
     poses: Array, bearings: Array, index: EdgeIndex, range_max: float, result: Array
 ) -> None:
@@ -51,7 +32,19 @@ def cast_rays(
 def cast_toward(
     x: float, y: float, dx: float, dy: float, index: EdgeIndex, range_max: float
 ) -> tuple[float, int]:
-    """Do the same as ``cast_ray``, along a unit vector (dx, dy)."""
+    """Return the distance [m] to the first edge met from its light side, and the edge's number.
+
+    If no edge is met within the range, the result is (+inf, -1). Of edges at the same distance, it
+    is the one with the smallest number.
+
+    Args:
+        x: start of the ray [m].
+        y: start of the ray [m].
+        dx: direction of the ray, a unit vector.
+        dy: direction of the ray, a unit vector.
+        index: the edges.
+        range_max: how far the ray reaches [m].
+    """
     if index.columns * index.rows == 1:
         edges, items = index.edges, index.items
         nearest, met = _nearest_of(x, y, dx, dy, edges, items, 0, len(items), range_max, -1)

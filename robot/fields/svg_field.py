@@ -22,8 +22,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from robot.fields.drawing.fills import fill_area
-from robot.fields.drawing.strokes import stroke_area
+from robot.fields.drawing.strokes import fill_area, stroke_area
 from robot.fields.drawing.svg_file import SvgError, SvgFile, check_svg, numbers, read_svg, shown
 from robot.fields.drawing.svg_shapes import Ink, Page, Shape, read_page
 from robot.fields.edges import outline

@@ -1,4 +1,4 @@
-"""The filter's belief: weighted hypotheses. The heaviest one is the estimate."""
+"""The filter's belief: weighted hypotheses, the heaviest of which is the estimate."""
 
 from __future__ import annotations
 
@@ -54,3 +54,20 @@ class Estimate:
     def covariance(self) -> Array:
         """Covariance (3, 3) [m, m, rad] of the heaviest hypothesis."""
         return self.hypotheses[0].covariance
+
+
+@dataclass(frozen=True, slots=True)
+class Belief:
+    """The filter's estimate, with the odometry at its stamp."""
+
+    estimate: Estimate
+    odom_from_robot: Pose2
+    """Odometry at the estimate's stamp."""
+
+    def pose(self, odom_from_robot: Pose2) -> Pose2:
+        """Return the estimated pose, carried forward to a later odometry pose."""
+        return self.estimate.pose @ self.moved(odom_from_robot)
+
+    def moved(self, odom_from_robot: Pose2) -> Pose2:
+        """Return the robot's motion from the estimate's stamp to a later odometry pose."""
+        return self.odom_from_robot.inverse() @ odom_from_robot

@@ -6,11 +6,14 @@ import math
 from dataclasses import dataclass
 
 from robot.fields.field import Field
-from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel
-from robot.localization.parameters import FilterParameters, LocalizationParameters
+from robot.localization.parameters import (
+    FilterParameters,
+    HypothesisParameters,
+    LocalizationParameters,
+)
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher
 

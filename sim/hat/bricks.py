@@ -16,9 +16,9 @@ from robot.hat.build_hat import BuildHat
 from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import FirmwareImage
-from sim.hat.devices.lego_motor import LegoMotor
-from sim.hat.devices.plants import FreeMotor, FreeMotors
 from sim.hat.emulated_board import EmulatedBoard
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.plants import FreeMotor, FreeMotors
 
 MEDIUM = 0x30
 DRIFTS = (0.004, -0.007, 0.002, -0.003)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from sim.hat.devices.device import PORTS, Device, DeviceError, Plants
-from sim.hat.firmware.bridge import STEPS
 from sim.hat.firmware.connection import SetupFault
-from sim.hat.firmware.power import ORANGE, Power
+from sim.hat.firmware.drive import STEPS
+from sim.hat.firmware.power import Power
+from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware
-from sim.hat.noise import Noise
+from sim.hat.motor_figures import DeviceError
+from sim.hat.plants import PORTS, Plants
 from sim.hat.processor import VERSION, Processor
-from sim.hat.transmitter import Receiver, Transmitter
+from sim.hat.transmitter import Noise, Receiver, Transmitter
 
 TICK = 0.001
 """Time step of the emulation [s]."""
@@ -26,11 +27,10 @@ class EmulatedBoard:
     def __init__(
         self,
         plants: Plants,
-        devices: Mapping[int, Device],
+        devices: Mapping[int, LegoMotor],
         *,
         warm: bool = True,
         version: int = VERSION,
-        supply_v: float = 8.0,
         seed: int = 0,
     ) -> None:
         """Switch it on.
@@ -40,7 +40,6 @@ class EmulatedBoard:
             devices: the plugged-in devices, by port 0..3.
             warm: True: its firmware runs and knows the devices; False: its bootloader waits.
             version: version of the firmware that runs.
-            supply_v: supply voltage [V].
             seed: seed of ``garble``, ``garble_in`` and ``loss``.
 
         Raises:
@@ -54,13 +53,13 @@ class EmulatedBoard:
         self._noise = Noise(seed)
         self._loss = Noise(seed + 1, kinds=1)
         self._noise_in = Noise(seed + 2)
-        self._power = Power()
-        self.supply_v = supply_v
+        self.power = Power()
+        self.supply_v = self.power.supply_v
         self.silent = False
         """Whether the serial line is dead in both directions."""
-        self._devices: dict[int, Device] = {}
+        self._devices: dict[int, LegoMotor] = {}
         self._driven: list[int | None] = [None] * PORTS
-        self._processor = Processor(self._transmitter, self._power, self._devices)
+        self._processor = Processor(self._transmitter, self.power, self._devices)
         for port, device in devices.items():
             self.plug(port, device)
         if warm:
@@ -74,30 +73,12 @@ class EmulatedBoard:
     @property
     def supply_v(self) -> float:
         """Supply voltage of the board [V]."""
-        return self._power.supply_v
+        return self.power.supply_v
 
     @supply_v.setter
     def supply_v(self, volts: float) -> None:
-        self._power.supply_v = volts
+        self.power.supply_v = volts
         self._plants.supply_v = volts
-
-    @property
-    def motor_fault(self) -> bool:
-        """Whether the motor drivers' common fault line is low."""
-        return self._power.motor_fault
-
-    @motor_fault.setter
-    def motor_fault(self, present: bool) -> None:
-        self._power.motor_fault = present
-
-    @property
-    def port_fault(self) -> bool:
-        """Whether the devices' 3.3 V supply is overloaded."""
-        return self._power.port_fault
-
-    @port_fault.setter
-    def port_fault(self, present: bool) -> None:
-        self._power.port_fault = present
 
     @property
     def garble(self) -> float:
@@ -127,13 +108,7 @@ class EmulatedBoard:
         self._loss.probability = _probability("loss", probability)
 
     @property
-    def lights(self) -> int:
-        """Bit 0: the orange light is on; bit 1: the green one. The bootloader shows orange."""
-        firmware = self._processor.firmware
-        return ORANGE if firmware is None else firmware.lights
-
-    @property
-    def devices(self) -> Mapping[int, Device]:
+    def devices(self) -> Mapping[int, LegoMotor]:
         """The plugged-in devices, by port."""
         return self._devices
 
@@ -152,7 +127,7 @@ class EmulatedBoard:
         firmware = self._processor.firmware
         return None if firmware is None else firmware.ports[port].bridge.duty
 
-    def plug(self, port: int, device: Device) -> None:
+    def plug(self, port: int, device: LegoMotor) -> None:
         """Plug a device in, replacing any other; it gets power and starts.
 
         Raises:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from datetime import UTC, datetime
 
-from sim.hat.devices.device import PORTS, Device
+from sim.hat.commands import Session
 from sim.hat.firmware.connection import Connection, SetupFault
 from sim.hat.firmware.port import Port
-from sim.hat.firmware.power import FaultWatch, Power, light
+from sim.hat.firmware.power import FaultWatch, Power
 from sim.hat.firmware.reports import Writer
-from sim.hat.language.session import TRACE_CONTROLLERS, TRACE_PAYLOADS, Session
-from sim.hat.language.terminal import Terminal
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.plants import PORTS
+from sim.hat.terminal import Terminal
 
 DRIVE_PERIOD = 10
 """Time between two runs of the controllers [ms]; those of all ports run together."""
@@ -69,16 +70,10 @@ class Firmware:
         self._heard = bytearray()
         self._drive_due = STARTED + DRIVE_PERIOD
         self._faults = FaultWatch(power)
-        self._power = power
         self.ports = tuple(Port(number, write) for number in range(PORTS))
         self._modes = tuple(port.data for port in self.ports)
-        self._connections = tuple(
-            Connection(port, self._modes, write, has_room, self._trace_message)
-            for port in self.ports
-        )
-        self._session = Session(self.ports, write, power, version, signature)
-        self._terminal = Terminal(self._session)
-        self._traces: Sequence[Writer] = tuple(self._tracer(port.number) for port in self.ports)
+        self._connections = tuple(Connection(port, write, has_room) for port in self.ports)
+        self._terminal = Terminal(Session(self.ports, write, power, version, signature))
 
     def skip_start(self) -> None:
         """Continue as if it had run for long: it knows all plugged-in devices."""
@@ -86,12 +81,7 @@ class Firmware:
         for connection in self._connections:
             connection.meet()
 
-    @property
-    def lights(self) -> int:
-        """Bit 0: the orange light is on; bit 1: the green light is on."""
-        return light(self._session.light_mode, self._power.millivolts)
-
-    def plug(self, port: int, device: Device) -> None:
+    def plug(self, port: int, device: LegoMotor) -> None:
         """Add a device, with power, at a port."""
         self._connections[port].plug(device)
 
@@ -144,14 +134,5 @@ class Firmware:
             self._heard.clear()
 
     def _drive(self) -> None:
-        traced = self._session.traces(TRACE_CONTROLLERS)
         for port in self.ports:
-            port.run_drive(self._modes, self._traces[port.number] if traced else None)
-
-    def _tracer(self, port: int) -> Writer:
-        return lambda terms: self._write(f"P{port}: {terms}\r\n")
-
-    def _trace_message(self, port: int, mode: int, payload: bytes) -> None:
-        if self._session.traces(TRACE_PAYLOADS):
-            given = payload.hex(" ").upper()
-            self._write(f"P{port}: DATA mode={mode:X} payload={given}\r\n")
+            port.run_drive(self._modes)

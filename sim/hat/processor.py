@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 
 from sim.hat.bootloader import Bootloader
-from sim.hat.devices.device import Device
 from sim.hat.firmware.power import Power
+from sim.hat.lego_motor import LegoMotor
 from sim.hat.main_loop import Firmware, version_text
 from sim.hat.transmitter import Transmitter
 
@@ -25,7 +25,7 @@ class Processor:
     """Takes bytes, writes text to the transmitter, and starts in the bootloader."""
 
     def __init__(
-        self, transmitter: Transmitter, power: Power, devices: Mapping[int, Device]
+        self, transmitter: Transmitter, power: Power, devices: Mapping[int, LegoMotor]
     ) -> None:
         """Start.
 

@@ -1,6 +1,11 @@
-"""The two directions of the serial line at 115200 baud: a byte takes 86.8 us; buffers can fill."""
+"""The two directions of the serial line at 115200 baud, and its noise.
+
+A byte takes 86.8 us; buffers can fill; noise spoils bytes.
+"""
 
 from __future__ import annotations
+
+import random
 
 BYTES_PER_SECOND = 11_520.0
 """115200 baud, with a start and a stop bit for every eight bits."""
@@ -58,3 +63,30 @@ class Transmitter(_Wire):
 
 class Receiver(_Wire):
     """Host to board: bytes that the host wrote wait in the host's buffers until they are sent."""
+
+
+class Noise:
+    """Adds random faults to bytes; the same seed gives the same faults."""
+
+    def __init__(self, seed: int, kinds: int = 4) -> None:
+        """Use the first ``kinds`` kinds of faults of: lost, doubled, zeroed, changed by one bit."""
+        self._kinds = kinds
+        self.probability = 0.0
+        """Probability of a fault in each byte."""
+        self._random = random.Random(seed)
+
+    def over(self, data: bytes) -> bytes:
+        """Return what arrives when bytes are sent."""
+        if self.probability <= 0:
+            return data
+        return b"".join(self._byte(byte) for byte in data)
+
+    def _byte(self, byte: int) -> bytes:
+        if self._random.random() >= self.probability:
+            return bytes([byte])
+        kind = self._random.randrange(self._kinds)
+        if kind == 0:
+            return b""
+        if kind == 1:
+            return bytes([byte, byte])
+        return b"\0" if kind == 2 else bytes([byte ^ 1 << self._random.randrange(8)])

@@ -10,9 +10,8 @@ import numpy as np
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from sim.bullet import BulletWorld
-from sim.hat.devices.device import DeviceError, Plant
-from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_described
-from sim.hat.devices.plants import FreeMotors
+from sim.hat.motor_figures import RAIL_V, SUPPLY_V, DeviceError, MotorFigures, figures_described
+from sim.hat.plants import FreeMotors, Plant
 
 BLOCKED = 100.0
 """Friction torque of a blocked shaft [N m]: far more than any motor's torque."""

@@ -11,8 +11,8 @@ from typing import Protocol, runtime_checkable
 from robot.description.wiring import PORTS
 from robot.errors import BrickPoseError, CommandError
 from robot.geometry import Pose2
-from sim.hat.devices.device import Device
-from sim.hat.devices.motor_figures import MOTOR_FIGURES, figures_named
+from sim.hat.lego_motor import LegoMotor
+from sim.hat.motor_figures import MOTOR_FIGURES, figures_named
 from sim.hat_emulator.emulator import Emulator
 
 
@@ -98,7 +98,7 @@ class Control:
 
     def _plug(self, words: list[str]) -> str:
         emulator, port = self._emulator, _port(words[0])
-        device: Device
+        device: LegoMotor
         if len(words) == 2:
             device = emulator.motor(port, figures_named(words[1]))
         elif port in emulator.unplugged:
@@ -149,9 +149,9 @@ class Control:
     def _fault(self, words: list[str]) -> str:
         present = _switch(words[1])
         if words[0] == "motor":
-            self._emulator.board.motor_fault = present
+            self._emulator.board.power.motor_fault = present
         elif words[0] == "port":
-            self._emulator.board.port_fault = present
+            self._emulator.board.power.port_fault = present
         else:
             raise CommandError(f"no fault {words[0]!r}; valid are motor, port")
         return "ok"

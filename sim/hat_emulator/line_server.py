@@ -7,25 +7,13 @@ import socket
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
 
 from robot.errors import CommandError
+from sim.hat_emulator.emulator import RealTimeBoard
 from sim.hat_emulator.unix_sockets import listen, stop_listening
 
 LONGEST_LINE = 4096
 """Longest line [bytes]; a client that sends more without a line end is disconnected."""
-
-
-class Loop(Protocol):
-    """Event loop that waits for inputs."""
-
-    def listen(self, source: Any, answer: Callable[[], None]) -> None:
-        """Call ``answer`` whenever ``source`` has something to read."""
-        ...
-
-    def forget(self, source: Any) -> None:
-        """Stop listening to ``source``."""
-        ...
 
 
 class Lines:
@@ -51,7 +39,7 @@ class Lines:
 class LineServer:
     """Server of lines; any number of programs may connect, also at the same time."""
 
-    def __init__(self, path: Path, answer: Callable[[str], str], loop: Loop) -> None:
+    def __init__(self, path: Path, answer: Callable[[str], str], loop: RealTimeBoard) -> None:
         """Listen at ``path``.
 
         Raises:
@@ -103,7 +91,11 @@ class TypedLines:
     """Lines from standard input, answered on standard output."""
 
     def __init__(
-        self, source: int, answer: Callable[[str], str], loop: Loop, say: Callable[[str], None]
+        self,
+        source: int,
+        answer: Callable[[str], str],
+        loop: RealTimeBoard,
+        say: Callable[[str], None],
     ) -> None:
         """Read from ``source``, a file descriptor; 0 is standard input."""
         self._source = source

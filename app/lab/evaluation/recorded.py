@@ -18,8 +18,7 @@ from app.lab.trajectories.association import associate
 from app.lab.trajectories.clock_offset import ClockOffset, require_same_run
 from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.trajectories.files.tum import write_tum
-from app.lab.trajectories.metrics import absolute_errors, align, ate_rmse
-from app.lab.trajectories.scale import fit_scale
+from app.lab.trajectories.metrics import absolute_errors, align, ate_rmse, fit_scale
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from app.settings.provenance import versions
 from robot.settings import SettingError

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from app.engine.belief import Belief
 from app.engine.build import connect
 from app.engine.follower import Follower
 from app.lab.localize.candidate import PRIOR_MAP_LENGTHS, Candidate
@@ -24,7 +23,7 @@ from app.settings.config import Config
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame, Reading, RobotError
-from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.estimate import Belief, Estimate, Hypothesis
 from robot.localization.integrity import Integrity, State
 from robot.scan import Scan
 

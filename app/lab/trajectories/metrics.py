@@ -6,6 +6,7 @@ Systems, IROS 2012. All functions take pairs, as `association.associate` makes t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -96,22 +97,11 @@ def _rotation(cross: Array) -> tuple[float, Array]:
     """Return the largest singular value, and the rotation in space."""
     u, values, v = np.linalg.svd(cross)
     if values[1] <= RANK * values[0]:
-        return float(values[0]), _least_turn(v[0], u[:, 0])
+        least, _ = Rotation.align_vectors(u[:, :1].T, v[:1])
+        return float(values[0]), least.as_matrix()
     # A reflection is not a rigid motion: flip the weakest axis instead.
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(v))])
     return float(values[0]), (u * signs) @ v
-
-
-def _least_turn(start: Array, end: Array) -> Array:
-    """Return the smallest rotation that takes one unit vector to another."""
-    axis, cosine = np.cross(start, end), float(start @ end)
-    if cosine < RANK - 1:
-        aside = np.linalg.svd(start[None])[2][1]
-        return 2 * np.outer(aside, aside) - np.eye(3)
-    x, y, z = axis
-    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    rotation: Array = np.eye(3) + skew + skew @ skew / (1 + cosine)
-    return rotation
 
 
 def absolute_errors(truth: Trajectory, estimate: Trajectory) -> Array:
@@ -156,30 +146,14 @@ def heading_errors(truth: Trajectory, estimate: Trajectory) -> Array:
     return _angles(_rotations(truth).inv() * _rotations(estimate))
 
 
-def relative_errors(
-    truth: Trajectory, estimate: Trajectory, delta: float, unit: Unit, tolerance: float = 0.1
-) -> tuple[Array, Array]:
-    """Return the errors of the motion over a time, a path length or a number of poses.
-
-    Translation (k,) [m] and rotation (k,) [rad] of
-    E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated, over all pairs of `relative_pairs`.
-
-    Raises:
-        TrajectoryError: not pairs, or no two poses are delta apart.
-    """
-    _check_pairs(truth, estimate)
-    i, j = relative_pairs(truth, delta, unit, tolerance)
-    if not len(i):
-        raise TrajectoryError(
-            f"{truth.name} has no two poses {delta:g} {unit} apart, within {tolerance:.0%}"
-        )
-    return motion_errors(truth, estimate, i, j)
-
-
 def motion_errors(
     truth: Trajectory, estimate: Trajectory, i: NDArray[np.int64], j: NDArray[np.int64]
 ) -> tuple[Array, Array]:
-    """Return the errors of the motion from poses i (k,) to j (k,), as in `relative_errors`."""
+    """Return the errors of the motion from poses i (k,) to j (k,), as `relative_pairs` finds them.
+
+    Translation (k,) [m] and rotation (k,) [rad] of
+    E = (Q_i^-1 Q_j)^-1 (P_i^-1 P_j), Q true and P estimated.
+    """
     (moved, turned), (true_moved, true_turned) = _motions(estimate, i, j), _motions(truth, i, j)
     translation: Array = np.linalg.norm(moved - true_moved, axis=1)
     return translation, _angles(true_turned.inv() * turned)
@@ -254,3 +228,45 @@ def _check_pairs(truth: Trajectory, estimate: Trajectory) -> None:
             f"{truth.name} has {len(truth)} poses and {estimate.name} {len(estimate)}; "
             "valid are pairs, as `associate` makes them"
         )
+
+
+MUCH = 0.5
+"""A scale is free if it leaves no more than this part of the error ..."""
+OTHER = 0.05
+"""... and if its logarithm differs from 0 by more than this: a smaller difference comes from a
+wheel's radius or a lens, not from a unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class ScaleFit:
+    """The similarity transform, Sim(3), compared with the rigid motion."""
+
+    scale: float
+    """The factor to multiply the estimate's positions by."""
+    rigid: float
+    """Root mean square error [m] after the best rigid motion."""
+    scaled: float
+    """The same with the scale."""
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the estimate seems to have a scale of its own instead of metres."""
+        return self.scaled <= MUCH * self.rigid and abs(math.log(self.scale)) > OTHER
+
+
+def fit_scale(truth: Trajectory, estimate: Trajectory) -> ScaleFit:
+    """Fit the scale by least squares, after Umeyama (PAMI 1991), equations 40 to 42.
+
+    The best rotation is the same with and without a scale, so it is taken from `align`; then
+    c = sum p_i . q_i / sum |q_i|^2, with p the true and q the aligned positions, each relative to
+    its mean.
+
+    Raises:
+        TrajectoryError: not pairs, or they cannot be aligned.
+    """
+    aligned = align(truth, estimate).apply(estimate)
+    true = truth.positions - truth.positions.mean(axis=0)
+    result = aligned.positions - aligned.positions.mean(axis=0)
+    scale = float(np.sum(true * result) / np.sum(result**2))
+    scaled = rms(np.linalg.norm(scale * result - true, axis=1))
+    return ScaleFit(scale, ate_rmse(truth, aligned), scaled)

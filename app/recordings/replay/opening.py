@@ -15,21 +15,52 @@ from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.filter_config import with_filter_config
-from app.recordings.replay.recorded.first_estimate import first_estimate
-from app.recordings.replay.recorded.parts import RecordedParts
+from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.recordings.replay.replay import Replay
 from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline
-from app.settings.config import MAPS, Config
+from app.settings.config import MAPS, Config, by_path, read_toml, with_settings
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.localization.models.entry_field import EntryField
 from robot.scanning.line_scanner import LineScanner
 from robot.settings import SettingError
+
+TABLES = ("localization", "scanner", "odometry", "drive", "start_pose")
+"""The tables of settings that affect a replay."""
+
+
+def read_filter_config(path: Path) -> dict[str, Any]:
+    """Read settings by their path (``localization.filter.max_particles``) from a TOML file.
+
+    Raises:
+        SettingError: the file cannot be read, or has settings that do not affect a replay.
+    """
+    content = read_toml(path)
+    others = sorted(content.keys() - set(TABLES))
+    if others:
+        raise SettingError(
+            f"{path}: {others[0]} changes no replay; valid are the tables {', '.join(TABLES)}"
+        )
+    return by_path(content)
+
+
+def with_filter_config(config: Config, path: Path) -> tuple[Config, frozenset[str]]:
+    """Replace settings by those of a file; return them, and the names of the filter's in the file.
+
+    Raises:
+        SettingError: a setting is misspelt or out of range.
+    """
+    given = read_filter_config(path)
+    try:
+        changed = with_settings(config, given)
+    except SettingError as error:
+        raise SettingError(f"{path}: {error}") from error
+    names = (name for name in given if name.startswith("localization."))
+    return changed, frozenset(name.rpartition(".")[2] for name in names)
 
 
 @dataclass(frozen=True)

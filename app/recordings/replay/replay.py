@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.engine.problems import LOG
-from app.engine.replay_state import ReplayState
-from app.engine.snapshot import Snapshot
+from app.engine.snapshot import ReplayState, Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.recorded.preview import Preview
 from app.recordings.replay.requests import RequestMailbox

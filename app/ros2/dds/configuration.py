@@ -7,14 +7,43 @@ import ipaddress
 import os
 from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
+from typing import Any
 
-from app.ros2.commands.incoming import IncomingTopic
-from app.ros2.dds.plan import Endpoint, Plan
-from app.ros2.dds.shapes import shapes
-from app.ros2.message_types import type_hash
+from app.ros2.dds.plan import Endpoint, Kind, Plan, Shapes
+from app.ros2.incoming import IncomingTopic
+from app.ros2.message_types import type_hash, typestore
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings
 from robot.errors import BrickPoseError
+
+
+def shapes(type_names: Iterable[str]) -> Shapes:
+    """Return the fields of message types and of all types in them, contained types first."""
+    result: Shapes = {}
+    for name in type_names:
+        _add(name, result)
+    return result
+
+
+def _add(name: str, result: Shapes) -> None:
+    if name not in result:
+        _, fields = typestore().fielddefs[name]
+        result[name] = [(field, _kind(described, result)) for field, described in fields]
+
+
+def _kind(described: Any, result: Shapes) -> Kind:
+    """Convert a field's type as rosbags describes it: (form, content)."""
+    form, item_type = described
+    match form.name:
+        case "BASE":
+            return str(item_type[0])
+        case "NAME":
+            _add(item_type, result)
+            return str(item_type)
+        case _:
+            inner, size = item_type
+            return [_kind(inner, result), form.name.lower(), size]
+
 
 NODE = "brickpose"
 MOST_DOMAIN = 232

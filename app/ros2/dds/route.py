@@ -12,15 +12,14 @@ from importlib.util import find_spec
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
-from app.ros2.commands.inbox import Inbox
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.framing import TROUBLE
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from app.settings.ros2 import Ros2Settings
 from robot.errors import BrickPoseError, PackageError
 from robot.worker_thread import WorkerThread

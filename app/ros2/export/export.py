@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from app.console import say
 from app.files import make_folder
+from app.options import config_of
 from app.ros2.export.controllers import controllers
 from app.ros2.export.nav2 import nav2
 from app.settings.config import MAPS, Config
@@ -67,3 +70,11 @@ def _lens_file(spec: RobotSpec) -> str:
 def _yaml(content: dict[str, Any]) -> str:
     written: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=100)
     return f"# By `brickpose export ros2`, from the robot's description and settings.\n{written}"
+
+
+def export_command(parsed: argparse.Namespace) -> int:
+    """Write the files, and print their paths."""
+    given = vars(parsed)
+    for path in export_ros2(parsed.folder, config_of(given), given.get("hardware_plugin", MOCK)):
+        say(str(path))
+    return 0

@@ -36,6 +36,6 @@ def add_export(commands: Commands) -> None:
 
 
 def _export(parsed: argparse.Namespace) -> int:
-    from app.ros2.export.command import export_command  # noqa: PLC0415
+    from app.ros2.export.export import export_command  # noqa: PLC0415
 
     return export_command(parsed)

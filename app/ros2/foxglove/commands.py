@@ -6,8 +6,8 @@ import json
 from typing import TYPE_CHECKING, Any
 
 from app.engine.drivers import Driver
-from app.ros2.commands.inbox import Inbox
-from app.ros2.commands.incoming import Service
+from app.ros2.inbox import Inbox
+from app.ros2.incoming import Service
 from app.ros2.message_types import (
     Message,
     MessageError,

@@ -5,13 +5,12 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING, Any
 
-from app.ros2.commands.inbox import Inbox
 from app.ros2.foxglove.commands import Commands
+from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition
-from app.ros2.published import Published
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings
 from robot.errors import PackageError, PortError

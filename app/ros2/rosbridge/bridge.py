@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.ros2.commands.inbox import Inbox
-from app.ros2.commands.incoming import Service
+from app.ros2.inbox import Inbox
+from app.ros2.incoming import Service
 from app.ros2.message_types import Message, MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.names import Names

@@ -6,11 +6,10 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from app.ros2.message_types import MessageError, definition
+from app.ros2.message_types import MessageError, definition, typestore
 from app.ros2.rosbridge.names import Names
-from app.ros2.rosbridge.values.fields import full_type
+from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields, full_type
 from app.ros2.rosbridge.values.reading import shown
-from app.ros2.rosbridge.values.type_details import type_details
 
 PACKAGE = "rosapi"
 SECOND_NS = 1_000_000_000
@@ -132,3 +131,45 @@ def _text(arguments: Any, name: str) -> str:
     if not isinstance(value, str):
         raise MessageError(f"{name} is {shown(value)}; valid is a text")
     return value
+
+
+ONE = -1
+"""The array length of a field that is not an array."""
+
+
+def type_details(type_name: str) -> list[dict[str, Any]]:
+    """Describe a type and all types in it, each once, beginning with the type itself.
+
+    Raises:
+        MessageError: the type is unknown.
+    """
+    result: dict[str, dict[str, Any]] = {}
+    waiting = [type_name]
+    while waiting:
+        name = waiting.pop(0)
+        if name not in result:
+            result[name] = _details(name)
+            waiting += [kind.name for kind in fields(name).values() if kind.nested]
+    return list(result.values())
+
+
+def _details(name: str) -> dict[str, Any]:
+    kinds = fields(name)
+    constants = typestore().fielddefs[name][0]
+    return {
+        "type": name,
+        "fieldnames": list(kinds),
+        "fieldtypes": [kind.name for kind in kinds.values()],
+        "fieldarraylen": [kind.length if kind.many else ONE for kind in kinds.values()],
+        "examples": [_example(kind) for kind in kinds.values()],
+        "constnames": [constant[0] for constant in constants],
+        "constvalues": [str(constant[2]) for constant in constants],
+    }
+
+
+def _example(kind: Kind) -> str:
+    if kind.many:
+        return "[]"
+    if kind.nested:
+        return "{}"
+    return str(NUMBERS[kind.name].type(0).item()) if kind.name in NUMBERS else ""

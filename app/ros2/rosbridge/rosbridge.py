@@ -8,7 +8,7 @@ from starlette.websockets import WebSocket
 from app.engine.drivers import Driver
 from app.engine.mailboxes.wakeup import Wakeup
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
-from app.ros2.commands.inbox import Inbox
+from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.session import Session

@@ -9,7 +9,6 @@ from typing import Any
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.ros2.message_types import MessageError
-from app.ros2.published import Published
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
 from app.ros2.rosbridge.requests import (
@@ -23,7 +22,7 @@ from app.ros2.rosbridge.requests import (
 from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.rosbridge.values.reading import message_of
 from app.ros2.route import Route
-from app.ros2.topic import Topic
+from app.ros2.topic import Published, Topic
 from robot.errors import BrickPoseError
 
 MOST_BYTES = 16_000_000

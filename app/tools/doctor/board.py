@@ -16,7 +16,7 @@ from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import FirmwareImage, FirmwareImageError
 from robot.hat.start.reset_line import GpioResetLine
-from robot.hat.start.stage import Stage
+from robot.hat.start.upload import Stage
 from robot.hat.supply import Supply
 
 LONGEST_S = 25.0

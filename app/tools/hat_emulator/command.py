@@ -24,8 +24,7 @@ from robot.geometry import Twist2
 from robot.settings import SettingError
 from sim.bullet import BulletWorld, load_pybullet
 from sim.floor_camera import FloorCamera
-from sim.hat.devices.device import DeviceError
-from sim.hat.devices.motor_figures import MotorFigures, figures_described, figures_named
+from sim.hat.motor_figures import DeviceError, MotorFigures, figures_described, figures_named
 from sim.hat_emulator.control import Control
 from sim.hat_emulator.emulator import Emulator, InitialState
 from sim.hat_emulator.line_server import LineServer, TypedLines

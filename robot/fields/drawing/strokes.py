@@ -1,4 +1,4 @@
-"""The area that a stroke covers: SVG 2, chapter 13.7, "Computing the shape of an element's stroke".
+"""The areas that strokes and fills cover: SVG 2, chapters 13.4 and 13.7.
 
 A stroke is the union of a rectangle for each line, a joint where two lines meet, and a cap at each
 end.
@@ -7,13 +7,59 @@ end.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from robot.fields.drawing.dashes import dashes
 from robot.geometry import Array
+
+MAX_DASHES = 10_000
+
+
+def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: float) -> list[Array]:
+    """Return the drawn pieces, each (m, 2), of a line through points (n, 2), by SVG's rules.
+
+    The pattern holds lengths of dash, gap, dash, gap ... in the unit of the points, not all 0. An
+    odd number of lengths is taken twice. The line begins at the offset in the pattern. On a closed
+    line, dashes that meet at its start are one.
+
+    Raises:
+        ValueError: a length is negative, or there would be absurdly many dashes.
+    """
+    if min(pattern) < 0:
+        raise ValueError(f"a dash of length {min(pattern):g}; valid is 0 or more")
+    around = np.vstack([points, points[:1]]) if closed else points
+    step = np.diff(around, axis=0)
+    walked = np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])
+    intervals = _intervals(walked[-1], pattern, offset)
+    pieces = [_piece(around, walked, start, end) for start, end in intervals]
+    if closed and len(pieces) > 1 and intervals[0][0] == 0 and intervals[-1][1] == walked[-1]:
+        pieces[0] = np.vstack([pieces.pop(), pieces[0][1:]])
+    return pieces
+
+
+def _intervals(
+    length: float, pattern: tuple[float, ...], offset: float
+) -> list[tuple[float, float]]:
+    """Return where dashes begin and end on a line of this length."""
+    even = pattern if len(pattern) % 2 == 0 else pattern * 2
+    period = sum(even)
+    repeats = int(length / period) + 2
+    if repeats * len(even) > 2 * MAX_DASHES:
+        raise ValueError(f"more than {MAX_DASHES} dashes; valid are longer ones")
+    marks = np.concatenate([[0.0], np.cumsum(even * repeats)]) - offset % period
+    starts, ends = np.maximum(marks[:-1:2], 0), np.minimum(marks[1::2], length)
+    return [(float(a), float(b)) for a, b in zip(starts, ends, strict=True) if a <= b]
+
+
+def _piece(around: Array, walked: Array, start: float, end: float) -> Array:
+    inside = (walked > start) & (walked < end)
+    marks = np.concatenate([[start], walked[inside], [end]])
+    return np.column_stack([np.interp(marks, walked, around[:, k]) for k in (0, 1)])
+
 
 _INSIDE = 0.01
 """Joints and caps overlap their lines by this share of the half width, to leave no hair gaps."""
@@ -165,3 +211,36 @@ def _sector(
     c, s = np.cos(angles), np.sin(angles)
     arc = np.column_stack([c * first[0] - s * first[1], s * first[0] + c * first[1]])
     return shapely.Polygon(np.vstack([inner, centre + arc]))
+
+
+def fill_area(outlines: Sequence[Array], even_odd: bool) -> shapely.Geometry:
+    """Return the area inside outlines, each (n, 2) and closed by a straight line if it is open.
+
+    The outlines may cross each other and themselves. They are cut into faces. With ``even_odd``, a
+    face is inside if the outlines wind around it an odd number of times. Without it, a face is
+    inside if that number is not zero.
+    """
+    closed = [np.vstack([points, points[:1]]) for points in outlines if len(points) > 2]
+    lines = shapely.union_all([shapely.LineString(points) for points in closed])
+    faces = shapely.get_parts(shapely.polygonize([lines]))
+    if not len(faces):
+        return shapely.Polygon()
+    inside = shapely.get_coordinates(shapely.point_on_surface(faces))
+    winding = sum((_winding(points, inside) for points in closed), np.zeros(len(faces), np.int64))
+    return shapely.union_all(faces[winding % 2 == 1 if even_odd else winding != 0])
+
+
+def _winding(outline: Array, places: Array) -> NDArray[np.int64]:
+    """Return how often a closed outline (n, 2) winds anticlockwise around points (m, 2).
+
+    The winding number is the number of lines that cross a ray to the right of the point upward,
+    minus those that cross it downward (Sunday 2001).
+    """
+    start, step = outline[:-1], np.diff(outline, axis=0)
+    winding = np.zeros(len(places), np.int64)
+    for i, (x, y) in enumerate(places):
+        above = outline[:, 1] > y
+        crossing = above[1:].astype(np.int64) - above[:-1]
+        area = step[:, 0] * (y - start[:, 1]) - step[:, 1] * (x - start[:, 0])
+        winding[i] = crossing[crossing * area > 0].sum()
+    return winding

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import shapely
@@ -40,15 +39,6 @@ def generated_seed(name: str) -> int | None:
     match = re.fullmatch(rf"{PREFIX}(0|[1-9]\d{{0,9}})", name)
     seed = int(match[1]) if match else None
     return seed if seed is not None and seed <= MAX_SEED else None
-
-
-def write_drawing(seed: int, path: Path) -> None:
-    """Write a generated drawing to a file.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    path.write_text(drawing(seed), encoding="utf-8")
 
 
 @lru_cache(maxsize=64)

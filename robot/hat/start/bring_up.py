@@ -21,8 +21,7 @@ from robot.hat.protocol.events import (
 )
 from robot.hat.start import troubles
 from robot.hat.start.firmware_image import EXPECTED_VERSION, FirmwareImage, FirmwareImageError
-from robot.hat.start.stage import Stage
-from robot.hat.start.upload import TRIES, Upload
+from robot.hat.start.upload import TRIES, Stage, Upload
 
 ASK_S = 1.2
 """Time between two questions to a board that does not answer [s]; there is no limit to their

@@ -6,7 +6,7 @@ import importlib
 import time
 import warnings
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 from robot.errors import BrickPoseError
 
@@ -21,18 +21,6 @@ CURE = "Install them: pip install gpiozero lgpio"
 
 class ResetError(BrickPoseError, RuntimeError):
     """The board cannot be reset by its pin; the message says what to do."""
-
-
-class ResetLine(Protocol):
-    """A way to reset the board."""
-
-    def pulse(self) -> None:
-        """Reset the board; its bootloader answers half a second later.
-
-        Raises:
-            ResetError: the reset fails; the message says why, and what to do.
-        """
-        ...
 
 
 class GpioResetLine:

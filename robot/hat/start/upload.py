@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from enum import Enum
+
 from robot.hat.protocol import commands
 from robot.hat.protocol.bootloader_events import (
     BootloaderPrompt,
@@ -14,7 +16,22 @@ from robot.hat.protocol.bootloader_events import (
 )
 from robot.hat.protocol.events import CommandRefused, Event, FirmwareVersion, InitDone
 from robot.hat.start.firmware_image import FirmwareImage
-from robot.hat.start.stage import Stage
+
+
+class Stage(Enum):
+    """A stage of the start; its value is the text that users see."""
+
+    ASKING = "asking which firmware runs"
+    CLEARING = "preparing the upload of the firmware"
+    LOADING = "sending the firmware, which takes five seconds"
+    SIGNING = "sending the firmware's signature"
+    REBOOTING = "starting the firmware"
+    PAUSING = "waiting for quiet before the firmware is sent again"
+    RESETTING = "resetting the board"
+    LISTING = "asking what is at the ports"
+    RUNNING = "running"
+    FAILED = "waiting before the next try"
+
 
 TRIES = 3
 SETTLE_S = 0.3

@@ -12,8 +12,7 @@ from robot.geometry import Array, Pose2, compose, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.grid.grid_motion import moved_grid
-from robot.localization.grid.grid_start import cloud_grid, even_grid, normal_grid
-from robot.localization.grid.pose_grid import Boxes, PoseGrid
+from robot.localization.grid.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
 from robot.localization.kalman_filter import follow
 from robot.localization.models.loosened_motion import loosened
 from robot.localization.models.motion_models import MotionModel

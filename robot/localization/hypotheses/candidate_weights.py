@@ -10,7 +10,7 @@ from robot.localization.hypotheses.images import EQUAL
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.hypotheses.prior import Prior, log_prior
 from robot.localization.hypotheses.track import Track
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 
 LEADING = 0.95
 """Weight above which a place is the only likely one."""

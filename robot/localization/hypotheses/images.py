@@ -10,7 +10,7 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.track import Track
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 
 EQUAL = -3.0
 """Log-weight relative to the heaviest place from which on the images of a place are followed."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from robot.geometry import Array
-from robot.localization.hypothesis_parameters import HypothesisParameters
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.ray_evidence import RayEvidence
 
 FRESH = -2.5

@@ -10,8 +10,8 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.rescoring import ScanHistory
-from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.models.motion_models import MotionModel
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.rays import rays_of
 from robot.scan import Scan, evenly
 

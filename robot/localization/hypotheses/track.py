@@ -13,8 +13,8 @@ from numba import njit
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.hypothesis_parameters import HypothesisParameters
 from robot.localization.kernels.matrices import inverse, solved
+from robot.localization.parameters import HypothesisParameters
 from robot.localization.setup import Setup
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))

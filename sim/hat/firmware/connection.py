@@ -5,22 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from enum import Enum
 
-from sim.hat.devices.device import Device
 from sim.hat.firmware.device_link import DeviceLink
 from sim.hat.firmware.port import Port
 from sim.hat.firmware.reports import Writer
-from sim.hat.firmware.variables import Modes
+from sim.hat.lego_motor import LegoMotor
 
 PROBE = 98
 """Duration of one probe of a device's resistors [ms]: 10 ms, then eight times 11 ms."""
 
-PASSIVE_REPEAT = 100
-"""Pause between two probes of a connected passive device [ms]."""
-
-MATCHES = 5
-"""Number of equal probes, after the first one, that identify a passive device."""
-
-BUTTON, MATRIX = 5, 0x40
 LISTENING = 100
 """How long an active device holds its line low [ms]."""
 
@@ -56,36 +48,28 @@ class Connection:
     def __init__(
         self,
         port: Port,
-        modes: Modes,
         write: Writer,
         has_room: Callable[[], bool],
-        trace: Callable[[int, int, bytes], None],
     ) -> None:
         """Start without a device.
 
         Args:
             port: the port it serves.
-            modes: data of all ports.
             write: takes the lines that it prints.
             has_room: whether the transmit ring is less than half full.
-            trace: called with port, mode and payload of each data message.
         """
         self._port = port
-        self._modes = modes
         self._write = write
         self._has_room = has_room
-        self._trace = trace
         self._plugged: DeviceLink | None = None
         self._fault: SetupFault | None = None
         self._errors = (0, 0)
         self._now = 0
         self._due = 0
         self._seconds = 0.0
-        self._matches = 0
-        self._pressed = False
         self._life = self._search()
 
-    def plug(self, device: Device) -> None:
+    def plug(self, device: LegoMotor) -> None:
         """Plug in a device that has power, replacing any other."""
         self._plugged = DeviceLink(device)
 
@@ -99,12 +83,8 @@ class Connection:
             return
         self._port.known = self._plugged.device
         self._port.connected = True
-        if self._plugged.device.passive:
-            self._matches = MATCHES
-            self._life = self._search(known=self._plugged.device.type_id)
-        else:
-            self._port.link = self._plugged
-            self._life = self._known(self._plugged)
+        self._port.link = self._plugged
+        self._life = self._known(self._plugged)
 
     def fail_setup(self, fault: SetupFault) -> None:
         """Make the next setup of a device fail."""
@@ -120,25 +100,13 @@ class Connection:
             self._now, self._seconds = current, seconds
             self._due = current + next(self._life)
 
-    def _search(self, known: int = 0) -> Iterator[int]:
-        """Search for devices forever; ``known``: type of the passive device seen last, or 0."""
+    def _search(self) -> Iterator[int]:
+        """Search for devices forever."""
         while True:
-            if not known:
-                self._vacate()
+            self._vacate()
             yield PROBE
-            link = self._plugged
-            result = 0 if link is None or not link.device.passive else link.device.type_id
-            if self._hears_active():
-                known = 0
+            if self._hears():
                 yield from self._active()
-            elif result == 0 or known not in (0, result):
-                known = self._matches = 0
-            elif self._matches < MATCHES:
-                known = result
-                self._matches += 1
-            else:
-                known = result
-                yield from self._passive(link)
 
     def _known(self, link: DeviceLink) -> Iterator[int]:
         yield 1
@@ -152,31 +120,14 @@ class Connection:
         self._port.known = None
         self._port.reset_drive()
 
-    def _hears_active(self) -> bool:
-        link = self._plugged
-        return link is not None and not link.device.passive and link.device.responding
-
-    def _passive(self, link: DeviceLink | None) -> Iterator[int]:
-        """Connect a passive device that was detected often enough, or poll a connected one."""
-        assert link is not None
-        device = link.device
-        if not self._port.connected:
-            self._say(f"connected to passive ID {device.type_id}")
-        self._port.known, self._port.connected = device, True
-        if device.type_id != BUTTON:
-            yield PASSIVE_REPEAT
-            return
-        pressed = bool(getattr(device, "pressed", False))
-        if pressed != self._pressed:
-            self._say("button pressed" if pressed else "button released")
-        self._pressed = pressed
+    def _hears(self) -> bool:
+        return self._plugged is not None and self._plugged.device.responding
 
     def _active(self) -> Iterator[int]:
-        """Handle an active device, from its first low line to the end of the connection."""
-        self._matches = 0
+        """Handle a device, from its first low line to the end of the connection."""
         yield LISTENING
         link = self._plugged
-        if link is None or not self._hears_active():
+        if link is None or not self._hears():
             return
         self._say("connecting to active device")
         self._port.forget_device()
@@ -213,10 +164,6 @@ class Connection:
         self._errors = (0, 0)
         self._write(port.describe())
         self._say(f"established serial communication with active ID {device.type_id:02X}")
-        if device.type_id == MATRIX:
-            # The light matrix gives up if it does not get power at once.
-            port.wave.hold(1.0)
-            port.coasting = False
 
     def _listen(self, link: DeviceLink) -> Iterator[int]:
         """Receive data, at 115200 baud, until the device is silent for too long or has errors."""
@@ -233,7 +180,7 @@ class Connection:
                 self._say("timeout during data phase: disconnecting")
                 break
             if selection.is_due(self._now, self._has_room):
-                port.report(self._modes)
+                port.report()
             yield 1
         selection.clear()
         port.link = None
@@ -245,9 +192,7 @@ class Connection:
         payload = link.message()
         if not payload:
             return False
-        number, mode = self._port.number, link.mode
-        self._trace(number, mode, payload)
-        self._port.receive(payload, mode, self._now)
+        self._port.receive(payload, link.mode, self._now)
         return True
 
     def _say(self, text: str) -> None:

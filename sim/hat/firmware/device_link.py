@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from struct import Struct
 
-from sim.hat.devices.device import Device, ValueType
+from sim.hat.lego_motor import LegoMotor, ValueType
 
 SELECT, COMBINE, EXTENDED = 0x43, 0x44, 0x46
 """Types of messages to a device; the bits outside ``TYPE_BITS`` give the length."""
@@ -19,7 +19,6 @@ LETTERS = {
     ValueType.INT8: "b",
     ValueType.INT16: "h",
     ValueType.INT32: "i",
-    ValueType.FLOAT32: "f",
 }
 
 
@@ -27,7 +26,7 @@ LETTERS = {
 class DeviceLink:
     """Link to one plugged-in device, which starts in mode 0."""
 
-    device: Device
+    device: LegoMotor
     mode: int = 0
     _upper: int = 0
     """8 if the next selected mode is 8 or higher, else 0."""

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
-from sim.hat.devices.device import Device
-from sim.hat.firmware.bridge import Bridge
-from sim.hat.firmware.controllers import Controller
 from sim.hat.firmware.device_link import COMBINE, EXTENDED, SELECT, DeviceLink
-from sim.hat.firmware.reports import (
-    WHOLE_MODE,
-    Selection,
-    Writer,
-    combination_line,
-    mode_line,
-    value_line,
-)
-from sim.hat.firmware.variables import MODES, ModeData, Modes, Variable
-from sim.hat.firmware.waveforms import Shape, Waveform
+from sim.hat.firmware.drive import Bridge, Controller, Waveform
+from sim.hat.firmware.reports import Selection, Writer, combination_line, mode_line
+from sim.hat.firmware.variables import MODES, ModeData, Modes
+from sim.hat.lego_motor import LegoMotor
 
 Pairs = tuple[tuple[int, int], ...]
 
@@ -30,7 +21,7 @@ class Port:
         self._write = write
         self.bridge = Bridge()
         self.selection = Selection()
-        self.known: Device | None = None
+        self.known: LegoMotor | None = None
         """The device that was set up last; its type and modes stay known after it is lost."""
         self.link: DeviceLink | None = None
         """The open connection to an active device."""
@@ -62,17 +53,17 @@ class Port:
             return f"P{self.number}: no device detected\r\n"
         return self.known.description(self.number)
 
-    def run_drive(self, modes: Modes, trace: Callable[[str], None] | None) -> None:
+    def run_drive(self, modes: Modes) -> None:
         """Update setpoint, controller and bridge; called every 10 ms."""
-        ended = self.wave.advance(modes)
+        ended = self.wave.advance()
         if ended is not None:
-            self._write(f"P{self.number}: {'pulse' if ended is Shape.PULSE else 'ramp'} done\r\n")
+            self._write(f"P{self.number}: {ended.value} done\r\n")
         if not self.connected:
             self.bridge.drive(0.0)
         elif self.coasting:
             self.bridge.coast()
         else:
-            wanted = self.controller.drive(modes, self.wave.setpoint, trace)
+            wanted = self.controller.drive(modes, self.wave.setpoint)
             if wanted is not None:
                 self.bridge.drive(wanted)
 
@@ -82,15 +73,12 @@ class Port:
         if mode == self.selection.mode:
             self.selection.arrived(current)
 
-    def report(self, modes: Modes) -> None:
+    def report(self) -> None:
         """Write a report of the selected data."""
         number, mode = self.number, self.selection.mode
         assert mode is not None
         pairs = self.combinations.get(mode)
-        if self.selection.offset != WHOLE_MODE:
-            place = Variable(number, mode, self.selection.offset, self.selection.format, 1.0)
-            line = value_line(number, place, modes)
-        elif pairs is not None:
+        if pairs is not None:
             known = () if self.known is None else self.known.modes
             line = combination_line(number, mode, pairs, known, self.data[mode])
         elif self.known is not None and mode < len(self.known.modes):
@@ -99,10 +87,10 @@ class Port:
             line = ""
         self._write(line)
 
-    def select(self, mode: int, offset: int, layout: str, period: int) -> None:
-        """Report a mode or one number in it; send the device its new mode if it changes."""
+    def select(self, mode: int, period: int) -> None:
+        """Report a mode; send the device its new mode if it changes."""
         chosen = self.selection
-        chosen.offset, chosen.format, chosen.period = offset, layout, period
+        chosen.period = period
         if chosen.mode != mode:
             self.send(EXTENDED, bytes([mode & 8]))
             self.send(SELECT, bytes([mode & 7]))

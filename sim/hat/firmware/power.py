@@ -1,17 +1,13 @@
-"""Supply voltage, lights and fault lines of the board, as its firmware sees them."""
+"""Supply voltage and fault lines of the board, as its firmware sees them."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sim.hat.devices.device import PORTS
+from sim.hat.plants import PORTS
 
 CONVERTER = 4095
 """Largest value of the analogue converter, which measures 0 to 3.3 V after a divider by 5.7."""
-
-NO_LIGHT, ORANGE, GREEN, BOTH = range(4)
-BY_SUPPLY = -1
-"""The light mode that shows the supply voltage."""
 
 DEBOUNCE = 10
 """A fault is reported if it lasts longer than this [ms]."""
@@ -42,17 +38,6 @@ def supply_text(millivolts: int) -> str:
     """Return what ``vin`` prints [V]: two decimals, rounded half up in fixed point."""
     fixed = (millivolts << 16) // 1000 + 655 // 2
     return f"{fixed >> 16}.{((fixed & 0xFFFF) * 100) >> 16:02d} V\r\n"
-
-
-def light(mode: int, millivolts: int) -> int:
-    """Return which lights are on: ``NO_LIGHT``, ``ORANGE``, ``GREEN`` or ``BOTH``."""
-    if mode != BY_SUPPLY:
-        return mode
-    if millivolts < 4800:
-        return NO_LIGHT
-    if millivolts < 6000:
-        return BOTH
-    return GREEN if millivolts < 8500 else ORANGE
 
 
 class FaultWatch:

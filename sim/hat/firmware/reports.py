@@ -6,18 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from struct import Struct
 
-from sim.hat.devices.device import Mode, ValueType
-from sim.hat.firmware.single import float_text
-from sim.hat.firmware.variables import ModeData, Variable
+from sim.hat.firmware.variables import ModeData
+from sim.hat.lego_motor import Mode, ValueType
 
-OFF, ONCE, EACH_MESSAGE = -2, -1, 0
+OFF, EACH_MESSAGE = -1, 0
 """Special values of a period, which are not times."""
 
 DEFAULT_PERIOD = 100
 """Period after every ``select`` [ms]."""
-
-WHOLE_MODE = -1
-"""The offset that selects all numbers of a mode."""
 
 INTEGERS = {
     ValueType.INT8: Struct("<b"),
@@ -36,11 +32,8 @@ class Selection:
 
     mode: int | None = None
     """Selected mode or combination."""
-    offset: int = WHOLE_MODE
-    """Offset of the one reported number in the data [bytes], or ``WHOLE_MODE``."""
-    format: str = ""
     period: int = OFF
-    """Time between reports [ms], or ``OFF``, ``ONCE`` or ``EACH_MESSAGE``."""
+    """Time between reports [ms], or ``OFF`` or ``EACH_MESSAGE``."""
     fresh: bool = False
     """Whether a message came since the selection, or, for ``EACH_MESSAGE``, the last report."""
     since: int = 0
@@ -73,9 +66,7 @@ class Selection:
             return False
         if current - self.since < self.period or not has_room():
             return False
-        if self.period == ONCE:
-            self.period = OFF
-        elif self.period == EACH_MESSAGE:
+        if self.period == EACH_MESSAGE:
             self.fresh = False
         self.since = current
         return True
@@ -107,16 +98,6 @@ def combination_line(
     return line + "\r\n"
 
 
-def value_line(port: int, variable: Variable, modes: Sequence[Sequence[ModeData]]) -> str:
-    """Return a line with one number, as a float; empty if none was received."""
-    value = variable.read(modes, False, 0.0)
-    return "" if value is None else f"P{port}V: {float_text(value)}\r\n"
-
-
 def _text(kind: ValueType, data: ModeData, place: int) -> str:
-    layout = INTEGERS.get(kind)
-    if layout is None:
-        (single,) = Struct("<f").unpack_from(data.content, place)
-        return float_text(single)
-    (value,) = layout.unpack_from(data.content, place)
+    (value,) = INTEGERS[kind].unpack_from(data.content, place)
     return f"{value:+d}" if value else " 0"

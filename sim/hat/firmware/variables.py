@@ -1,12 +1,23 @@
-"""Variables: numbers in the devices' data that a controller or a setpoint watches."""
+"""Numbers in single precision, and variables: numbers in the devices' data that are watched."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from ctypes import c_float
 from dataclasses import dataclass, field
 from struct import Struct
 
-from sim.hat.firmware.single import single
+
+def single(value: float) -> float:
+    """Return the nearest IEEE 754 single, or an infinity beyond its range."""
+    return c_float(value).value
+
+
+def clamped(value: float, low: float, high: float) -> float:
+    """Clip ``value`` to ``low`` first and then to ``high``, as the firmware does."""
+    value = max(value, low)
+    return min(value, high)
+
 
 MODES = 16
 PAYLOAD = 128

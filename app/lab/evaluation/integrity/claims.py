@@ -1,10 +1,13 @@
-"""The filter's claims at each picture of a drive, and the truth."""
+"""The filter's claims at each picture of a drive, and the truth; as CSV for others too."""
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -80,22 +83,19 @@ class _Row:
     integrity: Integrity
 
 
-def follow_claims(
-    trial: TrialDrive, config: Config, start: str, believed: Field | None = None
-) -> Claims:
+def follow_claims(trial: TrialDrive, config: Config, start: str) -> Claims:
     """Let the program's localization follow a drive, and keep its claims.
 
     Args:
         trial: what the robot saw and where it was.
         config: seed, localization and the user's own models.
         start: one of ``STARTS``.
-        believed: the field that the filter assumes; by default the true one.
 
     Raises:
         EvaluationError: one of the user's own models is broken, or there are fewer than three
             pictures.
     """
-    field = believed or trial.drive.field
+    field = trial.drive.field
     following = follow_drive(
         trial.drive,
         config,
@@ -180,3 +180,36 @@ def _claims(rows: list[_Row], carry_stamp: float | None) -> Claims:
         tuple(item.alerts[0].cause if item.alerts else None for item in claimed),
         carry_stamp,
     )
+
+
+COLUMNS = (
+    "stamp", "true_x", "true_y", "true_theta", "x", "y", "theta",
+    "state", "radius", "heading_bound", "weight",
+)  # fmt: skip
+"""Seconds, metres, radians; the pose is the estimate at the picture's stamp, nan without one; the
+radius is inf without a bound."""
+STATE = COLUMNS.index("state")
+
+
+def claims_csv(claims: Claims) -> str:
+    """Return the claims as CSV, one line for each picture."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    numbers = np.column_stack([claims.stamps, claims.truth, claims.poses])
+    bounds = np.column_stack([claims.radius, claims.heading_bound, claims.weights])
+    for before, state, after in zip(numbers, claims.states, bounds, strict=True):
+        writer.writerow([*map(_short, before), str(state), *map(_short, after)])
+    return text.getvalue()
+
+
+def read_numbers(path: Path) -> dict[str, Array]:
+    """Read the numeric columns by name, each (n,)."""
+    wanted = [place for place in range(len(COLUMNS)) if place != STATE]
+    rows = np.loadtxt(path, delimiter=",", skiprows=1, usecols=wanted, ndmin=2)
+    return {COLUMNS[place]: column for place, column in zip(wanted, rows.T, strict=True)}
+
+
+def _short(value: float) -> str:
+    """Format a value to a micrometre, a microradian or a microsecond."""
+    return f"{value:.6f}"

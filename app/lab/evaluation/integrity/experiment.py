@@ -9,8 +9,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from app.lab.evaluation.integrity.claims import STARTS, follow_claims
-from app.lab.evaluation.integrity.claims_file import claims_csv
+from app.lab.evaluation.integrity.claims import STARTS, claims_csv, follow_claims
 from app.lab.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
 from app.lab.evaluation.integrity.measures import measures
 from app.lab.evaluation.integrity.oracle import decided_stamp, decision_measures

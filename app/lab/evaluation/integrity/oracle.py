@@ -20,7 +20,6 @@ from app.lab.evaluation.integrity.drives import TrialDrive
 from app.lab.evaluation.integrity.measures import certain, right
 from app.lab.evaluation.integrity.rivals import DriveSegment, field_rivals, rivals_of, setup_over
 from app.settings.config import Config
-from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.setup import Setup
@@ -37,9 +36,7 @@ NUDGE_XY, NUDGE_THETA = 0.04, math.radians(6)
 """Largest move of a rival when it is laid on the edges of one scan [m], [rad]."""
 
 
-def decided_stamp(
-    trial: TrialDrive, claims: Claims, config: Config, start: str, believed: Field | None = None
-) -> float:
+def decided_stamp(trial: TrialDrive, claims: Claims, config: Config, start: str) -> float:
     """Return the stamp [s] from which on the field has decided; inf if it never does.
 
     Args:
@@ -47,11 +44,10 @@ def decided_stamp(
         claims: the filter's claims on the drive: places that it claimed are rivals.
         config: settings of the search for places.
         start: what was known at the start; a known start is decided from the beginning.
-        believed: the field that the filter assumes; by default the true one.
     """
     if start == "known":
         return float(claims.stamps[0])
-    field = believed or trial.drive.field
+    field = trial.drive.field
     carry = trial.carry_stamp
     way = DriveSegment.since(trial.drive, -math.inf if carry is None else carry)
     if len(way.stamps) == 0:
@@ -62,7 +58,7 @@ def decided_stamp(
     return decision_stamp(way, rivals, RayEvidence.of(field, REACH, SD), setup)
 
 
-def field_decides(drive: Drive, since: float, config: Config | None = None) -> float:
+def field_decides(drive: Drive, since: float) -> float:
     """Return when the field has decided, without a filter.
 
     Rivals are the quarter turns of the true pose and the places that a search finds.
@@ -70,13 +66,12 @@ def field_decides(drive: Drive, since: float, config: Config | None = None) -> f
     Args:
         drive: what the robot saw and where it was.
         since: the stamp from which on nothing was known [s].
-        config: settings of the search for places.
 
     Returns:
         The stamp [s]; inf if the field never decides.
     """
     way = DriveSegment.since(drive, since)
-    setup = setup_over(drive.field, config or Config())
+    setup = setup_over(drive.field, Config())
     return decision_stamp(
         way, field_rivals(way, setup), RayEvidence.of(drive.field, REACH, SD), setup
     )

@@ -8,14 +8,19 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
+
 from app.recordings.attachments import SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.settings.config import MAPS, Config, as_table, by_path, from_table
-from app.settings.old_names import new_name
+from app.recordings.replay.recorded.decoding import ContentError, pose_and_covariance_of
+from app.recordings.replay.recorded.topics import RecordedTopics
+from app.ros2.message_types import MessageError
+from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
+from robot.localization.estimate import Hypothesis
 from robot.settings import SettingError
 
 TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
@@ -98,3 +103,36 @@ def with_new_names(content: dict[str, Any]) -> dict[str, Any]:
     if "sim" in content:
         return content
     return as_table({new_name(path): value for path, value in by_path(content).items()}, {})
+
+
+SOON_NS = 10_000_000_000
+"""An estimate later than this after the first tick says nothing about the beginning [ns]."""
+
+SINCE = np.diag(np.square([0.01, 0.01, 0.03]))
+"""Covariance of the robot's possible motion since the estimate [m², m², rad²]."""
+
+
+def first_estimate(
+    reader: RecordingReader, topics: RecordedTopics, start_ns: int
+) -> Hypothesis | None:
+    """Return the first usable estimate of the first ten seconds; None if there is none.
+
+    Args:
+        reader: the recording.
+        topics: its topics.
+        start_ns: time of the first tick.
+    """
+    if not topics.amcl_pose:
+        return None
+    try:
+        for message in reader.messages((topics.amcl_pose,)):
+            if message.log_time_ns > start_ns + SOON_NS:
+                return None
+            _, pose, covariance = pose_and_covariance_of(message.cdr)
+            spread = covariance + SINCE
+            if np.linalg.eigvalsh(spread)[0] <= 0:
+                continue
+            return Hypothesis(1.0, pose, spread)
+    except (RecordingError, MessageError, ContentError):
+        return None
+    return None

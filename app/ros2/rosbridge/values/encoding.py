@@ -1,4 +1,4 @@
-"""Encodes messages for clients; each encoding is made once for all clients that want it."""
+"""Encodes messages for clients, each once for all that want it, as rosbridge_suite does."""
 
 from __future__ import annotations
 
@@ -6,14 +6,17 @@ import base64
 import json
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import cbor2
 import cv2
 import numpy as np
+from cbor2 import CBORTag
 
-from app.ros2.published import Published
-from app.ros2.rosbridge.values.writing import cbor_values, json_values
+from app.ros2.message_types import Message
+from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields
+from app.ros2.topic import Published
 
 SECOND_NS = 1_000_000_000
 
@@ -82,3 +85,90 @@ COMPRESSIONS: dict[str, Callable[[Published, str], str | bytes]] = {
     "cbor-raw": _cbor_raw,
 }
 """The compressions that a client may choose; the default is ``none``, which is JSON."""
+
+
+Writer = Callable[[Any], Any]
+
+BINARY = ("uint8", "char")
+"""Arrays of these types are base64 in JSON, and a byte string in CBOR."""
+
+TAGS = {
+    "uint16": 69,
+    "uint32": 70,
+    "uint64": 71,
+    "int8": 72,
+    "int16": 77,
+    "int32": 78,
+    "int64": 79,
+    "float32": 85,
+    "float64": 86,
+}
+"""CBOR tags of typed arrays, little endian (RFC 8746, table 1)."""
+
+
+def json_values(message: Message) -> dict[str, Any]:
+    """Convert a message to JSON values: bytes to base64; NaN and infinity, not in JSON, to null."""
+    return dict(_object_writer(message.__msgtype__, _json_field)(message))
+
+
+def cbor_values(message: Message) -> dict[str, Any]:
+    """Convert a message to CBOR values: arrays of numbers to typed arrays."""
+    return dict(_object_writer(message.__msgtype__, _cbor_field)(message))
+
+
+@cache
+def _object_writer(type_name: str, of_field: Callable[[Kind], Writer]) -> Writer:
+    writers = [(name, of_field(kind)) for name, kind in fields(type_name).items()]
+    return lambda message: {name: write(getattr(message, name)) for name, write in writers}
+
+
+def _json_field(kind: Kind) -> Writer:
+    if kind.nested:
+        return _nested(kind, _json_field)
+    if kind.many:
+        return _json_array(kind)
+    return _json_float if kind.name.startswith("float") else _same
+
+
+def _cbor_field(kind: Kind) -> Writer:
+    if kind.nested:
+        return _nested(kind, _cbor_field)
+    return _cbor_array(kind) if kind.many else _same
+
+
+def _nested(kind: Kind, of_field: Callable[[Kind], Writer]) -> Writer:
+    write = _object_writer(kind.name, of_field)
+    return (lambda many: [write(item) for item in many]) if kind.many else write
+
+
+def _json_array(kind: Kind) -> Writer:
+    if kind.name in BINARY:
+        return lambda many: base64.b64encode(many.tobytes()).decode("ascii")
+    if kind.name.startswith("float"):
+        return _json_floats
+    return (lambda many: many.tolist()) if kind.name in NUMBERS else list
+
+
+def _cbor_array(kind: Kind) -> Writer:
+    if kind.name in BINARY:
+        return lambda many: many.tobytes()
+    tag = TAGS.get(kind.name)
+    if tag is None:
+        return _json_array(kind)
+    little = NUMBERS[kind.name].newbyteorder("<")
+    return lambda many: CBORTag(tag, many.astype(little).tobytes())
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _json_float(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _json_floats(values: np.ndarray) -> list[float | None]:
+    listed: list[float | None] = values.tolist()
+    if np.isfinite(values).all():
+        return listed
+    return [_json_float(item) for item in listed]  # type: ignore[arg-type]

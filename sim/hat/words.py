@@ -9,10 +9,9 @@ from __future__ import annotations
 import re
 
 from robot.errors import CommandError
-from sim.hat.firmware.single import single
+from sim.hat.firmware.variables import single
 
 DIGITS = re.compile(r"[0-9]+")
-HEX_DIGITS = re.compile(r"[0-9A-Fa-f]+")
 DECIMAL = re.compile(r"([+-]?)([0-9]*)(\.?)([0-9]*)")
 FORMATS = ("u1", "s1", "u2", "s2", "u4", "s4", "f4")
 MANTISSA_LIMIT = 100_000_000
@@ -64,15 +63,12 @@ class Words:
         Raises:
             CommandError: there are none.
         """
-        return self._whole(DIGITS, 10)
-
-    def hexadecimal(self) -> int:
-        """Read hexadecimal digits, modulo 2^32.
-
-        Raises:
-            CommandError: there are none.
-        """
-        return self._whole(HEX_DIGITS, 16)
+        result = DIGITS.match(self._text, self._at)
+        if result is None:
+            raise CommandError(f"digits are expected, not {self._text[self._at :]!r}")
+        self._at = result.end()
+        self._skip(" ")
+        return int(result.group()) % 2**32
 
     def integer(self) -> int:
         """Read decimal digits with an optional sign, as a 32-bit two's complement.
@@ -127,14 +123,6 @@ class Words:
         self._at += 2
         self._skip(" ")
         return name
-
-    def _whole(self, digits: re.Pattern[str], radix: int) -> int:
-        result = digits.match(self._text, self._at)
-        if result is None:
-            raise CommandError(f"digits are expected, not {self._text[self._at :]!r}")
-        self._at = result.end()
-        self._skip(" ")
-        return int(result.group(), radix) % 2**32
 
     def _skip(self, characters: str) -> None:
         while self._at < len(self._text) and self._text[self._at] in characters:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import struct
+from collections.abc import Sequence
+
 from cyclonedds.core import (
     DDSException,
     GuardCondition,
@@ -20,11 +23,59 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from app.ros2.dds.domain import graph
-from app.ros2.dds.domain.loopback import confine_to_this_machine
-from app.ros2.dds.domain.raw_types import RawSample, filled, raw_types
-from app.ros2.dds.plan import Endpoint, Plan, dds_topic
+from app.ros2.dds.loopback import confine_to_this_machine
+from app.ros2.dds.plan import Endpoint, Plan, Shapes, dds_topic
+from app.ros2.dds.raw_types import RawSample, filled, raw_types
 from robot.errors import BrickPoseError
+
+TOPIC = "ros_discovery_info"
+"""The topic's name in DDS; unlike others, it has no prefix ``rt/``."""
+
+TYPE = "rmw_dds_common/msg/ParticipantEntitiesInfo"
+
+SHAPES: Shapes = {
+    "rmw_dds_common/msg/Gid": [("data", ["uint8", "array", 16])],
+    "rmw_dds_common/msg/NodeEntitiesInfo": [
+        ("node_namespace", "string"),
+        ("node_name", "string"),
+        ("reader_gid_seq", ["rmw_dds_common/msg/Gid", "sequence", 0]),
+        ("writer_gid_seq", ["rmw_dds_common/msg/Gid", "sequence", 0]),
+    ],
+    TYPE: [
+        ("gid", "rmw_dds_common/msg/Gid"),
+        ("node_entities_info_seq", ["rmw_dds_common/msg/NodeEntitiesInfo", "sequence", 0]),
+    ],
+}
+
+ENDPOINT = Endpoint(TOPIC, TYPE, latched=True)
+
+PARTICIPANT_DATA = b"enclave=/;"
+
+
+def endpoint_data(type_hash: str) -> bytes:
+    """The user data of a reader or writer."""
+    return f"typehash={type_hash};".encode() if type_hash else b""
+
+
+def entities(
+    participant: bytes,
+    namespace: str,
+    name: str,
+    readers: Sequence[bytes],
+    writers: Sequence[bytes],
+) -> bytes:
+    """Encode one participant with one node as CDR with its header; gids are those of DDS."""
+    body = participant + struct.pack("<I", 1)
+    for text in (namespace, name):
+        body = _aligned(body) + struct.pack("<I", len(text.encode()) + 1) + text.encode() + b"\0"
+    for gids in (readers, writers):
+        body = _aligned(body) + struct.pack("<I", len(gids)) + b"".join(gids)
+    return b"\x00\x01\x00\x00" + body
+
+
+def _aligned(body: bytes) -> bytes:
+    return body + bytes(-len(body) % 4)
+
 
 BLOCKING_S = 0.01
 """Longest time that a writer waits for a slow reader [s]; the other writers wait too."""
@@ -42,12 +93,10 @@ class Participant:
     def __init__(self, plan: Plan) -> None:
         if plan.configuration is not None:
             self._domain = Domain(plan.domain, plan.configuration)
-        self._participant = DomainParticipant(
-            plan.domain, Qos(Policy.Userdata(graph.PARTICIPANT_DATA))
-        )
+        self._participant = DomainParticipant(plan.domain, Qos(Policy.Userdata(PARTICIPANT_DATA)))
         if plan.confined:
             confine_to_this_machine()  # before there are readers
-        self._types = raw_types(plan.shapes | graph.SHAPES)
+        self._types = raw_types(plan.shapes | SHAPES)
         self._writers = [
             self._writer(planned, dds_topic(planned.topic)) for planned in plan.writers
         ]
@@ -55,7 +104,7 @@ class Participant:
         self._names = [item.topic for item in plan.writers]
         self._latched = [writer.latched for writer in plan.writers]
         self._waiting: dict[int, bytes] = {}
-        self._graph = self._writer(graph.ENDPOINT, graph.TOPIC)
+        self._graph = self._writer(ENDPOINT, TOPIC)
         self._tell_node(plan)
         self._ending = GuardCondition(self._participant)
         self._waitset = WaitSet(self._participant)
@@ -105,7 +154,7 @@ class Participant:
         return DataReader(self._participant, named, _quality(endpoint))
 
     def _tell_node(self, plan: Plan) -> None:
-        given = graph.entities(
+        given = entities(
             self._participant.guid.bytes,
             plan.namespace,
             plan.name,
@@ -133,5 +182,5 @@ def _quality(endpoint: Endpoint) -> Qos:
         Policy.Durability.TransientLocal if endpoint.latched else Policy.Durability.Volatile,
         Policy.History.KeepLast(endpoint.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False),
-        Policy.Userdata(graph.endpoint_data(endpoint.type_hash)),
+        Policy.Userdata(endpoint_data(endpoint.type_hash)),
     )

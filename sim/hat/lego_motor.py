@@ -3,17 +3,55 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
 
-from sim.hat.devices.description import active_description
-from sim.hat.devices.device import (
-    CONNECT_SECONDS,
-    SAMPLE_PERIOD,
-    DeviceError,
-    Mode,
-    Plant,
-    ValueType,
-)
-from sim.hat.devices.motor_figures import MOTOR_FIGURES
+from sim.hat.motor_figures import MOTOR_FIGURES, DeviceError
+from sim.hat.plants import Plant
+
+SAMPLE_PERIOD = 0.01
+"""Time between two data messages of a device [s]."""
+
+CONNECT_SECONDS = 2.0
+"""Usual time from plugging in until a device is usable [s]; real devices take up to 8 to 11 s."""
+
+
+class ValueType(IntEnum):
+    """Types of a mode's values on the wire; the numbers are those in the listing."""
+
+    INT8 = 0
+    INT16 = 1
+    INT32 = 2
+
+    @property
+    def size(self) -> int:
+        """Size of one value [bytes]."""
+        return (1, 2, 4)[self]
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """One kind of data that a device can send."""
+
+    name: str
+    """Name of the mode; it may contain a blank."""
+    unit: str
+    """Unit of the values; it may be empty."""
+    type: ValueType
+    count: int
+    """Number of values in one message."""
+    chars: int
+    """Number of characters that a display needs for one value."""
+    dp: int
+    """Number of digits after the decimal point."""
+    raw: int
+    """Largest raw value; the listing shows every smallest value as 0."""
+    pct: int
+    """Largest value in percent."""
+    si: int
+    """Largest value in ``unit``."""
+
 
 POWER, SPEED, POS, APOS, CALIB, STATS = range(6)
 
@@ -25,6 +63,10 @@ MODES = (
     Mode("CALIB", "CAL", ValueType.INT16, 2, 5, 0, raw=3600, pct=100, si=3600),
     Mode("STATS", "MIN", ValueType.INT16, 14, 5, 0, raw=65535, pct=100, si=65535),
 )
+
+BAUD = 115200
+HARDWARE_VERSION = 0x00000004
+SOFTWARE_VERSION = 0x10000000
 
 SPEED_UNIT = 10.0
 """One unit of SPEED [deg/s]."""
@@ -42,7 +84,6 @@ class LegoMotor:
     the last sample, in units of 10 degrees a second.
     """
 
-    passive = False
     modes = MODES
     combinations = ((SPEED, POS, APOS),)
     pid_defaults = ((3000, 100, 9000, 1080), (12000, 1000, 80000, 0))
@@ -76,6 +117,7 @@ class LegoMotor:
         self.type_id = type_id
         self.connect_seconds = connect_seconds
         self.responding = True
+        """False: it is plugged in but no longer sends data."""
         self._plant = plant
         self._mark = mark
         self._phase = phase
@@ -84,8 +126,28 @@ class LegoMotor:
         self.power_up()
 
     def description(self, port: int) -> str:
-        """Return what ``list`` prints for it."""
-        return active_description(self, port)
+        """Return what ``list`` prints for it at a port, 0 to 3: lines that end in CR LF.
+
+        All smallest values are 0, because the firmware converts negative floats to unsigned
+        numbers. ``nmodes`` is the highest mode number, not the number of modes.
+        """
+        lines = [
+            f"P{port}: connected to active ID {self.type_id:02X}",
+            f"type {self.type_id:02X}",
+            f"  nmodes ={len(self.modes) - 1}",
+            "  nview  =3",
+            f"  baud   ={BAUD}",
+            f"  hwver  ={HARDWARE_VERSION:08X}",
+            f"  swver  ={SOFTWARE_VERSION:08X}",
+        ]
+        for number, mode in enumerate(self.modes):
+            lines += _mode(number, mode)
+        for slot, modes in enumerate(self.combinations):
+            lines.append(f"  C{slot}: " + "+".join(f"M{mode}" for mode in modes))
+        speed, position = self.pid_defaults
+        lines.append("     speed PID: " + " ".join(f"{word:08X}" for word in speed))
+        lines.append("  position PID: " + " ".join(f"{word:08X}" for word in position))
+        return "".join(line + "\r\n" for line in lines)
 
     def power_up(self) -> None:
         """Switch its power on: POS counts from here."""
@@ -96,7 +158,11 @@ class LegoMotor:
         self._latch()
 
     def sample(self, current: float) -> bool:
-        """Measure if 10 ms have passed, or for the first time since power-up; see ``Device``."""
+        """Measure if 10 ms have passed, or for the first time since power-up.
+
+        Call it every millisecond, or as often as wanted, with the time of the board's clock [s],
+        which never goes back. Returns whether there is a new message.
+        """
         # The small term allows for the rounding of a clock that adds milliseconds.
         samples = math.floor((current - self._phase) / self._period + 1e-6)
         last = self._samples
@@ -137,3 +203,10 @@ class LegoMotor:
         self._speed = max(-100, min(100, round(self._smooth / SPEED_UNIT)))
         self._pos = (count - self._start + 2**31) % 2**32 - 2**31
         self._apos = (count + 180) % 360 - 180
+
+
+def _mode(number: int, mode: Mode) -> Iterator[str]:
+    yield f"  M{number} {mode.name} SI = {mode.unit}"
+    yield f"    format count={mode.count} type={mode.type:d} chars={mode.chars} dp={mode.dp}"
+    ranges = (("RAW", mode.raw), ("PCT", mode.pct), ("SI", mode.si))
+    yield "    " + "    ".join(f"{name}: {0:08X} {top:08X}" for name, top in ranges)

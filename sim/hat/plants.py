@@ -1,12 +1,54 @@
-"""Motors that turn freely, without a robot: first-order model with friction, brake and coasting."""
+"""The motors that a board's drivers turn; those that turn freely, without a robot.
+
+A free motor is a first-order model with friction, brake and coasting.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Protocol
 
-from sim.hat.devices.device import PORTS, DeviceError
-from sim.hat.devices.motor_figures import RAIL_V, SUPPLY_V, MotorFigures, figures_named
+from sim.hat.motor_figures import RAIL_V, SUPPLY_V, DeviceError, MotorFigures, figures_named
+
+PORTS = 4
+"""Number of ports of a board: A to D, on the wire 0 to 3."""
+
+
+class Plant(Protocol):
+    """The motor that one port's driver turns; angles are in degrees, which a motor counts."""
+
+    @property
+    def angle(self) -> float:
+        """Angle of the shaft [deg], never wrapped; clockwise is positive, as POS counts."""
+        ...
+
+    @property
+    def speed(self) -> float:
+        """Angular velocity of the shaft [deg/s]."""
+        ...
+
+    def drive(self, duty: float | None) -> None:
+        """Set the share of its voltage that the driver puts out, -1..1.
+
+        0 brakes, because the driver then shorts the motor. None disconnects the motor: it coasts.
+        """
+        ...
+
+
+class Plants(Protocol):
+    """The motors at all ports; time passes only in ``step``."""
+
+    supply_v: float
+    """Supply voltage of the board [V]; the board keeps it up to date."""
+
+    def plant(self, port: int) -> Plant:
+        """Return the motor at a port, 0 to 3, even if no device is plugged in there."""
+        ...
+
+    def step(self, seconds: float) -> None:
+        """Let time [s] pass for all of them together."""
+        ...
 
 
 class FreeMotor:
@@ -19,7 +61,7 @@ class FreeMotor:
     back.
     """
 
-    def __init__(self, figures: MotorFigures, supply_v: float = SUPPLY_V) -> None:
+    def __init__(self, figures: MotorFigures) -> None:
         self.figures = figures
         self.angle = 0.0
         self.speed = 0.0
@@ -32,7 +74,7 @@ class FreeMotor:
         self._load = 0.0
         self._duty: float | None = None
         self._pull = 0.0
-        self._supply_v = supply_v
+        self._supply_v = SUPPLY_V
 
     @property
     def duty(self) -> float | None:
@@ -123,9 +165,7 @@ class FreeMotor:
 class FreeMotors:
     """Free motors at the four ports."""
 
-    def __init__(
-        self, figures: Mapping[int, MotorFigures] | None = None, supply_v: float = SUPPLY_V
-    ) -> None:
+    def __init__(self, figures: Mapping[int, MotorFigures] | None = None) -> None:
         """Put motors at the ports, with ``figures`` by port; the default is a medium motor.
 
         Raises:
@@ -135,7 +175,7 @@ class FreeMotors:
         for port in figures:
             _check(port)
         self._motors = tuple(
-            FreeMotor(figures.get(port, figures_named("medium")), supply_v) for port in range(PORTS)
+            FreeMotor(figures.get(port, figures_named("medium"))) for port in range(PORTS)
         )
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.hat.devices.device import DeviceError
+from robot.errors import BrickPoseError
 
 SUPPLY_V = 8.0
 """Nominal supply voltage of a Build HAT [V]."""
@@ -15,6 +15,10 @@ RAIL_V = 7.2
 
 USUAL = "medium angular"
 """Motor of a joint whose description names none."""
+
+
+class DeviceError(BrickPoseError, ValueError):
+    """A device does not exist, or not have what was asked for; the message says what is valid."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from sim.hat.language.commands import execute
-from sim.hat.language.session import Session
-from sim.hat.language.words import Words
+from sim.hat.commands import Session, execute
+from sim.hat.words import Words
 
 LONGEST = 256
 """Longest line [bytes]; further bytes are dropped until the CR."""

@@ -9,7 +9,7 @@ from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
 from app.messages.commands import Command
 from app.messages.parsing import in_words
-from app.ros2.commands.incoming import (
+from app.ros2.incoming import (
     INCOMING,
     SERVICES,
     STAMPED_TWIST,

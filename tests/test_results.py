@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.lab.trajectories.seed_statistics import Summary, bootstrap_interval, summary
+from app.lab.evaluation.results import Summary, bootstrap_interval, summary
 
 values = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=30)
 
@@ -41,7 +41,7 @@ def test_the_interval_holds_the_true_mean_about_as_often_as_it_says():
 def test_many_values_are_drawn_in_parts_as_at_once(monkeypatch):
     some = np.random.default_rng(2).normal(size=50)
     expected = bootstrap_interval(some, draws=1000)
-    monkeypatch.setattr("app.lab.trajectories.seed_statistics.DRAW_BATCH", 70)
+    monkeypatch.setattr("app.lab.evaluation.results.DRAW_BATCH", 70)
     assert bootstrap_interval(some, draws=1000) == expected
 
 

@@ -1,1 +1,0 @@
-"""Devices that can be plugged into a Build HAT, and the physics of its motors."""

@@ -1,1 +1,0 @@
-"""Command language of the Build HAT's firmware: from received bytes to actions of a port."""
