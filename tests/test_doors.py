@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from contextlib import closing
 
 import httpx
 import pytest
@@ -12,6 +13,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from app.page.token_guard import SUBPROTOCOL
+from app.recordings.remote_robot import RemoteRobot, RemoteRobotError
 from benchmarks.programs import server as started
 
 PAGES = (
@@ -85,3 +87,11 @@ def test_a_socket_of_a_page_brings_its_token_as_a_subprotocol(server) -> None:
     address = server.url.replace("http", "ws") + "/api/live"
     with connect(address, subprotocols=[f"{SUBPROTOCOL}drive-me"]) as socket:
         assert ask(socket, type="stop")["type"] == "ack"
+
+
+def test_a_robot_with_tokens_is_recorded_by_its_link_alone(server) -> None:
+    with pytest.raises(RemoteRobotError, match="401"):
+        RemoteRobot(server.url)
+    with closing(RemoteRobot(f"{server.url}/?token=watch-me")) as robot:
+        assert "/scan" in robot.topics()
+        assert robot.contents().facts

@@ -112,3 +112,10 @@ def test_edges_that_are_nearly_parallel_do_not_end_a_claim() -> None:
     assert {
         state for state, stamp in zip(claims.states, claims.stamps, strict=True) if stamp > 1
     } == {State.CERTAIN}
+
+
+def test_a_tilt_that_is_being_taken_off_is_no_lateness() -> None:
+    """The heading seemed to come 0.13 s early: 90 mrad off with less claimed, on every field."""
+    claims = claims_of("square", "askew", "known", 9732, 0.5)
+    assert right(claims).all()
+    assert misleading(claims).mean() < 0.02

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
 from urllib.error import HTTPError
-from urllib.parse import urlsplit
-from urllib.request import urlopen
+from urllib.parse import parse_qs, urlsplit
+from urllib.request import Request, urlopen
 
 import cbor2
 from websockets.exceptions import InvalidHandshake, WebSocketException
@@ -53,16 +54,21 @@ class RemoteRobot:
         """Connect.
 
         Args:
-            address: ``host``, ``host:port``, or a whole URL of http or ws.
+            address: ``host``, ``host:port``, or a whole URL of http or ws, such as the link that
+                the robot prints; if the link has no token, the one in ``BRICKPOSE_TOKEN`` is used.
 
         Raises:
             SettingError: the address is invalid.
             RemoteRobotError: no rosbridge answers there.
         """
         self.place = host_and_port(address)
+        self._headers = _authorization(address)
         try:
             self._socket: ClientConnection = connect(
-                f"ws://{self.place}/rosbridge", open_timeout=ANSWER_S, max_size=LARGEST
+                f"ws://{self.place}/rosbridge",
+                open_timeout=ANSWER_S,
+                max_size=LARGEST,
+                additional_headers=self._headers,
             )
         except (OSError, ValueError, InvalidHandshake, WebSocketException) as error:
             raise RemoteRobotError(
@@ -92,8 +98,9 @@ class RemoteRobot:
         Raises:
             RemoteRobotError: the answer is invalid, or the robot could not give one.
         """
+        url = f"http://{self.place}/api/recording_contents"
         try:
-            with urlopen(f"http://{self.place}/api/recording_contents", timeout=ANSWER_S) as answer:
+            with urlopen(Request(url, headers=self._headers), timeout=ANSWER_S) as answer:
                 given = answer.read(LARGEST)
             return ContentsMessage.model_validate_json(given).contents()
         except HTTPError as error:
@@ -166,6 +173,13 @@ def _received(data: str | bytes) -> Received | None:
     if not 0 <= stamp < 1 << 63:
         raise ValueError(f"{stamp} ns is no time")
     return Received(str(given["topic"]), stamp, bytes(message["bytes"]))
+
+
+def _authorization(address: str) -> dict[str, str]:
+    """Return the header that a robot with tokens asks for; none if no token is known."""
+    given = parse_qs(urlsplit(address).query).get("token", [])
+    token = given[0] if given else os.environ.get("BRICKPOSE_TOKEN")
+    return {"Authorization": f"Bearer {token}"} if token else {}
 
 
 def host_and_port(address: str) -> str:

@@ -17,7 +17,7 @@ export class DrivePanel {
   #slider = findInput("speed");
   #hint = find("drive-hint", HTMLElement);
   #pad = find("gamepad", HTMLElement);
-  #others = find("drive-others", HTMLElement);
+  #who = find("drive-who", HTMLElement);
   #take = findButton("take");
   #replayed = false;
   #watches = false;
@@ -58,7 +58,6 @@ export class DrivePanel {
   /** @param {AccessMessage["role"]} role what this page's link allows */
   setRole(role) {
     this.#watches = role === "watch";
-    find("drive-watch", HTMLElement).hidden = !this.#watches;
     this.#allow();
   }
 
@@ -70,10 +69,11 @@ export class DrivePanel {
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
   follow({ driver: { name, mine, stopped } }) {
     this.drive.follow(mine ? null : name);
-    const free = stopped ? "Stopped: a new press drives on." : "";
-    setText(find("drive-who", HTMLElement), this.drive.other ? `${name} drives.` : free);
-    this.#others.hidden = !this.drive.other && !stopped;
-    this.#take.hidden = !this.drive.other || !this.drive.possible;
+    const { other, possible } = this.drive;
+    const held = stopped ? "stopped; a new press drives on" : "";
+    setText(this.#who, this.#watches ? "this link only watches" : other ? `${other} drives` : held);
+    this.#take.hidden = other === null || !possible;
+    this.#hint.hidden = this.#who.textContent !== "";
   }
 
   /** Stop acts on the press, not on the release. @param {HTMLButtonElement} button */

@@ -58,6 +58,8 @@ DOUBT_KEPT = 5.0
 """Time after an alert for which the pose may still be off [s]."""
 SCALE_SD, SCALE_DOUBTED = 0.008, 0.015
 """Standard deviation of the scale of a map that is not doubted, and of one that is."""
+SAME_TILT = math.radians(0.03)
+"""Tilts that differ by less [rad] shift a pose by less than scans do."""
 LEAST_LATE = 0.001
 """A smaller lateness is not corrected [s]."""
 LATE_SURE, LATE_BLEND = 3.0, 0.1
@@ -88,6 +90,8 @@ class Monitor:
         self._mounting = mounting
         self._odometry = OdometryCheck()
         self._camera = MountingCheck()
+        self._tilt_of_steps = np.zeros(2)
+        """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self._causes = Causes()
         self._stamp: float | None = None
         self._last: tuple[Pose2, Pose2] | None = None
@@ -199,7 +203,7 @@ class Monitor:
             self._fit_change,
         )
         self._causes.judge(findings)
-        self._camera.follow()
+        self._follow_tilt()
         self._wheels = _significant_errors(findings.odometry)
         if used >= SEEING:
             self._seen = scan.stamp
@@ -208,6 +212,16 @@ class Monitor:
         self.looseness = self._looseness(findings)
         self.lateness = self._lateness(findings.odometry)
         self.doubt = self._doubt(hypothesis.pose, findings)
+
+    def _follow_tilt(self) -> None:
+        """Take a tilt off the next scans; poses by another tilt are no start of a step.
+
+        Else the shift of the pose would look like pictures that come late, or early.
+        """
+        self._camera.follow()
+        if np.abs(self._camera.applied - self._tilt_of_steps).max() > SAME_TILT:
+            self._tilt_of_steps = self._camera.applied
+            self._odometry.jump()
 
     def _expected(self, odometry: Pose2) -> Pose2 | None:
         """Return the last pose, moved on by odometry; None without a last pose."""

@@ -65,6 +65,8 @@ class OdometryCheck:
     def __init__(self) -> None:
         self._steps: deque[_Step] = deque()
         self._sums = StepSums(*(np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2)))
+        self._last: tuple[float, Pose2] | None = None
+        """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0
         """How long the place has been followed while the robot drove [s]."""
         self.errors = self._estimated(estimate_errors(self._sums))
@@ -79,23 +81,22 @@ class OdometryCheck:
     def restart(self) -> None:
         """Restart at a given or found place: its pose is corrected at first, and steps jump."""
         self.jump()
-        self._followed = 0.0
+        self._last, self._followed = None, 0.0
 
     def observe(self, stamp: float, pose: Pose2, odometry: Pose2, covariance: Array) -> None:
         """Add a pose in the map with its covariance (3, 3), and odometry's pose, at a stamp."""
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         robot_from_map = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         local = robot_from_map @ covariance @ robot_from_map.T
-        twist = Twist2(0.0, 0.0)
         elapsed = 0.0
-        if self._steps:
-            last = self._steps[-1]
-            elapsed = max(stamp - last.stamp, 1e-3)
-            moved = last.odometry.inverse() @ odometry
-            twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
-        self.twist = twist
+        if self._last is not None:
+            last, before_odometry = self._last
+            elapsed = max(stamp - last, 1e-3)
+            moved = before_odometry.inverse() @ odometry
+            self.twist = Twist2(moved.x / elapsed, moved.theta / elapsed)
+        self._last = stamp, odometry
         self._followed += elapsed if elapsed < LONGEST else 0.0
-        current = _Step(stamp, pose, odometry, local, twist)
+        current = _Step(stamp, pose, odometry, local, self.twist)
         before = self._before(stamp)
         if before is not None and elapsed < LONGEST:
             self._compare(before, current, elapsed)
