@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from importlib.metadata import version
 from pathlib import Path
 
 from app.console import say
@@ -51,6 +52,7 @@ def _parser() -> argparse.ArgumentParser:
         description="A LEGO robot that localizes itself on taped floors.",
         allow_abbrev=False,
     )
+    parser.add_argument("--version", action="version", version=f"brickpose {version('brickpose')}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     _add_run(commands)
     add_record(commands)

@@ -9,6 +9,7 @@ from typing import Any
 
 from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
+from robot.settings import SettingError
 
 OPTIONS = ("robot", "host", "port", "seed", "sensor_model", "motion_model", "models")
 """Options that set the top-level settings of the same names."""
@@ -92,6 +93,8 @@ def config_from(parsed: argparse.Namespace) -> Config:
         over["camera"] = replace(config.camera, source=given["camera"])
     config = replace(config, **over)
     if "record" in given:
+        if not given["record"]:
+            raise SettingError("--record is ''; valid is a folder")
         recording = replace(config.recording, record=True, folder=given["record"])
         config = replace(config, recording=recording)
     routes = {name: given[option] for option, name in ROUTE_OPTIONS.items() if option in given}

@@ -46,6 +46,12 @@ WRONG = [
     (("run", "--port", "0", "--models", "nowhere"), "there is no folder .*nowhere"),
     (("bench", "nothing"), "valid are .*loop"),
     (("run", "--map", "moon", "--port", "0"), "valid are square, .*town"),
+    (("run", "--record", ""), "--record is ''; valid is a folder"),
+    (("run", "--config", "tests"), "tests cannot be read: Is a directory"),
+    (("run", "--port", "0", "--token", "a b"), "valid are 6 to 100 letters"),
+    (("run", "--no-token", "--token", "drive-me", "--port", "0"), "contradict each other"),
+    (("run", "--keyfile", "key.pem"), "no effect without --certfile"),
+    (("run", "--certfile", "nowhere.pem"), "nowhere.pem cannot be used"),
 ]
 
 
@@ -177,7 +183,8 @@ def test_a_defect_of_the_program_is_not_taken_for_a_wrong_argument(monkeypatch, 
 def test_a_name_that_no_machine_can_have_is_refused_in_one_line(capsys):
     assert main(["run", "--robot", "kinematic", "--host", "x" * 70, "--port", "0"]) == 1
     assert re.fullmatch(
-        "brickpose: cannot listen on x+ port 0: .*--port.*\n", capsys.readouterr().err
+        "brickpose: cannot listen on x+ port 0: .*; valid is an address of this machine.*\n",
+        capsys.readouterr().err,
     )
 
 

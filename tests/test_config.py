@@ -54,16 +54,16 @@ def test_values_reach_their_place(tmp_path):
             r"localization\.filter\.min_particle is unknown",
         ),
         ("[drive]\nmax_velocity = -1", "drive.max_velocity is -1 m/s; valid is 0 to 2 m/s"),
-        ("port = 'http'", "port is 'http'; valid is a int"),
+        ("port = 'http'", "port is 'http'; valid is a whole number"),
         ("port = true", "port is True"),
-        ("port = 80.0", "port is 80.0; valid is a int"),
-        ("[drive]\nmax_velocity = true", "drive.max_velocity is True; valid is a float"),
-        ("[drive]\nmax_velocity = '1'", "drive.max_velocity is '1'; valid is a float"),
-        ("map = 3", "map is 3; valid is a str"),
-        ("map = 2026-01-01", r"map is datetime.date\(2026, 1, 1\); valid is a str"),
+        ("port = 80.0", "port is 80.0; valid is a whole number"),
+        ("[drive]\nmax_velocity = true", "drive.max_velocity is True; valid is a number"),
+        ("[drive]\nmax_velocity = '1'", "drive.max_velocity is '1'; valid is a number"),
+        ("map = 3", "map is 3; valid is a text"),
+        ("map = 2026-01-01", r"map is datetime.date\(2026, 1, 1\); valid is a text"),
         ("drive = 2026-01-01", r"drive is datetime.date\(.*; valid is a table, as in \[drive\]"),
         ("allowed_origins = 'null'", "allowed_origins is 'null'; valid is a list"),
-        ("allowed_origins = ['a', 1]", r"allowed_origins\[1\] is 1; valid is a str"),
+        ("allowed_origins = ['a', 1]", r"allowed_origins\[1\] is 1; valid is a text"),
         ("port = 'http'\n[drive]\nmin = 1", "drive.min is unknown"),
         ("drive = 3", "drive is 3; valid is a table"),
         ("robot = 'tank'", "robot is 'tank'; valid are auto, sim, kinematic"),
@@ -95,7 +95,7 @@ def test_settings_are_replaced_by_their_path():
         ({"localization.sensor.sigma_hit": 9.0}, "localization.sensor.sigma_hit is 9 m; valid is"),
         ({"seed.next": 1}, "seed is no table; next cannot be in it"),
         ({"drive.max_velocity.x.y": 1}, "drive.max_velocity is no table; x.y cannot be in it"),
-        ({"seed": "one"}, "seed is 'one'; valid is a int"),
+        ({"seed": "one"}, "seed is 'one'; valid is a whole number"),
     ],
 )
 def test_a_wrong_path_or_value_is_refused(settings, told):
@@ -105,7 +105,7 @@ def test_a_wrong_path_or_value_is_refused(settings, told):
 
 def test_a_setting_without_a_default_has_to_be_given():
     assert from_table(Interval, {"low": 1, "high": 2}) == Interval(1.0, 2.0)
-    with pytest.raises(SettingError, match="high is missing; valid is a float"):
+    with pytest.raises(SettingError, match="high is missing; valid is a number"):
         from_table(Interval, {"low": 1})
 
 

@@ -167,8 +167,9 @@ def test_what_was_told_of_the_start_moves_with_odometry() -> None:
     f = at_places((Pose2(), 0.0))
     step = Pose2(0.2, 0.1, 0.5)
     f.predict(step)
-    assert log_prior(f._told, step, f.setup.hypotheses.log_kidnapped) == pytest.approx(0, abs=1e-3)
-    assert log_prior(f._told, step @ step, f.setup.hypotheses.log_kidnapped) < -4
+    log_kidnapped = f.setup.hypotheses.log_kidnapped
+    assert log_prior(f._priors, step, log_kidnapped) == pytest.approx(0, abs=1e-3)
+    assert log_prior(f._priors, step @ step, log_kidnapped) < -4
 
 
 def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None:
@@ -181,6 +182,6 @@ def test_what_was_told_of_the_start_counts_no_more_when_it_is_long_ago() -> None
         f.predict(moved)
         f.correct(scan)
     assert (
-        log_prior(f._told, f._tracks[0].pose, f.setup.hypotheses.log_kidnapped)
+        log_prior(f._priors, f._tracks[0].pose, f.setup.hypotheses.log_kidnapped)
         == DEFAULTS.hypotheses.log_kidnapped
     )

@@ -51,7 +51,7 @@ def followed(
 ) -> MultiHypothesisFilter:
     f = at_places(*((place, 0.0) for place in places))
     if not told:
-        f._told = []
+        f._priors = []
     f._elsewhere.log_weight, f._elsewhere.lost = elsewhere, elsewhere > 0
     return f
 

@@ -29,7 +29,7 @@ from app.page.telemetry import TelemetryWriter
 from app.page.token_guard import role_in
 from app.page.tokens import Role
 from app.recordings.replay.opening import ReplayProgram
-from robot.errors import BrickPoseError
+from robot.errors import BrickPoseError, CommandError
 
 NOT_MINE, MINE = '"mine":false', '"mine":true'
 """The only places where telemetry differs between viewers."""
@@ -111,7 +111,7 @@ class _Viewer:
         try:
             command = parse(text)
             if self._role is Role.WATCH and not isinstance(command, PingCommand):
-                raise ValueError(WATCHES)
+                raise CommandError(WATCHES)
             check(command, self._live.program)
             self._take(command)
         except BrickPoseError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import signal
 import socket
 import sys
@@ -45,10 +46,13 @@ def listen(host: str, port: int) -> socket.socket:
             unless_it_listens.pop_all()
     except (OSError, UnicodeError) as error:  # UnicodeError: no name of a machine is like this
         why = getattr(error, "strerror", None) or error
-        raise PortError(
-            f"cannot listen on {host} port {port}: {why}; "
+        taken = getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES)
+        cure = (
             "another port is chosen by --port (or PORT=9000 make run)"
-        ) from error
+            if taken
+            else "valid is an address of this machine, or 0.0.0.0 for all of them"
+        )
+        raise PortError(f"cannot listen on {host} port {port}: {why}; {cure}") from error
     return listening
 
 

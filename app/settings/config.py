@@ -63,6 +63,9 @@ ROBOTS = ("sim", "kinematic", "buildhat")
 UNKNOWN = "unexpected_keyword_argument"
 """Pydantic's error type for a name that is not a field."""
 
+PLAIN = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
+"""Types of settings, as messages call them."""
+
 T = TypeVar("T", bound="DataclassInstance")
 
 
@@ -108,8 +111,10 @@ def read_toml(path: Path) -> dict[str, Any]:
     """
     try:
         return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path} cannot be read: {error}") from error
+    except OSError as error:
+        raise SettingError(f"{path} cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise SettingError(f"{path} is no text: {error}") from error
     except tomllib.TOMLDecodeError as error:
         raise SettingError(f"{path} is no TOML: {error}") from error
 
@@ -224,4 +229,4 @@ def _valid(wanted: Any, path: str) -> str:
     """Return the name of a type, as messages use it."""
     if dataclasses.is_dataclass(wanted):
         return f"a table, as in [{path}]"
-    return "a list" if get_args(wanted) else f"a {wanted.__name__}"
+    return "a list" if get_args(wanted) else PLAIN.get(wanted, f"a {wanted.__name__}")
