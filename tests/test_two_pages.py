@@ -64,7 +64,7 @@ def test_the_drive_can_be_taken(browser, server) -> None:
     with person(browser, server, "drive-me") as ann, person(browser, server, "drive-me") as bob:
         ann.get_by_role("button", name="Figure-eight").click()
         first = wait(server, lambda now: now["mode"] == "figure_eight")["driver"]["name"]
-        bob.get_by_role("button", name="Take the drive").click()
+        bob.get_by_role("button", name="take over").click()
         wait(server, lambda now: now["mode"] == "idle" and now["driver"]["name"] != first)
         expect(ann.get_by_role("button", name="Figure-eight")).to_have_attribute(
             "aria-pressed", "false"

@@ -17,6 +17,9 @@ from robot.errors import CommandError
 SILENCE = 1.0
 """After this time without a drive command [s], a client has let go."""
 
+OWN = ("127.0.0.1", "::1")
+"""Addresses that tell nobody anything."""
+
 _numbers = itertools.count(1)
 
 
@@ -30,7 +33,7 @@ class Driver:
     @classmethod
     def numbered(cls, kind: str, address: str | None = None) -> Driver:
         """Return a new client of a kind of which there may be many, such as ``page``."""
-        place = f" at {address}" if address else ""
+        place = f" at {address}" if address and address not in OWN else ""
         return cls(f"{kind} {next(_numbers)}{place}")
 
 
