@@ -48,7 +48,7 @@ export interface DriverMessage {
   name: string | null;
   /** Whether it is this connection. */
   mine: boolean;
-  /** Whether a stop holds: drive commands are refused until ``take``, or after a second's rest. */
+  /** Whether a stop holds: drive commands that go on as before it are refused. */
   stopped: boolean;
 }
 

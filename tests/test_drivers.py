@@ -93,6 +93,14 @@ def test_a_stop_ends_with_a_new_gesture(floor: Floor) -> None:
     assert not floor.drivers.state.stopped
 
 
+def test_who_begins_to_drive_after_a_stop_waits_a_second_and_need_not_let_go(floor: Floor) -> None:
+    floor.drivers.put(floor.ann, STOP)
+    floor.stamp += 0.2
+    taken = floor.hold(floor.bob, 2.0)
+    assert taken.index(True) * RENEWAL == pytest.approx(SILENCE - 0.2, abs=RENEWAL)
+    assert all(taken[taken.index(True) :])
+
+
 def test_who_takes_the_drive_ends_a_stop_at_once(floor: Floor) -> None:
     floor.drivers.put(floor.ann, STOP)
     floor.drivers.put(floor.ann, TAKE)

@@ -164,7 +164,7 @@ def test_every_hypothesis_is_told_with_weight_and_covariance(live):
         ('{"type": "place", "x": 0, "y": -9, "theta": 0}', "off the map"),
         ('{"type": "set_parameters", "values": {"sigma": 1}}', "valid are .*sigma_hit"),
         ('{"type": "set_parameters", "values": {"sigma_hit": 9}}', "valid is 0.0005 to 0.5"),
-        ('{"type": "set_parameters", "values": {"min_particles": 1.5}}', "int"),
+        ('{"type": "set_parameters", "values": {"min_particles": 1.5}}', "whole number"),
         ('{"type": "set_parameters", "values": {}}', "values"),
         ('{"type": "show", "layer": "ghosts", "visible": true}', "layer"),
         ("[" * 5000, ""),

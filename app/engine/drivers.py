@@ -37,6 +37,14 @@ class Driver:
         return cls(f"{kind} {next(_numbers)}{place}")
 
 
+@dataclass(slots=True)
+class _Gesture:
+    """Drive commands of a client, none of them a second after the last."""
+
+    begun: float
+    last: float
+
+
 @dataclass(frozen=True, slots=True)
 class DriveState:
     """Who drives now."""
@@ -51,9 +59,9 @@ class Drivers:
     """Passes commands on to the engine, drive commands of one client alone; for any thread.
 
     The first who drives while nobody does has the drive, until a second after the last drive
-    command. A stop of any client holds for all clients: a drive command ends it only if its client
-    sent none for a second, and the stop is a second old. ``TakeCommand`` ends it at once, and gives
-    its client the drive: a page sends it when somebody presses a key anew.
+    command. A stop of any client holds for all clients, until it is a second old and a gesture that
+    began after it goes on; who only goes on as before the stop is refused. ``TakeCommand`` ends it
+    at once, and gives its client the drive: a page sends it when somebody presses a key anew.
     """
 
     def __init__(
@@ -73,8 +81,8 @@ class Drivers:
         self._timeout = timeout
         self._clock = clock
         self._driver: Driver | None = None
-        self._heard: dict[Driver, float] = {}
-        """When each client last sent a drive command, refused ones too [s]."""
+        self._gestures: dict[Driver, _Gesture] = {}
+        """The last drive commands of each client, refused ones too."""
         self._stopped: float | None = None
         """When the stop was given that holds [s]."""
         self._lock = threading.Lock()
@@ -115,10 +123,10 @@ class Drivers:
     def leave(self, driver: Driver) -> None:
         """Forget a client who leaves; stop the robot if this client drove it."""
         with self._lock:
-            heard = self._heard.pop(driver, None)
+            gesture = self._gestures.pop(driver, None)
             if self._driver is driver:
                 self._driver = None
-                if heard is not None and self._clock() - heard < self._timeout:
+                if gesture is not None and self._clock() - gesture.last < self._timeout:
                     self._commands.put(StopCommand(type="stop"))
 
     def _take(self, driver: Driver) -> None:
@@ -127,24 +135,26 @@ class Drivers:
             # What the other one ordered must not go on in the hands of nobody.
             self._commands.put(StopCommand(type="stop"))
         self._driver = driver
-        self._heard[driver] = self._clock()
+        self._gestures[driver] = _Gesture(self._clock(), self._clock())
 
     def _drive(self, driver: Driver) -> None:
         stamp = self._clock()
-        last = self._heard.get(driver, -SILENCE)
-        self._heard[driver] = stamp
+        gesture = self._gestures.get(driver)
+        if gesture is None or stamp - gesture.last >= SILENCE:
+            self._gestures[driver] = gesture = _Gesture(stamp, stamp)
+        gesture.last = stamp
         current = self._current()
         if current not in (None, driver):
             raise CommandError(f"{current.name} drives; take the drive to drive yourself")
         if self._stopped is not None:
-            if stamp - max(last, self._stopped) < SILENCE:
-                raise CommandError("a stop holds; take the drive, or wait a second")
+            if gesture.begun < self._stopped or stamp - self._stopped < SILENCE:
+                raise CommandError("a stop holds; take the drive, or let go for a second")
             self._stopped = None
         self._driver = driver
 
     def _current(self) -> Driver | None:
         if self._driver is not None:
-            heard = self._heard.get(self._driver)
-            if heard is None or self._clock() - heard >= SILENCE:
+            gesture = self._gestures.get(self._driver)
+            if gesture is None or self._clock() - gesture.last >= SILENCE:
                 self._driver = None
         return self._driver

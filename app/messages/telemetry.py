@@ -161,7 +161,7 @@ class DriverMessage(Message):
     mine: bool
     """Whether it is this connection."""
     stopped: bool
-    """Whether a stop holds: drive commands are refused until ``take``, or after a second's rest."""
+    """Whether a stop holds: drive commands that go on as before it are refused."""
 
 
 class TelemetryMessage(Message):
