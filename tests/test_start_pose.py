@@ -240,7 +240,7 @@ def test_the_configuration_takes_a_covariance(tmp_path):
     with pytest.raises(SettingError, match=r"start_pose\.initial_pose.*has 2 numbers"):
         load_config(path)
     path.write_text("[start_pose.initial_pose]\ncovariance = [1, 'a']\n")
-    with pytest.raises(SettingError, match=r"covariance\[1\] is 'a'; valid is a float"):
+    with pytest.raises(SettingError, match=r"covariance\[1\] is 'a'; valid is a number"):
         load_config(path)
 
 
