@@ -74,6 +74,11 @@ class Exposures:
         """Time from the stamp until the picture is in memory [s]."""
         return self._until_here
 
+    def near(self, stamp: float, margin: float) -> bool:
+        """Whether there is a picture's stamp within a margin [s] of a stamp."""
+        pictures = stamp * self._rate
+        return abs(pictures - round(pictures)) <= margin * self._rate
+
     def newest(self, until: float) -> float | None:
         """Return the newest stamp up to a time [s] that was not returned before, or None."""
         newest = None

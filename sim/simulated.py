@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.camera import FloorView
 from robot.description.spec import RobotSpec
@@ -37,6 +39,11 @@ class PastPoses:
     def forget(self) -> None:
         """Remove all poses: the robot was placed elsewhere, so they must not be interpolated."""
         self._past.clear()
+
+    @property
+    def newest(self) -> float:
+        """The last stamp [s]."""
+        return self._past[-1][0]
 
     def at(self, stamp: float) -> tuple[Pose2, Twist2]:
         """Return the true pose at a stamp, interpolated, and the twist of the next sample.
@@ -94,8 +101,12 @@ class SimulatedRobot:
         self._tick = 0
         self._exposures = Exposures(camera, spec.lens.readout, rng.spawn(1)[0])
         self._past = PastPoses()
+        self._renderer = ThreadPoolExecutor(1, "renderer")
+        self._rendering: Future[NDArray[np.uint8]] | None = None
+        self._due: float | None = None
         self._closed = False
         self._remember()
+        self._plan()
 
     @property
     def stamp(self) -> float:
@@ -104,9 +115,14 @@ class SimulatedRobot:
 
     def read(self) -> Reading:
         """Advance by one period and return what the sensors measure."""
-        for step in range(self._steps):
+        step_time = self._world.step_time
+        for step in range(1, self._steps + 1):
             self._world.step(self._command)
-            self._remember((step + 1) * self._world.step_time)
+            since_tick = step * step_time
+            # To look at the world takes as long as a step: only where a picture is interpolated.
+            near = self._exposures.near(self.stamp + since_tick, 1.5 * step_time)
+            if near or step == self._steps:
+                self._remember(since_tick)
         self._tick += 1
         frame = self._frame()
         positions, velocities = self._encoders.read(self._world.positions, self.stamp)
@@ -127,6 +143,7 @@ class SimulatedRobot:
         self._past.forget()
         self._remember()
         self._exposures.skip(self.stamp)
+        self._plan()
 
     def close(self) -> None:
         """Stop the joints; may be called twice."""
@@ -141,8 +158,21 @@ class SimulatedRobot:
 
     def _frame(self) -> Frame | None:
         """Return the newest picture, if one has been exposed, read out and delivered by now."""
-        exposed = self._exposures.newest(self.stamp - self._exposures.until_here)
-        if exposed is None:
-            return None
-        pose, twist = self._past.at(exposed)
-        return Frame(exposed + self._settings.stamp_error, self._camera.picture(pose, twist))
+        frame = None
+        if self._due is not None:
+            exposed = (self._rendering or self._render(self._due)).result()
+            stamp = self._due + self._settings.stamp_error
+            frame = Frame(stamp, self._camera.read_out(exposed))
+        self._plan()
+        return frame
+
+    def _plan(self) -> None:
+        """Decide which picture the next reading delivers, and begin it if it has been exposed."""
+        self._rendering = None
+        self._due = self._exposures.newest(self.stamp + PERIOD - self._exposures.until_here)
+        if self._due is not None and self._due <= self._past.newest:
+            self._rendering = self._render(self._due)
+
+    def _render(self, stamp: float) -> Future[NDArray[np.uint8]]:
+        """Render the picture of a stamp while the program goes on."""
+        return self._renderer.submit(self._camera.expose, *self._past.at(stamp))

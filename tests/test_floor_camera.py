@@ -17,7 +17,9 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.floor_picture import FloorPicture
 from robot.geometry import Array, Pose2, Twist2
+from sim.clutter import add_uneven_light
 from sim.floor_camera import CameraSettings, FloorCamera
+from sim.floor_samples import FloorSamples
 
 SPEC = RobotSpec.load()
 MAPS = Path(__file__).parent.parent / "maps"
@@ -244,3 +246,18 @@ def test_the_left_of_the_floor_is_on_the_left_and_far_is_above(ideal: FloorCamer
     rows, columns = np.nonzero(picture < 120)
     seen = view.floor_points(np.array([[columns.mean(), rows.mean()]]))[0]
     np.testing.assert_allclose(seen, [0.35, 0.10], atol=5e-4)
+
+
+@pytest.mark.parametrize("name", ["square", "stub", "town"])
+def test_floor_of_one_tone_is_not_sampled_and_gives_the_same_picture(name: str) -> None:
+    """To the last bit, also off the drawing, at any speed and where the light is uneven."""
+    floor = load_field(name, MAPS).floor
+    if name == "stub":
+        floor = add_uneven_light(floor, 0.5, np.random.default_rng(0))
+    quick, thorough = (FloorSamples(view_of(readout=0.015), floor, 0.03) for _ in range(2))
+    thorough._spread += 1e6  # now no strip lies on one tone
+    rng = np.random.default_rng(1)
+    for _ in range(10):
+        pose = Pose2(*rng.uniform(-1.2, 1.2, 2), rng.uniform(-math.pi, math.pi))
+        twist = Twist2(rng.uniform(-0.3, 0.3), rng.uniform(-2, 2))
+        assert np.array_equal(quick.average(pose, twist), thorough.average(pose, twist))

@@ -1,0 +1,114 @@
+"""The compiled loops of the simulated camera: strips of pixels on one tone, and the others."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.geometry import Array
+
+STRIP = 8
+"""Neighbouring pixels that are looked up together."""
+
+BLOCK = 4
+"""Side of the blocks of the drawing for which the way to the next edge is kept [px]."""
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def fill_even_strips(
+    picture: NDArray[np.uint8],
+    uneven: NDArray[np.int32],
+    samples: NDArray[np.float32],
+    points: NDArray[np.float32],
+    centres: NDArray[np.float32],
+    affines: NDArray[np.float32],
+    firsts: NDArray[np.intp],
+    counts: NDArray[np.intp],
+    reach: Array,
+    even: NDArray[np.uint8],
+    size: tuple[int, int],
+    border: int,
+) -> tuple[int, int]:
+    """Fill the strips of pixels around which the floor has one tone; list the others.
+
+    Args:
+        picture: (h, w), gets the tones.
+        uneven: gets row and first column of the other strips (2, n).
+        samples: gets the places of their samples in the drawing, column and row (2, n) [px].
+        points: the samples' floor points (s, w, 2) [m].
+        centres: the floor points of the strips' middles (h, strips, 2) [m].
+        affines: (s, 2, 3), from the robot frame to the drawing, for each row of samples.
+        firsts: the first row of samples of each row of pixels (h,).
+        counts: the samples of each pixel (h,).
+        reach: how far a strip's samples lie from its middle (h, strips) [px].
+        even: how far all is of one tone around each block of the drawing [px], and that tone.
+        size: height and width of the drawing [px].
+        border: the tone outside it.
+
+    Returns:
+        The number of listed strips, and of their samples.
+    """
+    height, width = picture.shape
+    strips = count = 0
+    for row in range(height):
+        first, last = firsts[row], firsts[row] + counts[row]
+        middle = affines[first + counts[row] // 2]
+        for start in range(0, width, STRIP):
+            end = min(start + STRIP, width)
+            x, y = centres[row, start // STRIP, 0], centres[row, start // STRIP, 1]
+            u = middle[0, 0] * x + middle[0, 1] * y + middle[0, 2]
+            v = middle[1, 0] * x + middle[1, 1] * y + middle[1, 2]
+            tone = _tone(u, v, reach[row, start // STRIP], even, size, border)
+            if tone >= 0:
+                picture[row, start:end] = tone
+                continue
+            uneven[0, strips], uneven[1, strips] = row, start
+            strips += 1
+            for sample in range(first, last):
+                a, b, c = affines[sample, 0, 0], affines[sample, 0, 1], affines[sample, 0, 2]
+                d, e, f = affines[sample, 1, 0], affines[sample, 1, 1], affines[sample, 1, 2]
+                for i in range(end - start):
+                    x, y = points[sample, start + i, 0], points[sample, start + i, 1]
+                    samples[0, count + i] = a * x + b * y + c
+                    samples[1, count + i] = d * x + e * y + f
+                count += end - start
+    return strips, count
+
+
+@njit(cache=True, nogil=True)
+def _tone(
+    u: float,
+    v: float,
+    reach: float,
+    even: NDArray[np.uint8],
+    size: tuple[int, int],
+    border: int,
+) -> int:
+    """Return the tone of all that lies around a place of the drawing; -1 if it has several."""
+    outside = max(-u, u - size[1], -v, v - size[0])
+    if outside > reach:
+        return border
+    if outside > 0:
+        return -1
+    row, column = int(v) // BLOCK + 1, int(u) // BLOCK + 1
+    return int(even[row, column, 1]) if even[row, column, 0] > reach else -1
+
+
+@njit(cache=True, nogil=True)
+def fill_uneven_strips(
+    picture: NDArray[np.uint8],
+    uneven: NDArray[np.int32],
+    grey: NDArray[np.uint8],
+    counts: NDArray[np.intp],
+) -> None:
+    """Fill each pixel of the listed strips (2, n) with the mean of its samples."""
+    begin = 0
+    for row, start in uneven.T:
+        size = min(STRIP, picture.shape[1] - start)
+        for column in range(size):
+            total = 0
+            for sample in range(counts[row]):
+                total += grey[begin + sample * size + column]
+            picture[row, start + column] = np.rint(total / counts[row])
+        begin += counts[row] * size

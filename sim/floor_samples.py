@@ -1,0 +1,223 @@
+"""Which grey each pixel of a camera gets from the drawing of the floor.
+
+Each pixel sees one point of the floor, and the lens does not change. So the floor points of each
+pixel, and of several samples inside it, are computed once in the robot frame; a picture is then one
+look-up in the drawing of the floor. The samples of a pixel are spread over its height, because the
+floor is seen at a slant and would alias, and over the exposure time, which gives motion blur. Rows
+are exposed one after the other, as with a rolling shutter.
+
+Most of a floor has one tone. A strip of pixels whose samples all lie on such a floor gets that tone
+from one look-up; only the others are sampled. The result is the same to the last bit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.camera import FloorView
+from robot.fields.floor_picture import FloorPicture
+from robot.geometry import Array, Pose2, Twist2
+from sim.floor_kernels import BLOCK, STRIP, fill_even_strips, fill_uneven_strips
+
+SAMPLES = (4, 8)
+"""Samples over the height of a pixel; rows whose pixels cover more floor use more."""
+
+FOOTPRINT_M = 0.0015
+"""Length of floor, along the view, that one sample should cover at most [m]."""
+
+MARGIN_PX = 2.0
+"""Interpolation looks one pixel further than the sample; rounding takes the other."""
+
+
+class FloorSamples:
+    """Averages the drawing of one floor over each pixel of one camera."""
+
+    def __init__(self, view: FloorView, floor: FloorPicture, exposure: float) -> None:
+        """Prepare the samples of a camera with an exposure time [s]."""
+        self._floor = floor
+        self._exposure = exposure
+        self._size = (view.lens.height, view.lens.width)
+        bands = _bands(view)
+        self._points, self._times = _samples(view, bands, exposure)
+        counts = [band.samples for band in bands for _ in range(band.first, band.last)]
+        self._counts = np.array(counts)
+        self._firsts = np.cumsum(self._counts) - self._counts
+        # Compact copies: to fetch them from the large arrays takes longer than to use them.
+        self._centres = _centres(self._points, self._firsts, self._counts)
+        self._spread, self._distance = _extent(
+            self._points, self._centres, self._firsts, self._counts
+        )
+        self._even = _even_blocks(floor)
+
+    def average(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
+        """Return the grey (h, w) that each pixel sees from a pose, while moving with a twist.
+
+        The robot is at the pose in the middle of the exposure of the middle row.
+        """
+        affines = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, self._times)
+        blurred = self._exposure * (abs(twist.v) + abs(twist.omega) * self._distance)
+        reach = (self._spread + blurred) / self._floor.resolution + MARGIN_PX
+        picture = np.empty(self._size, dtype=np.uint8)
+        uneven = np.empty((2, reach.size), dtype=np.int32)
+        samples = np.empty((2, self._points[..., 0].size), dtype=np.float32)
+        strips, count = fill_even_strips(
+            picture, uneven, samples, self._points, self._centres, affines, self._firsts,
+            self._counts, reach, self._even, self._floor.image.shape, self._floor.border,
+        )  # fmt: skip
+        if strips > 0:
+            grey = self._look_up(samples, count)
+            fill_uneven_strips(picture, uneven[:, :strips], grey, self._counts)
+        return picture
+
+    def _look_up(self, samples: NDArray[np.float32], count: int) -> NDArray[np.uint8]:
+        """Return the grey of the first samples, given by column and row (2, n) of the drawing."""
+        # OpenCV takes rows of at most 32,767 px.
+        width = self._size[1]
+        height = -(-count // width)
+        samples[:, count : height * width] = 0
+        columns, rows = (part[: height * width].reshape(height, width) for part in samples)
+        grey = cv2.remap(
+            self._floor.image,
+            columns,
+            rows,
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=self._floor.border,
+        )
+        return np.asarray(grey, dtype=np.uint8).ravel()
+
+
+@dataclass(frozen=True, slots=True)
+class _Band:
+    """Rows of the picture, from first to last (exclusive), with the same number of samples."""
+
+    first: int
+    last: int
+    samples: int
+
+
+def _bands(view: FloorView) -> list[_Band]:
+    """Cut the picture into bands; rows whose pixels cover much floor use more samples."""
+    height = view.lens.height
+    middle = np.full(height + 1, (view.lens.width - 1) / 2)
+    floor = view.floor_points(np.column_stack([middle, np.arange(height + 1) - 0.5]))
+    footprint = np.linalg.norm(np.diff(floor, axis=0), axis=1)
+    wanted = np.nan_to_num(footprint / FOOTPRINT_M, nan=np.inf)
+    level = np.searchsorted(SAMPLES[:-1], wanted)
+    cuts = [0, *(np.flatnonzero(np.diff(level)) + 1), height]
+    return [_Band(a, b, SAMPLES[level[a]]) for a, b in pairwise(cuts)]
+
+
+def _samples(
+    view: FloorView, bands: list[_Band], exposure: float
+) -> tuple[NDArray[np.float32], Array]:
+    """Return the samples' floor points (s, w, 2) [m] and times (s,) [s].
+
+    The points are in the robot frame; the times count from the picture's stamp.
+    """
+    lens = view.lens
+    rows, times = [], []
+    for band in bands:
+        part = (np.arange(band.samples) + 0.5) / band.samples - 0.5
+        row = np.arange(band.first, band.last)[:, None]
+        rows.append((row + part).ravel())
+        # Exposure times have another order than heights: otherwise both add up along a slant.
+        shuffled = part[_bit_reversed(band.samples)]
+        row_time = lens.readout * (row / (lens.height - 1) - 0.5)
+        times.append((row_time + exposure * shuffled).ravel())
+    v = np.concatenate(rows)
+    pixels = np.stack(np.broadcast_arrays(np.arange(lens.width), v[:, None]), axis=-1)
+    floor = view.floor_points(pixels.reshape(-1, 2).astype(np.float64))
+    # Above the horizon there is no floor: use a point so far away that it has the border's tone.
+    floor = np.nan_to_num(floor, nan=1e6).reshape(len(v), lens.width, 2)
+    return floor.astype(np.float32), np.concatenate(times)
+
+
+def _bit_reversed(count: int) -> list[int]:
+    bits = count.bit_length() - 1
+    return [int(f"{i:0{bits}b}"[::-1], 2) for i in range(count)]
+
+
+def _sample_affines(
+    pixel_from_map: Array, map_from_robot: Pose2, twist: Twist2, times: Array
+) -> NDArray[np.float32]:
+    """Return affines (s, 2, 3) from the robot frame at each time to pixels of the floor picture."""
+    pixel = np.vstack([pixel_from_map, [0, 0, 1]])
+    # Between nine moments of a picture the motion is straight to well under a micrometre.
+    knots = np.linspace(times.min(), times.max(), 9)
+    moments = [map_from_robot @ twist.integrate(float(t)) for t in knots]
+    affines = np.array([(pixel @ _homogeneous(pose))[:2].ravel() for pose in moments])
+    between = [np.interp(times, knots, column) for column in affines.T]
+    return np.stack(between, axis=1).reshape(-1, 2, 3).astype(np.float32)
+
+
+def _homogeneous(pose: Pose2) -> Array:
+    columns = pose.apply(np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]))
+    origin = columns[2]
+    return np.column_stack(
+        [
+            np.append(columns[0] - origin, 0.0),
+            np.append(columns[1] - origin, 0.0),
+            np.append(origin, 1.0),
+        ]
+    )
+
+
+def _centres(
+    points: NDArray[np.float32], firsts: NDArray[np.intp], counts: NDArray[np.intp]
+) -> NDArray[np.float32]:
+    """Return the floor point of each strip's middle (h, strips, 2) [m]."""
+    starts = np.arange(0, points.shape[1], STRIP)
+    columns = (starts + np.minimum(starts + STRIP, points.shape[1])) // 2
+    middles: NDArray[np.float32] = points[firsts + counts // 2]
+    return middles[:, columns]
+
+
+def _extent(
+    points: NDArray[np.float32],
+    centres: NDArray[np.float32],
+    firsts: NDArray[np.intp],
+    counts: NDArray[np.intp],
+) -> tuple[Array, Array]:
+    """Return how far the samples of each strip lie from its middle, and from the robot, at most.
+
+    Both are (h, strips) [m].
+    """
+    width = points.shape[1]
+    starts = np.arange(0, width, STRIP)
+    spread, distance = np.empty((2, *centres.shape[:2]))
+    for row, (first, count) in enumerate(zip(firsts, counts, strict=True)):
+        samples = points[first : first + count]
+        centre = np.repeat(centres[row], STRIP, axis=0)[:width]
+        from_centre = np.linalg.norm(samples - centre, axis=-1).max(axis=0)
+        spread[row] = np.maximum.reduceat(from_centre, starts)
+        distance[row] = np.maximum.reduceat(np.linalg.norm(samples, axis=-1).max(axis=0), starts)
+    return spread, distance
+
+
+def _even_blocks(floor: FloorPicture) -> NDArray[np.uint8]:
+    """Return how far all is of one tone around each block of the drawing, and that tone.
+
+    The result is (rows, columns, 2), in px, at most 255. The drawing has a block of its border's
+    tone around it, as what lies outside has that tone.
+    """
+    height, width = floor.image.shape
+    rest = [(BLOCK, BLOCK + -side % BLOCK) for side in (height, width)]
+    padded = np.pad(floor.image, rest, constant_values=floor.border)
+    uneven = cv2.dilate(padded, _NEIGHBOURS) != cv2.erode(padded, _NEIGHBOURS)
+    blocks = uneven.reshape(len(padded) // BLOCK, BLOCK, -1, BLOCK).any(axis=(1, 3))
+    blocks = np.pad(blocks, 1, constant_values=not blocks.any())  # one must be uneven
+    to_uneven = cv2.distanceTransform(
+        (~blocks).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+    )[1:-1, 1:-1]
+    # From any point of a block to any point of another: up to a block's diagonal nearer.
+    even = np.clip(BLOCK * (np.asarray(to_uneven) - np.sqrt(2)), 0, 255)
+    return np.stack([even.astype(np.uint8), padded[::BLOCK, ::BLOCK]], axis=-1)
+
+
+_NEIGHBOURS = np.ones((3, 3), dtype=np.uint8)
