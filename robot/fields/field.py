@@ -171,10 +171,11 @@ class Field:
         return xmin, ymin, xmax, ymax
 
     @cached_property
-    def _free_cells(self) -> tuple[Pose2, float, NDArray[np.float64]]:
+    def _free_cells(self) -> tuple[Pose2, float, NDArray[np.int32]]:
         """The grid's origin, the side of a cell [m], and free cells (n, 2) as column and row."""
         grid = self.grid or self._light_cells(self.drive_area)
-        free = np.argwhere(grid.free)[:, ::-1].astype(np.float64)
+        # Small numbers: a floor has up to a million cells.
+        free = np.argwhere(grid.free)[:, ::-1].astype(np.int32)
         if not len(free):
             raise FieldError(f"the field {self.name} has no free floor")
         return grid.origin, grid.resolution, free
