@@ -14,12 +14,13 @@ from benchmarks import (
     recovery,
     render,
     scan,
+    soak,
     start,
     sweep,
     worth,
 )
 from benchmarks import filter as particle_filter
-from benchmarks.hat import delay, driver, official_library, serial_line, soak, wheels
+from benchmarks.hat import delay, driver, official_library, serial_line, wheels
 from benchmarks.lasers import laser, wean
 from benchmarks.result import Result
 from benchmarks.topics import recording, ros2, routes

@@ -134,12 +134,12 @@ def _samples(
     points = np.empty((len(v), lens.width, 2), dtype=np.float32)
     columns = np.arange(lens.width, dtype=np.float64)
     # In parts: on the way a point takes twenty times the memory that it takes at the end.
-    for part in np.array_split(np.arange(len(v)), 64):
-        pixels = np.stack(np.broadcast_arrays(columns, v[part, None]), axis=-1)
+    for some in np.array_split(np.arange(len(v)), 64):
+        pixels = np.stack(np.broadcast_arrays(columns, v[some, None]), axis=-1)
         floor = view.floor_points(pixels.reshape(-1, 2))
         # Above the horizon there is no floor: use a point so far away that it has the border's
         # tone.
-        points[part] = np.nan_to_num(floor, nan=1e6).reshape(len(part), lens.width, 2)
+        points[some] = np.nan_to_num(floor, nan=1e6).reshape(len(some), lens.width, 2)
     return points, np.concatenate(times)
 
 
