@@ -21,13 +21,13 @@ PAGES = (
     "/api/access", "/api/health", "/api/state", "/api/field", "/api/field.png", "/api/parameters",
     "/api/problems", "/api/recordings", "/api/recordings/none", "/api/recording_contents",
 )  # fmt: skip
-SOCKETS = ("/", "/rosbridge", "/api/live", "/api/camera", "/view")
+SOCKETS = ("/", "/rosbridge", "/foxglove", "/api/live", "/api/camera", "/view")
 REFUSED = 401
 
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    arguments = ["--token", "drive-me", "--watch-token", "watch-me"]
+    arguments = ["--token", "drive-me", "--watch-token", "watch-me", "--foxglove"]
     with started("--robot", "kinematic", "--map", "stub", *arguments) as running:
         with socket_at(running, "/api/live", "drive-me") as socket:
             until(socket, lambda now: now["estimate"])

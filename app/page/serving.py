@@ -17,8 +17,10 @@ from app.page.access_options import Certificate
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
-from app.page.view.view import SMALL_BUFFER
 from robot.errors import PortError
+
+SMALL_BUFFER = 16 * 1024
+"""Size of a socket's buffer [bytes]: data in a larger one is old when a slow viewer gets it."""
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
@@ -39,7 +41,6 @@ def listen(host: str, port: int) -> socket.socket:
             listening = socket.socket(family, kind, protocol)
             unless_it_listens.callback(listening.close)
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            # Data in a large buffer is old when a slow viewer gets it.
             listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
             listening.bind(address)
             listening.listen(128)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -113,12 +112,7 @@ def _ms(times: list[float], percent: float) -> float:
 
 
 def _all_on(folder: Path) -> Config:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    ros2 = Ros2Settings(
-        dds=True, domain_id=1 + os.getpid() % 200, foxglove=True, foxglove_port=port
-    )
+    ros2 = Ros2Settings(dds=True, domain_id=1 + os.getpid() % 200, foxglove=True)
     recording = RecordingSettings(record=True, folder=str(folder))
     return replace(Config(robot="sim"), ros2=ros2, recording=recording)
 
@@ -156,8 +150,7 @@ def _readers(settings: Ros2Settings, address: str) -> Iterator[None]:
     with ExitStack() as stack:
         for _ in range(READERS):
             stack.enter_context(Peer(settings.domain_id)).read_live_topics()
-        port = f"127.0.0.1:{settings.foxglove_port}"
-        clients = subprocess.Popen([*command, port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        clients = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         try:
             assert clients.stdout is not None
             for _ in range(2):
