@@ -180,7 +180,8 @@ def _run(parsed: argparse.Namespace) -> int:
     # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
     from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
-    from app.page.serving import listen, serve  # noqa: PLC0415
+    from app.page.listening import listen  # noqa: PLC0415
+    from app.page.serving import serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = resolve_robot(wanted)

@@ -19,7 +19,7 @@ from websockets.sync.client import connect
 from app.engine.build import build_program
 from app.engine.drivers import Driver, Drivers
 from app.messages.commands import DriveCommand, ScatterCommand
-from app.page.serving import listen
+from app.page.listening import listen
 from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.protocol import MOST_BYTES, SUBPROTOCOLS

@@ -19,7 +19,8 @@ import numpy as np
 from app.engine.build import build_program, build_simulated
 from app.engine.program import Program
 from app.messages.commands import FigureEightCommand
-from app.page.serving import Server, listen
+from app.page.listening import listen
+from app.page.serving import Server
 from app.settings.config import MAPS, ROOT, Config
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
@@ -126,7 +127,7 @@ def _times(config: Config, watched: bool) -> Times:
     program = build_program(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)
-    thread = threading.Thread(target=server.run, args=([listening],), name="server")
+    thread = threading.Thread(target=server.run, args=(listening,), name="server")
     thread.start()
     try:
         with ExitStack() as clients:

@@ -18,7 +18,7 @@ import websockets.asyncio.server
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.exceptions import ConnectionClosedOK
 
-from app.engine.problems import LOG
+from app.engine.problems import CLIENTS_LOG
 
 PROTOCOL = f"viser-v{viser.__version__}"
 """The subprotocol of viser's client; another version's cannot read the messages."""
@@ -79,7 +79,7 @@ class Viewers:
         except asyncio.CancelledError:
             pass  # the view ends, or our websocket has: so does this task
         except Exception as error:  # viser expects well-formed messages; the others go on
-            LOG.warning("a viewer of the 3D view sent what viser cannot read: %r", error)
+            CLIENTS_LOG.warning("a viewer of the 3D view sent what viser cannot read: %r", error)
             await viewer.close(UNSUPPORTED_DATA, "this is no message of viser's")
         finally:
             self._tasks.discard(task)
