@@ -73,6 +73,7 @@ def test_who_only_watches_gives_no_orders_by_rosbridge_either(server, order) -> 
         with socket_at(server, "/rosbridge", token) as socket:
             socket.send(json.dumps({"op": "call_service", "service": "/rosapi/topics"}))
             assert json.loads(socket.recv(timeout=10))["result"]
+            socket.send(json.dumps({"op": "set_level", "level": "error"}))
             socket.send(json.dumps(order))
             socket.send(
                 json.dumps({"op": "call_service", "service": "/rosapi/topics", "id": "end"})
