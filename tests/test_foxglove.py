@@ -3,6 +3,7 @@
 import json
 import threading
 from contextlib import closing
+from functools import partial
 
 import numpy as np
 import pytest
@@ -51,7 +52,9 @@ class Rig:
         inbox = Inbox(self.program, self.source, Drivers.of(self.program))
         self.offer = Offer(self.publisher, inbox)
         foxglove = Foxglove(self.publisher, inbox, ros2)
-        app = Starlette(routes=[WebSocketRoute("/foxglove", foxglove.serve)])
+        watching = partial(foxglove.serve, watches=True)
+        routes = {"/foxglove": foxglove.serve, "/watching": watching}
+        app = Starlette(routes=[WebSocketRoute(*item) for item in routes.items()])
         self._listening = listen("127.0.0.1", 0)
         self.url = f"ws://127.0.0.1:{self._listening.getsockname()[1]}/foxglove"
         config = uvicorn.Config(app, ws="websockets-sansio", log_level="warning", lifespan="off")
@@ -168,6 +171,15 @@ def test_without_the_setting_nobody_may_drive():
         told = rig.talk({"/odom": 1})
     (info,) = [one["info"] for one in told if "info" in one]
     assert info["capabilities"] == []
+
+
+def test_who_only_watches_gives_no_orders(rig):
+    address = rig.url.replace("/foxglove", "/watching")
+    with connect(address, subprotocols=[SUBPROTOCOLS[0]]) as socket:
+        assert json.loads(socket.recv(timeout=20))["capabilities"] == []
+        assert json.loads(socket.recv(timeout=20))["op"] == "advertise"
+        socket.send(json.dumps({"op": "advertise", "channels": []}))
+        assert "only watches" in json.loads(socket.recv(timeout=20))["message"]
 
 
 def test_an_old_name_of_the_protocol_is_known_too(rig):
