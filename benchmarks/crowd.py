@@ -63,7 +63,7 @@ def _measure_in_turns(address: str, crowds: tuple[str, ...], pace: RealTime) -> 
     alone: list[float] = []
     for _ in range(TURNS):
         alone.append(_percentile_ms(pace))
-        with _there(address, crowds):
+        with _crowds(address, crowds):
             present.append(_percentile_ms(pace))
     return float(np.median(present)), float(np.median(alone))
 
@@ -76,9 +76,9 @@ def _percentile_ms(pace: RealTime) -> float:
 
 
 @contextmanager
-def _there(address: str, crowds: tuple[str, ...]) -> Iterator[None]:
+def _crowds(address: str, kinds: tuple[str, ...]) -> Iterator[None]:
     with ExitStack() as stack:
-        for kind in crowds:
+        for kind in kinds:
             stack.enter_context(_crowd(address, kind))
         yield
 

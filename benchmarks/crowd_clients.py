@@ -58,7 +58,7 @@ async def connect(address: str) -> tuple[asyncio.StreamReader, asyncio.StreamWri
     return await asyncio.open_connection(sock=raw, limit=BITE)
 
 
-def reads(path: str, then: bytes = b"") -> Client:
+def reads(path: str, wish: bytes = b"") -> Client:
     """Return a client that opens a websocket, says something, and reads slowly."""
 
     async def read(address: str) -> None:
@@ -66,7 +66,7 @@ def reads(path: str, then: bytes = b"") -> Client:
         with closing(writer):
             writer.write(upgrade(path, address))
             await reader.readuntil(b"\r\n\r\n")
-            writer.write(then)
+            writer.write(wish)
             await taste(reader)
 
     return read

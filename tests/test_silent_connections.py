@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import select
 import socket
 import threading
 import time
@@ -23,9 +24,12 @@ from app.page import http_door
 from app.page.listening import Listening, listen
 from app.page.log_limit import MOST_LINES, PERIOD_S, LogLimit
 
-SHORT_S = 0.3
-LONG_S = 4 * SHORT_S
+pytestmark = pytest.mark.real_time
+
+SHORT_S = 1.0
+LONG_S = 2 * SHORT_S
 PATIENCE_S = 20.0
+LARGE = 400_000
 GET = b"GET / HTTP/1.1\r\nHost: localhost\r\n"
 
 
@@ -48,11 +52,20 @@ async def echo(socket: WebSocket) -> None:
     await socket.close()
 
 
-ROUTES = [Route("/", page), Route("/stream", stream), WebSocketRoute("/echo", echo)]
+async def large(request: Request) -> PlainTextResponse:
+    return PlainTextResponse("x" * LARGE)
+
+
+ROUTES = [
+    Route("/", page),
+    Route("/large", large),
+    Route("/stream", stream),
+    WebSocketRoute("/echo", echo),
+]
 
 
 @pytest.fixture
-def address(monkeypatch) -> Iterator[tuple[str, int]]:
+def served(monkeypatch) -> Iterator[tuple[uvicorn.Server, tuple[str, int]]]:
     monkeypatch.setattr(http_door, "HEAD_S", SHORT_S)
     listening: Listening = listen("127.0.0.1", 0)
     address = listening.getsockname()
@@ -67,9 +80,14 @@ def address(monkeypatch) -> Iterator[tuple[str, int]]:
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, args=([listening],))
     thread.start()
-    yield address
+    yield server, address
     server.should_exit = True
     thread.join(PATIENCE_S)
+
+
+@pytest.fixture
+def address(served) -> tuple[str, int]:
+    return served[1]
 
 
 def rest(raw: socket.socket) -> bytes:
@@ -118,6 +136,42 @@ def test_an_answer_may_take_longer(address) -> None:
     with socket.create_connection(address, timeout=PATIENCE_S) as raw:
         raw.sendall(GET.replace(b"/ ", b"/stream ") + b"\r\n")
         assert b"end" in rest(raw)
+
+
+def asks_for_much(address) -> socket.socket:
+    raw = socket.socket()
+    raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    raw.settimeout(PATIENCE_S)
+    raw.connect(address)
+    raw.sendall(GET.replace(b"/ ", b"/large ") + b"\r\n")
+    return raw
+
+
+def test_a_slow_reader_gets_all(address) -> None:
+    with asks_for_much(address) as raw:
+        got, begin = 0, time.monotonic()
+        while data := raw.recv(4096):
+            got += len(data)
+            # As slow as this, it takes longer than the time for a head.
+            wait(begin + 2.5 * SHORT_S * got / LARGE)
+    assert got > LARGE
+    assert time.monotonic() - begin > 2 * SHORT_S
+
+
+def wait(end: float) -> None:
+    """Let a link be slow."""
+    time.sleep(max(0.0, end - time.monotonic()))
+
+
+def test_who_does_not_read_is_closed(served) -> None:
+    server, address = served
+    with asks_for_much(address) as raw:
+        assert select.select([raw], [], [], PATIENCE_S)[0]
+        end = time.monotonic() + PATIENCE_S
+        while server.server_state.connections:
+            assert time.monotonic() < end, "it is never closed"
+            wait(time.monotonic() + SHORT_S / 20)
+        assert len(rest(raw)) < LARGE
 
 
 def test_requests_one_after_the_other_go_on(address) -> None:

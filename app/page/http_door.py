@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from typing import cast
 
 import h11
@@ -32,6 +33,8 @@ class HttpDoor(H11Protocol):
     room: Room
     """All connections of the server."""
     _waiting: asyncio.TimerHandle | None = None
+    _unread: float = math.inf
+    """What it had left of the last answer, when its time was up before [bytes]."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Take a connection, and wait for its first request."""
@@ -81,7 +84,8 @@ class HttpDoor(H11Protocol):
     def _await_head(self) -> None:
         self._stop_waiting()
         self._waiting = self.loop.call_later(HEAD_S, self._give_up)
-        self.room.set_silent(self._descriptor(), True)
+        self._unread = math.inf
+        self.room.set_silent(self._descriptor(), self.transport.get_write_buffer_size() == 0)
 
     def _begin_request(self) -> None:
         self._stop_waiting()
@@ -93,8 +97,12 @@ class HttpDoor(H11Protocol):
             self._waiting = None
 
     def _give_up(self) -> None:
-        # What it has not read is of no use to who says nothing.
-        self.transport.abort()
+        unread = self.transport.get_write_buffer_size()
+        if 0 < unread < self._unread:  # a slow reader is not silent
+            self._unread = unread
+            self._waiting = self.loop.call_later(HEAD_S, self._give_up)
+        else:
+            self.transport.abort()
 
     def _descriptor(self) -> int:
         opened = self.transport.get_extra_info("socket")
