@@ -144,7 +144,7 @@ def _add_outlets(run: argparse.ArgumentParser) -> None:
         "--foxglove",
         action="store_true",
         default=argparse.SUPPRESS,
-        help=f"serve Foxglove, on port {Config().ros2.foxglove_port} (docs/ros2.md)",
+        help="serve Foxglove, at /foxglove on the same port (docs/ros2.md)",
     )
 
 
@@ -180,18 +180,20 @@ def _run(parsed: argparse.Namespace) -> int:
     # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
     from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
-    from app.page.serving import listen, serve  # noqa: PLC0415
+    from app.page.listening import listen  # noqa: PLC0415
+    from app.page.serving import serve  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = resolve_robot(wanted)
     _refuse_without_effect(parsed, config)
     certificate = certificate_of(vars(parsed))
     with listen(config.host, config.port) as listening:
-        tokens = tokens_of(vars(parsed), listening)
+        tokens = tokens_of(vars(parsed), listening, inviting=config.ros2.foxglove)
         if missing:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = build_program(config, RealTime())
-        announce(listening, tokens, "http" if certificate is None else "https")
+        scheme = "http" if certificate is None else "https"
+        announce(listening, tokens, scheme, foxglove=config.ros2.foxglove)
         serve(program, listening, tokens, certificate)
     return 0
 

@@ -11,7 +11,8 @@ import time
 import numpy as np
 
 from app.engine.build import build_program
-from app.page.serving import Server, listen
+from app.page.listening import listen
+from app.page.serving import Server
 from app.settings.config import ROOT, Config
 from benchmarks.result import Result
 from sim.real_time import RealTime
@@ -31,7 +32,7 @@ def measure() -> Result:
     listening = listen("127.0.0.1", 0)
     address = f"127.0.0.1:{listening.getsockname()[1]}"
     server = Server(program)
-    thread = threading.Thread(target=server.run, args=([listening],), name="server")
+    thread = threading.Thread(target=server.run, args=(listening,), name="server")
     thread.start()
     try:
         time.sleep(5.0)  # wait: compiled code is loaded, and the first clouds are large

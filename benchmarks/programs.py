@@ -7,7 +7,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,19 +63,19 @@ class Server:
 
 @contextmanager
 def started(
-    *words: str, says: str, stderr: int | None = None
+    *words: str, says: str, stderr: int | None = None, prefix: Sequence[str] = ()
 ) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """Start ``brickpose`` with these words, and end it as a service is ended.
 
-    ``says`` is a regular expression with a group. Yields the process, and what the group matches in
-    the first line of its output that matches.
+    ``says`` is a regular expression with a group, ``prefix`` a command that starts commands.
+    Yields the process, and what the group matches in the first line of its output that matches.
 
     Raises:
         RuntimeError: the process ends before such a line.
         subprocess.TimeoutExpired: the process does not end; it is killed.
     """
     process = subprocess.Popen(
-        [sys.executable, "-m", "app", *words],
+        [*prefix, sys.executable, "-m", "app", *words],
         cwd=ROOT,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
@@ -116,10 +116,13 @@ def check_ended_well(process: subprocess.Popen[str]) -> None:
 
 
 @contextmanager
-def server(*options: str, stderr: int | None = None) -> Iterator[Server]:
+def server(
+    *options: str, stderr: int | None = None, prefix: Sequence[str] = ()
+) -> Iterator[Server]:
     """Start ``brickpose run`` on a free port; see ``started``."""
     says = r"http://([^\s/]+)"
-    with started("run", "--port", "0", *options, says=says, stderr=stderr) as (process, address):
+    words = ("run", "--port", "0", *options)
+    with started(*words, says=says, stderr=stderr, prefix=prefix) as (process, address):
         yield Server(process, address)
 
 

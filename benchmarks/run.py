@@ -9,6 +9,7 @@ from pathlib import Path
 
 from benchmarks import (
     accuracy,
+    crowd,
     live,
     loop,
     recovery,
@@ -28,6 +29,7 @@ from robot.settings import SettingError
 
 BENCHMARKS: dict[str, Callable[[], Result]] = {
     "accuracy": accuracy.measure,
+    "crowd": crowd.measure,
     "driver": driver.measure,
     "encoders": delay.measure,
     "filter": particle_filter.measure,
@@ -50,7 +52,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
-LONG = ("official_library", "ros2", "routes", "serial_line", "soak", "wean")
+LONG = ("crowd", "official_library", "ros2", "routes", "serial_line", "soak", "wean")
 """Benchmarks that take minutes each, most in processes of their own; they run only if named."""
 
 

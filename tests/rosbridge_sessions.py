@@ -41,11 +41,12 @@ def deliver(bridge, program, seconds=0.02):
 
 
 class Client:
-    """One session, and how often it was woken."""
+    """One session that asks for refusals, and how often it was woken."""
 
     def __init__(self, bridge: Bridge) -> None:
         self.woken = 0
         self.session = Session(bridge, self._wake, Driver.numbered("rosbridge"))
+        assert self.ask("set_level", level="error") == []
 
     def _wake(self) -> None:
         self.woken += 1

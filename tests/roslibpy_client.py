@@ -62,6 +62,9 @@ def main(url):
     tell(throttled=[one["sec"] + one["nanosec"] / 1e9 for one in stamps])
     tell(update=call(ros, "/request_nomotion_update", "std_srvs/Empty"))
     tell(wrong=call(ros, "/set_initial_pose", "nav2_msgs/SetInitialPose", {"poze": 1}))
+    wheels = roslibpy.Topic(ros, "/cmd_vel", "geometry_msgs/TwistStamped")
+    wheels.publish(roslibpy.Message({"twist": {"linear": {"y": 1.0}}}))
+    tell(after_refusal=call(ros, "/request_nomotion_update", "std_srvs/Empty"))
     drive(ros)
     ros.terminate()
 

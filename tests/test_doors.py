@@ -21,13 +21,13 @@ PAGES = (
     "/api/access", "/api/health", "/api/state", "/api/field", "/api/field.png", "/api/parameters",
     "/api/problems", "/api/recordings", "/api/recordings/none", "/api/recording_contents",
 )  # fmt: skip
-SOCKETS = ("/", "/rosbridge", "/api/live", "/api/camera", "/view")
+SOCKETS = ("/", "/rosbridge", "/foxglove", "/api/live", "/api/camera", "/view")
 REFUSED = 401
 
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    arguments = ["--token", "drive-me", "--watch-token", "watch-me"]
+    arguments = ["--token", "drive-me", "--watch-token", "watch-me", "--foxglove"]
     with started("--robot", "kinematic", "--map", "stub", *arguments) as running:
         with socket_at(running, "/api/live", "drive-me") as socket:
             until(socket, lambda now: now["estimate"])
@@ -73,6 +73,7 @@ def test_who_only_watches_gives_no_orders_by_rosbridge_either(server, order) -> 
         with socket_at(server, "/rosbridge", token) as socket:
             socket.send(json.dumps({"op": "call_service", "service": "/rosapi/topics"}))
             assert json.loads(socket.recv(timeout=10))["result"]
+            socket.send(json.dumps({"op": "set_level", "level": "error"}))
             socket.send(json.dumps(order))
             socket.send(
                 json.dumps({"op": "call_service", "service": "/rosapi/topics", "id": "end"})

@@ -1,17 +1,30 @@
 """The topics as Foxglove's own client library reads them."""
 
-import subprocess
-import sys
+import json
+import threading
+from contextlib import closing
+from functools import partial
 
 import numpy as np
 import pytest
+import uvicorn
 from engine_runs import kinematic
+from hypothesis import given
+from hypothesis import strategies as st
 from node_peers import needs_node, start_node
+from starlette.applications import Starlette
+from starlette.routing import WebSocketRoute
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
 
 from app.engine.build import build_program
-from app.engine.drivers import Drivers
+from app.engine.drivers import Driver, Drivers
 from app.messages.commands import DriveCommand, ScatterCommand
-from app.ros2.foxglove.route import FoxgloveRoute
+from app.page.listening import listen
+from app.ros2.foxglove.foxglove import Foxglove
+from app.ros2.foxglove.offer import Offer
+from app.ros2.foxglove.protocol import MOST_BYTES, SUBPROTOCOLS
+from app.ros2.foxglove.session import Session
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
@@ -19,10 +32,7 @@ from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS, topic
 from app.settings.config import Config
 from app.settings.ros2 import Ros2Settings
-from robot.errors import PackageError, PortError
 from sim.real_time import RealTime
-
-pytest.importorskip("foxglove", reason="the extra `foxglove` is not installed")
 
 MOST_TICKS = 3000
 """A minute; what is wanted came long ago, or never comes."""
@@ -35,26 +45,33 @@ class Rig:
     """A robot in real time, whose ticks are kept by their ROS time."""
 
     def __init__(self, **settings) -> None:
-        ros2 = Ros2Settings(foxglove_port=0, **settings)
+        ros2 = Ros2Settings(foxglove=True, **settings)
         self.program = build_program(Config(robot="kinematic", ros2=ros2), RealTime())
         self.source = TopicSource.of(self.program)
         self.publisher = TopicPublisher(self.source, self.program.engine.every)
         inbox = Inbox(self.program, self.source, Drivers.of(self.program))
-        self.route = FoxgloveRoute(self.publisher, inbox, ros2, "127.0.0.1")
+        self.offer = Offer(self.publisher, inbox)
+        foxglove = Foxglove(self.publisher, inbox, ros2)
+        watching = partial(foxglove.serve, watches=True)
+        routes = {"/foxglove": foxglove.serve, "/watching": watching}
+        app = Starlette(routes=[WebSocketRoute(*item) for item in routes.items()])
+        self._listening = listen("127.0.0.1", 0)
+        self.url = f"ws://127.0.0.1:{self._listening.getsockname()[1]}/foxglove"
+        config = uvicorn.Config(app, ws="websockets-sansio", log_level="warning", lifespan="off")
+        self._server = uvicorn.Server(config)
+        sockets = {"sockets": [self._listening]}
+        self._thread = threading.Thread(target=self._server.run, kwargs=sockets)
         self.shown = []
 
     def __enter__(self):
         self.source.clock.hold()
-        self.route.start()
+        self._thread.start()
         return self
 
     def __exit__(self, *_):
-        self.route.close()
+        self._server.should_exit = True
+        self._thread.join(20)
         self.publisher.close()
-
-    @property
-    def url(self) -> str:
-        return f"ws://127.0.0.1:{self.route.port}"
 
     def talk(self, wanted, asked=None) -> list[dict]:
         """What a client tells that wants so many messages of each topic."""
@@ -156,36 +173,123 @@ def test_without_the_setting_nobody_may_drive():
     assert info["capabilities"] == []
 
 
-def test_what_nobody_looks_at_is_not_made(rig):
-    assert not any(rig.route.wants(one, 1.0) for one in TOPICS)
+def test_who_only_watches_gives_no_orders(rig):
+    address = rig.url.replace("/foxglove", "/watching")
+    with connect(address, subprotocols=[SUBPROTOCOLS[0]]) as socket:
+        assert json.loads(socket.recv(timeout=20))["capabilities"] == []
+        assert json.loads(socket.recv(timeout=20))["op"] == "advertise"
+        socket.send(json.dumps({"op": "advertise", "channels": []}))
+        assert "only watches" in json.loads(socket.recv(timeout=20))["message"]
 
 
-def test_a_port_that_is_taken_is_named(rig):
-    settings = Ros2Settings(foxglove_port=rig.route.port)
-    second = FoxgloveRoute(
-        rig.publisher,
-        Inbox(rig.program, rig.source, Drivers.of(rig.program)),
-        settings,
-        "127.0.0.1",
-    )
-    with pytest.raises(PortError, match=f"port {rig.route.port}: .*foxglove_port"):
-        second.start()
-    second.close()
+def test_an_old_name_of_the_protocol_is_known_too(rig):
+    for name in SUBPROTOCOLS:
+        with connect(rig.url, subprotocols=["other", name]) as socket:
+            assert socket.subprotocol == name
+            assert json.loads(socket.recv(timeout=20))["op"] == "serverInfo"
 
 
-def test_without_the_sdk_the_cure_is_told(monkeypatch):
-    monkeypatch.setitem(sys.modules, "foxglove", None)
-    program = kinematic()
+def test_who_speaks_something_else_is_told_so(rig):
+    with connect(rig.url, subprotocols=["other"]) as socket:
+        with pytest.raises(ConnectionClosed):
+            socket.recv(timeout=20)
+        assert socket.close_code == 1002
+        assert "foxglove.sdk.v1" in socket.close_reason
+
+
+class Viewer:
+    """A session without a socket."""
+
+    def __init__(self, offer, refusal=None) -> None:
+        self.session = Session(offer, lambda: None, Driver.numbered("Foxglove"), refusal)
+        self.close = self.session.close
+
+    def told(self, **words) -> list[dict]:
+        return [json.loads(one) for one in self.session.receive(json.dumps(words))]
+
+    def wanted(self) -> list[str]:
+        return [one.name for one in TOPICS if self.session.wants(one, 1.0)]
+
+
+def offer_of(program) -> Offer:
     source = TopicSource.of(program)
     publisher = TopicPublisher(source, program.engine.every)
-    route = FoxgloveRoute(
-        publisher, Inbox(program, source, Drivers.of(program)), source.settings, "127.0.0.1"
-    )
-    with pytest.raises(PackageError, match=r"brickpose\[foxglove\]"):
-        route.start()
-    route.close()
+    return Offer(publisher, Inbox(program, source, Drivers.of(program)))
 
 
-def test_the_program_does_not_need_the_sdk_until_it_is_asked_for():
-    code = "import sys, app.ros2.foxglove.route; sys.exit('foxglove' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+@pytest.fixture(scope="module")
+def offer() -> Offer:
+    return offer_of(kinematic())
+
+
+@pytest.fixture
+def viewer(offer):
+    with closing(Viewer(offer)) as viewer:
+        yield viewer
+
+
+def test_what_nobody_looks_at_is_not_made(viewer):
+    assert viewer.wanted() == []
+    assert viewer.told(op="subscribe", subscriptions=[{"id": 7, "channelId": 0}]) == []
+    first = viewer.session._offer.topics[0].name
+    assert viewer.wanted() == [first]
+    viewer.told(op="unsubscribe", subscriptionIds=[7])
+    assert viewer.wanted() == []
+
+
+CHANNEL = {"id": 1, "topic": "/cmd_vel", "encoding": "cdr", "schemaName": "a/B"}
+
+
+@pytest.mark.parametrize(
+    ("request_", "words"),
+    [
+        ({"op": "fly"}, "'subscribe', 'unsubscribe', 'advertise', 'unadvertise'"),
+        ({"op": "subscribe"}, "subscriptions: Field required"),
+        ({"op": "subscribe", "subscriptions": [{"id": 0, "channelId": 999}]}, "not among those"),
+        ({"op": "subscribe", "subscriptions": [{"id": -1, "channelId": 0}]}, "greater than"),
+        ({"op": "subscribe", "subscriptions": [{"id": 1, "channelId": 0}] * 2}, "already"),
+        ({"op": "advertise", "channels": [CHANNEL]}, "has the type geometry_msgs"),
+        ({"op": "advertise", "channels": [{**CHANNEL, "topic": "/goal"}]}, "nobody listens to"),
+    ],
+)
+def test_what_cannot_be_done_is_answered_in_words(viewer, request_, words):
+    (answer,) = viewer.told(**request_)
+    assert (answer["op"], answer["level"]) == ("status", 2)
+    assert words in answer["message"]
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        "",
+        "[]",
+        "[" * 100_000,
+        "x" * (MOST_BYTES + 1),
+        b"\x01",
+        b"\x02\x00\x00\x00\x00",
+        b"\x07garbage",
+        b"\x02" + bytes(8) + b"\x02\x00\x00\x00\xff\xfe",
+    ],
+)
+def test_hostile_messages_get_a_short_answer(viewer, data):
+    (answer,) = viewer.session.receive(data)
+    assert len(answer) < 600
+    assert json.loads(answer)["op"] == "status"
+
+
+@given(st.binary(max_size=60) | st.text(max_size=60))
+def test_whatever_is_sent_the_session_goes_on(data):
+    for answer in SHARED.session.receive(data):
+        assert json.loads(answer)["op"] in ("status", "serviceCallFailure")
+
+
+def test_who_may_not_give_orders_is_told_why(offer):
+    with closing(Viewer(offer, "this token only watches")) as viewer:
+        for op, items in (("advertise", "channels"), ("unadvertise", "channelIds")):
+            (answer,) = viewer.told(op=op, **{items: []})
+            assert answer["message"] == "this token only watches"
+        (answer,) = viewer.session.receive(b"\x02" + bytes(12))
+        assert json.loads(answer)["op"] == "serviceCallFailure"
+
+
+SHARED = Viewer(offer_of(kinematic()))

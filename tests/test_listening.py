@@ -5,7 +5,7 @@ import socket
 
 import pytest
 
-from app.page.serving import listen
+from app.page.listening import listen
 
 
 async def delay_is_off(listening: socket.socket) -> bool:

@@ -89,7 +89,8 @@ def told_by_roslibpy(server):
         check=False,
     )
     assert ended.returncode == 0, ended.stderr[-2000:]
-    return merged(json.loads(line) for line in ended.stdout.splitlines())
+    told = merged(json.loads(line) for line in ended.stdout.splitlines())
+    return told | {"complaints": ended.stderr}
 
 
 def test_roslibpy_finds_and_reads_topics(told_by_roslibpy):
@@ -108,6 +109,11 @@ def test_roslibpy_calls_services_and_drives(told_by_roslibpy):
     assert told_by_roslibpy["update"] == {}
     assert "poze is no field" in told_by_roslibpy["wrong"]
     assert told_by_roslibpy["stands"]
+
+
+def test_a_refused_message_is_no_exception_in_roslibpy(told_by_roslibpy):
+    assert told_by_roslibpy["after_refusal"] == {}
+    assert told_by_roslibpy["complaints"] == ""
 
 
 def bridge(server, **options):
@@ -152,6 +158,7 @@ def test_what_is_far_too_large_ends_that_client_only(server, live):
 
 def test_junk_is_answered_and_the_client_goes_on(server):
     with bridge(server) as socket:
+        socket.send(json.dumps({"op": "set_level", "level": "error"}))
         for junk in (b"\x00\xff", "[" * 50_000, '{"op": "subscribe", "topic": "/wrong"}'):
             socket.send(junk)
             assert json.loads(socket.recv(timeout=20))["op"] == "status"

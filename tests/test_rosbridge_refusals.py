@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbridge_sessions import Client, bridge_of, deliver
 
+from app.engine.drivers import Driver
 from app.ros2.rosbridge.requests import LONGEST
+from app.ros2.rosbridge.session import Session
 from app.ros2.rosbridge.subscription import MOST_REQUESTS
 
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -51,6 +53,17 @@ def test_a_status_has_the_id_and_may_be_switched_off(client):
     assert client.ask("fly") == []
     client.ask("set_level", level="warning")
     assert len(client.ask("fly")) == 1
+
+
+def test_who_asks_for_no_status_gets_none_and_the_log_tells(bridge, caplog):
+    session = Session(bridge, lambda: None, Driver.numbered("rosbridge"))
+    refused = '{"op": "publish", "topic": "/goal", "msg": {}}'
+    assert session.receive(refused) == []
+    assert "nobody listens to /goal; valid are /cmd_vel" in caplog.text
+    assert session.receive('{"op": "set_level", "level": "error"}') == []
+    (answer,) = session.receive(refused)
+    assert json.loads(answer)["op"] == "status"
+    session.close()
 
 
 def test_authentication_is_not_asked_for(client):

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 KEPT = 100
 LOG = logging.getLogger("brickpose")
+CLIENTS_LOG = logging.getLogger("brickpose.clients")
+"""What clients do wrong: a few lines of each kind a minute, whatever they send."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,9 @@
 
 A setting can let in pages of other origins.
 
+Some paths invite pages of other origins that bring a token in the address, because programs that
+run in a browser, as Foxglove, come from a place of their own.
+
 Without this check, a page of another site could send commands from the user's own browser; its
 Origin header shows that. Or it could point its own host name at this machine and so be of the same
 origin; its Host header shows that. Or it could show our page in a frame and let the user's clicks
@@ -15,6 +18,7 @@ import socket
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
@@ -29,10 +33,24 @@ GUARDS = {
 and no browser guesses its type."""
 
 
+GUEST = "brickpose.guest"
+
+
+def is_guest(scope: Scope) -> bool:
+    """Whether a page of another origin sent this, which may come in by its token alone."""
+    return bool(scope.get(GUEST, False))
+
+
 class SameOriginOnly:
     """Refuses requests and sockets whose Host or Origin is not this server's."""
 
-    def __init__(self, app: ASGIApp, names: frozenset[str], origins: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        names: frozenset[str],
+        origins: tuple[str, ...] = (),
+        inviting: frozenset[str] = frozenset(),
+    ) -> None:
         """Guard an application.
 
         Args:
@@ -40,10 +58,13 @@ class SameOriginOnly:
             names: host names of this server.
             origins: other origins to let in, such as ``http://localhost:5500``; files have the
                 origin ``null``.
+            inviting: paths that invite pages of other origins with a token, which the application
+                has to check: ``is_guest`` tells them.
         """
         self._app = app
         self._names = names
         self._origins = frozenset(origin.rstrip("/").lower() for origin in origins)
+        self._inviting = inviting
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -55,7 +76,8 @@ class SameOriginOnly:
 
         if scope["type"] in ("http", "websocket"):
             complaint = self._complaint(Headers(scope=scope))
-            if complaint is not None:
+            scope[GUEST] = complaint is not None and self._invites(scope)
+            if complaint is not None and not scope[GUEST]:
                 await _refuse(complaint, scope, receive, send_guarded)
                 return
         await self._app(scope, receive, send_guarded)
@@ -73,6 +95,15 @@ class SameOriginOnly:
         if site not in ("same-origin", "none") and headers.get("sec-fetch-mode") != "navigate":
             return "Pages of other sites may not show this robot's pictures."
         return None
+
+    def _invites(self, scope: Scope) -> bool:
+        """Whether a foreign page may come in, if its token is right; a foreign host never."""
+        request = HTTPConnection(scope)
+        return (
+            scope["path"] in self._inviting
+            and "token" in request.query_params
+            and self._is_own_host(request.headers.get("host", ""))
+        )
 
     def _is_own_host(self, host: str) -> bool:
         try:

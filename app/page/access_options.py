@@ -94,8 +94,15 @@ def certificate_of(given: Mapping[str, Any]) -> Certificate | None:
     return result
 
 
-def tokens_of(given: Mapping[str, Any], listening: socket.socket) -> Tokens | None:
+def tokens_of(
+    given: Mapping[str, Any], listening: socket.socket, *, inviting: bool = False
+) -> Tokens | None:
     """Return the tokens that requests need, by options by name; None if they need none.
+
+    Args:
+        given: the options.
+        listening: the program's socket.
+        inviting: whether pages of other origins may come in with a token.
 
     Raises:
         SettingError: a token is not valid, or options contradict each other.
@@ -105,13 +112,17 @@ def tokens_of(given: Mapping[str, Any], listening: socket.socket) -> Tokens | No
     if refused and (drive or watch):
         raise SettingError("--no-token and a token contradict each other; choose one")
     address = listening.getsockname()[0]
-    return chosen_tokens(drive, watch, address, os.environ, refused=refused)
+    return chosen_tokens(drive, watch, address, os.environ, refused=refused, inviting=inviting)
 
 
-def announce(listening: socket.socket, tokens: Tokens | None, scheme: str) -> None:
-    """Say where the page is; the last line says that the program is ready."""
+def announce(
+    listening: socket.socket, tokens: Tokens | None, scheme: str, *, foxglove: bool = False
+) -> None:
+    """Say where the page is, and Foxglove; the last line says that the program is ready."""
     address = address_of(listening, scheme)
-    if tokens is not None:
+    if foxglove and tokens is not None:
+        say(f"Foxglove opens {address.replace('http', 'ws', 1)}/foxglove?token={tokens.drive}")
+    if tokens is not None and tokens.required:
         watching = f"{address}/?token={tokens.watch}"
         _show_code(watching)
         say(f"To watch only: {watching}")

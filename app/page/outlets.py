@@ -11,6 +11,7 @@ from app.engine.drivers import Drivers
 from app.engine.program import Program
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
+from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.rosbridge import Rosbridge
@@ -46,6 +47,7 @@ class Outlets:
             self.publisher, config.recording, lambda: contents_of(program), datetime.now
         )
         self.rosbridge = Rosbridge(self.publisher, self.inbox)
+        self.foxglove = Foxglove(self.publisher, self.inbox, config.ros2)
         self._record = config.recording.record
         self._routes = tuple(self._live_routes(program))
 
@@ -55,10 +57,6 @@ class Outlets:
             from app.ros2.dds.route import DdsRoute  # noqa: PLC0415
 
             yield DdsRoute(self.publisher, self.inbox, settings, host)
-        if settings.foxglove:
-            from app.ros2.foxglove.route import FoxgloveRoute  # noqa: PLC0415
-
-            yield FoxgloveRoute(self.publisher, self.inbox, settings, host)
 
     def start(self) -> None:
         """Start all outputs that the settings ask for.

@@ -44,8 +44,11 @@ from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.contents_route import contents_router
 from app.recordings.routes import recordings_router
+from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
+
+FOXGLOVE = "/foxglove"
 
 
 def create_app(
@@ -80,17 +83,20 @@ def create_app(
     # FastAPI's own documentation page fetches its scripts from the internet.
     app = FastAPI(title="BrickPose", lifespan=lifespan, docs_url=None, redoc_url=None)
     config = program.config
+    inviting = frozenset([FOXGLOVE] if config.ros2.foxglove and tokens is not None else [])
     if tokens is not None:
         app.add_middleware(TokenRequired, tokens=tokens)
     # Added last, so it comes first: pages of other sites learn nothing of tokens.
     names, origins = own_names(config.host), config.allowed_origins
-    app.add_middleware(SameOriginOnly, names=names, origins=origins)
+    app.add_middleware(SameOriginOnly, names=names, origins=origins, inviting=inviting)
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
     camera = CameraStream(program.engine.latest, program.scanner, thread.stopping)
     _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
+    if config.ros2.foxglove:
+        _add_foxglove(app, outlets.foxglove)
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     return app
@@ -280,3 +286,9 @@ def _add_rosbridge(app: FastAPI, rosbridge: Rosbridge) -> None:
     @app.websocket("/rosbridge")
     async def follow_topics(socket: WebSocket) -> None:
         await rosbridge.serve(socket, watches=role_in(socket.scope) is Role.WATCH)
+
+
+def _add_foxglove(app: FastAPI, foxglove: Foxglove) -> None:
+    @app.websocket(FOXGLOVE)
+    async def follow_viewer(socket: WebSocket) -> None:
+        await foxglove.serve(socket, watches=role_in(socket.scope) is Role.WATCH)

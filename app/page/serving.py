@@ -2,58 +2,26 @@
 
 from __future__ import annotations
 
-import errno
 import signal
 import socket
 import sys
-from contextlib import ExitStack
 from types import FrameType
 
 import uvicorn
 
 from app.engine.engine_thread import EngineThread
+from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
 from app.page.access_options import Certificate
+from app.page.http_door import http_door
+from app.page.listening import BACKLOG, Listening
+from app.page.log_limit import limit_logs
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
-from app.page.view.view import SMALL_BUFFER
-from robot.errors import PortError
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
-
-
-def listen(host: str, port: int) -> socket.socket:
-    """Return a listening socket.
-
-    Raises:
-        PortError: the address is not of this machine, or the port is taken or not allowed.
-    """
-    try:
-        result = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, proto=socket.IPPROTO_TCP)
-        family, kind, protocol, _, address = result[0]
-        with ExitStack() as unless_it_listens:
-            # asyncio sends each part at once only if the protocol is given. Otherwise the second
-            # part of an answer waits until the first is acknowledged: 40 ms.
-            listening = socket.socket(family, kind, protocol)
-            unless_it_listens.callback(listening.close)
-            listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            # Data in a large buffer is old when a slow viewer gets it.
-            listening.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SMALL_BUFFER)
-            listening.bind(address)
-            listening.listen(128)
-            unless_it_listens.pop_all()
-    except (OSError, UnicodeError) as error:  # UnicodeError: no name of a machine is like this
-        why = getattr(error, "strerror", None) or error
-        taken = getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES)
-        cure = (
-            "another port is chosen by --port (or PORT=9000 make run)"
-            if taken
-            else "valid is an address of this machine, or 0.0.0.0 for all of them"
-        )
-        raise PortError(f"cannot listen on {host} port {port}: {why}; {cure}") from error
-    return listening
 
 
 class Server:
@@ -73,6 +41,8 @@ class Server:
             ssl_certfile=certificate.certfile if certificate else None,
             ssl_keyfile=certificate.keyfile if certificate else None,
             log_level="warning",
+            loop="asyncio",  # another's would not ask our socket whom to accept
+            backlog=BACKLOG,
             ws="websockets-sansio",
             # Compressing arrays of particles costs ten times the rest, and gains little.
             ws_per_message_deflate=False,
@@ -83,12 +53,14 @@ class Server:
         )
         self._uvicorn = _StopsTheRobotFirst(config, self._thread)
 
-    def run(self, sockets: list[socket.socket]) -> None:
+    def run(self, listening: Listening) -> None:
         """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
         sys.setswitchinterval(HAND_OVER_S)
+        limit_logs("uvicorn.error", "asyncio", CLIENTS_LOG.name)
+        self._uvicorn.config.http = http_door(listening.room)
         self._outlets.start()
         try:
-            self._uvicorn.run(sockets=sockets)
+            self._uvicorn.run(sockets=[listening])
         finally:
             self._thread.stopping.set()
             self._outlets.close()
@@ -103,7 +75,7 @@ class Server:
 
 def serve(
     program: Program,
-    listening: socket.socket,
+    listening: Listening,
     tokens: Tokens | None = None,
     certificate: Certificate | None = None,
 ) -> None:
@@ -113,7 +85,7 @@ def serve(
         # These handle signals before uvicorn does, and when it raises them again at its end.
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda number, frame: server.stop())
-        server.run([listening])
+        server.run(listening)
     finally:
         # The engine has closed the robot already, unless it never started.
         program.robot.close()

@@ -11,6 +11,7 @@ from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from app.page.access import is_guest
 from app.page.token_guesses import Guessing
 from app.page.tokens import Role, Tokens
 from app.settings.config import FRONTEND
@@ -47,7 +48,8 @@ class TokenRequired:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
-        if scope["type"] not in ("http", "websocket"):
+        asked = self._tokens.required or is_guest(scope)
+        if scope["type"] not in ("http", "websocket") or not asked:
             await self._app(scope, receive, send)
             return
         request = HTTPConnection(scope)
@@ -110,7 +112,9 @@ def _tokens_of(request: HTTPConnection) -> Iterator[str]:
     for name in request.scope.get("subprotocols", []):
         if name.startswith(SUBPROTOCOL):
             yield name.removeprefix(SUBPROTOCOL)
-    if (cookie := request.cookies.get(_cookie_name(request))) is not None:
+    cookie = request.cookies.get(_cookie_name(request))
+    # A guest's browser would send our page's cookie along, which says nothing of the guest.
+    if cookie is not None and not is_guest(request.scope):
         yield cookie
 
 

@@ -37,6 +37,8 @@ class Tokens:
 
     drive: str
     watch: str
+    required: bool = True
+    """False: only pages of other origins need one, where they may come in at all."""
 
     def __post_init__(self) -> None:
         for token in (self.drive, self.watch):
@@ -48,13 +50,13 @@ class Tokens:
             raise SettingError("the tokens to drive and to watch are the same; choose two")
 
     @classmethod
-    def choose(cls, drive: str | None, watch: str | None) -> Tokens:
+    def choose(cls, drive: str | None, watch: str | None, *, required: bool = True) -> Tokens:
         """Return the tokens given; what is not given is drawn at random.
 
         Raises:
             SettingError: a token is too short, or has other characters than a link allows.
         """
-        return cls(drive or _random_token(), watch or _random_token())
+        return cls(drive or _random_token(), watch or _random_token(), required)
 
     def role_of(self, token: str) -> Role | None:
         """Return what a token allows; the time that this takes does not tell how wrong it is."""
@@ -75,6 +77,7 @@ def chosen_tokens(
     environment: Mapping[str, str],
     *,
     refused: bool,
+    inviting: bool = False,
 ) -> Tokens | None:
     """Return the tokens by options and environment; None if none is needed.
 
@@ -84,6 +87,7 @@ def chosen_tokens(
         address: the address that the program listens on, as numbers.
         environment: may have ``BRICKPOSE_TOKEN`` and ``BRICKPOSE_WATCH_TOKEN``.
         refused: whether the user wants none at all.
+        inviting: whether pages of other origins may come in with a token.
 
     Raises:
         SettingError: a token is not valid.
@@ -91,5 +95,5 @@ def chosen_tokens(
     drive = drive or environment.get("BRICKPOSE_TOKEN")
     watch = watch or environment.get("BRICKPOSE_WATCH_TOKEN")
     if refused or (not drive and not watch and ipaddress.ip_address(address).is_loopback):
-        return None
+        return Tokens.choose(None, None, required=False) if inviting else None
     return Tokens.choose(drive, watch)

@@ -36,6 +36,7 @@ NEW_NAMES: Mapping[str, str] = MappingProxyType(
         "camera_source": "camera.source",
         "pictures": "camera",
         "physics": "sim.physics",
+        "ros2.foxglove_port": "port",
         "imperfections": "sim.imperfections",
         **{f"camera.{name}": f"sim.camera.{name}" for name in describe(CameraSettings)},
     }

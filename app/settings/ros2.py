@@ -39,13 +39,8 @@ class Ros2Settings:
     odom_frame_id: str = setting("odom", "The frame of odometry")
     base_frame_id: str = setting("base_footprint", "The robot's frame, on the floor below the axle")
     scan_frame_id: str = setting("base_scan", "The frame that scans start from")
-    foxglove_port: int = setting(
-        8765, "Port of the Foxglove server; 0 is any free one", low=0, high=65535
-    )
     foxglove_commands: bool = setting(
-        False,
-        "Foxglove may drive, too. Its server asks nobody who they are: any page that a browser on "
-        "this computer shows could then drive as well",
+        False, "Foxglove may drive, too, if its token does, and call services"
     )
 
     def __post_init__(self) -> None:

@@ -15,11 +15,11 @@ from app.settings.ros2 import Ros2Settings
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
 
 
-async def read_all(rosbridge: str, foxglove: str) -> None:
+async def read_all(address: str) -> None:
     """Receive messages until this process is ended."""
     async with (
-        connect(f"ws://{rosbridge}/rosbridge", max_size=None, compression=None) as bridge,
-        connect(f"ws://{foxglove}", max_size=None, subprotocols=[FOXGLOVE]) as fox,
+        connect(f"ws://{address}/rosbridge", max_size=None, compression=None) as bridge,
+        connect(f"ws://{address}/foxglove", max_size=None, subprotocols=[FOXGLOVE]) as fox,
     ):
         for topic in TOPICS:
             wish = {"op": "subscribe", "topic": f"/{topic.name}", "compression": "cbor"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -20,7 +19,8 @@ import numpy as np
 from app.engine.build import build_program, build_simulated
 from app.engine.program import Program
 from app.messages.commands import FigureEightCommand
-from app.page.serving import Server, listen
+from app.page.listening import listen
+from app.page.serving import Server
 from app.settings.config import MAPS, ROOT, Config
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
@@ -113,12 +113,7 @@ def _ms(times: list[float], percent: float) -> float:
 
 
 def _all_on(folder: Path) -> Config:
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    ros2 = Ros2Settings(
-        dds=True, domain_id=1 + os.getpid() % 200, foxglove=True, foxglove_port=port
-    )
+    ros2 = Ros2Settings(dds=True, domain_id=1 + os.getpid() % 200, foxglove=True)
     recording = RecordingSettings(record=True, folder=str(folder))
     return replace(Config(robot="sim"), ros2=ros2, recording=recording)
 
@@ -132,7 +127,7 @@ def _times(config: Config, watched: bool) -> Times:
     program = build_program(config, robot=robot)
     listening = listen("127.0.0.1", 0)
     server = Server(program)
-    thread = threading.Thread(target=server.run, args=([listening],), name="server")
+    thread = threading.Thread(target=server.run, args=(listening,), name="server")
     thread.start()
     try:
         with ExitStack() as clients:
@@ -156,8 +151,7 @@ def _readers(settings: Ros2Settings, address: str) -> Iterator[None]:
     with ExitStack() as stack:
         for _ in range(READERS):
             stack.enter_context(Peer(settings.domain_id)).read_live_topics()
-        port = f"127.0.0.1:{settings.foxglove_port}"
-        clients = subprocess.Popen([*command, port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+        clients = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
         try:
             assert clients.stdout is not None
             for _ in range(2):

@@ -8,6 +8,7 @@ from typing import Any
 
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
+from app.engine.problems import CLIENTS_LOG
 from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
@@ -31,7 +32,11 @@ MOST_BYTES = 16_000_000
 Data = str | bytes
 
 LEVELS = ("none", "error", "warning", "info")
-"""Levels of status messages, of which a client chooses one."""
+"""Levels of status messages, of which a client chooses one.
+
+Before it has, refusals are only logged, as in rosbridge_suite: its clients have no handler for a
+status, whatever the protocol's text says, and roslibpy raises an exception.
+"""
 
 WATCHES = "this token only watches; ask for the link to drive"
 """Answer to commands of a client that only watches."""
@@ -65,7 +70,7 @@ class Session(Route):
         self._wake = wake
         self._driver = driver
         self._watches = watches
-        self._level = "error"
+        self._level = "none"
         self._outbox = Outbox[Data](MOST_BYTES)
         self._pieces = Pieces()
         self._subscriptions: dict[str, Subscription] = {}
@@ -130,6 +135,7 @@ class Session(Route):
 
     def _status(self, request: Request, words: str, level: str = "error") -> list[Request]:
         if LEVELS.index(level) > LEVELS.index(self._level):
+            CLIENTS_LOG.warning("rosbridge refuses what %s asks: %s", self._driver.name, words)
             return []
         return [_with_id(request, {"op": "status", "level": level, "msg": words})]
 

@@ -15,7 +15,8 @@ from app.files import make_folder
 from app.lab.trajectories.files.tum import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.page.access_options import ACCESS_OPTIONS, announce, certificate_of, tokens_of
-from app.page.serving import listen, serve
+from app.page.listening import listen
+from app.page.serving import serve
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.recordings.replay.requests import FASTEST, SLOWEST
 from robot.geometry import Array, Pose2

@@ -1,0 +1,95 @@
+"""How many connections there is room for, and which one goes when there is none left."""
+
+from __future__ import annotations
+
+import contextlib
+import ipaddress
+import socket
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+MOST = 512
+"""Most connections: some fifty pages."""
+RESERVE = 32
+"""Places that are kept for websockets: a page that has lost its own gets it back."""
+SHARE = 4
+"""An address other than loopback gets one in so many of the places."""
+
+
+class Connection(Protocol):
+    """An accepted socket."""
+
+    def fileno(self) -> int:
+        """Its descriptor; -1 once it is closed."""
+        ...
+
+    def shutdown(self, how: int, /) -> None:
+        """End both directions: its server notices that, and closes it."""
+        ...
+
+
+@dataclass
+class _Guest:
+    connection: Connection
+    address: str
+    silent: bool = True
+    """Whether it has no request under way: none came yet, or all are answered."""
+
+
+class Room:
+    """All open connections of a server, by descriptor.
+
+    Who comes gets a place as long as there is one. When there is none, the connection that has been
+    silent for longest makes room; those with a request under way, as the driver's, never do.
+    """
+
+    def __init__(self, most: int = MOST) -> None:
+        self.most = most
+        self._guests: dict[int, _Guest] = {}
+
+    def admit(self, connection: Connection, address: str) -> bool:
+        """Give a connection a place; False if there is none for it."""
+        self._forget_closed()
+        local = ipaddress.ip_address(address.partition("%")[0]).is_loopback
+        same = [guest for guest in self._guests.values() if guest.address == address]
+        crowded = not local and len(same) >= max(1, self.most // SHARE)
+        full = len(self._guests) >= self.most
+        if (crowded or full) and not self._release(same if crowded else self._guests.values()):
+            return False
+        self._guests[connection.fileno()] = _Guest(connection, address)
+        return True
+
+    def set_silent(self, descriptor: int, silent: bool) -> None:
+        """Note whether a connection has no request under way."""
+        guest = self._guests.pop(descriptor, None)
+        if guest is not None:
+            guest.silent = silent
+            self._guests[descriptor] = guest  # behind those that have been silent for longer
+
+    @property
+    def crowded(self) -> bool:
+        """Whether all places but the reserve are taken by connections with a request under way."""
+        self._forget_closed()
+        busy = sum(not guest.silent for guest in self._guests.values())
+        return busy >= self.most - min(RESERVE, self.most // SHARE)
+
+    def release(self) -> bool:
+        """Let the connection go that has been silent for longest; False if there is none."""
+        return self._release(self._guests.values())
+
+    def _release(self, guests: Iterable[_Guest]) -> bool:
+        for guest in guests:
+            if guest.silent:
+                del self._guests[guest.connection.fileno()]
+                with contextlib.suppress(OSError):  # the other end has gone already
+                    guest.connection.shutdown(socket.SHUT_RDWR)
+                return True
+        return False
+
+    def _forget_closed(self) -> None:
+        self._guests = {
+            descriptor: guest
+            for descriptor, guest in self._guests.items()
+            if guest.connection.fileno() == descriptor
+        }

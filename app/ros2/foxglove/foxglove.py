@@ -1,0 +1,59 @@
+"""``/foxglove``: a websocket for each viewer, Foxglove or Lichtblick."""
+
+from __future__ import annotations
+
+import anyio
+from starlette.websockets import WebSocket
+
+from app.engine.drivers import Driver
+from app.ros2.foxglove.offer import Offer
+from app.ros2.foxglove.protocol import SUBPROTOCOLS
+from app.ros2.foxglove.session import Session
+from app.ros2.inbox import Inbox
+from app.ros2.publisher import TopicPublisher
+from app.ros2.websocket_session import Clients
+from app.settings.ros2 import Ros2Settings
+
+PROTOCOL_ERROR = 1002
+
+WATCHES = "this token only watches; ask for the link to drive"
+SWITCHED_OFF = "Foxglove only watches; foxglove_commands = true in [ros2] lets it drive"
+
+
+class Foxglove:
+    """All viewers of one program."""
+
+    def __init__(self, publisher: TopicPublisher, inbox: Inbox, settings: Ros2Settings) -> None:
+        self._publisher, self._inbox = publisher, inbox
+        self._settings = settings
+        self._offer: Offer | None = None
+        self._clients = Clients()
+
+    async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
+        """Talk to one viewer until it leaves; whether its token only watches."""
+        offered = socket.scope.get("subprotocols", [])
+        protocol = next((name for name in offered if name in SUBPROTOCOLS), None)
+        if protocol is None:
+            await socket.accept()
+            await socket.close(PROTOCOL_ERROR, f"valid subprotocols: {', '.join(SUBPROTOCOLS)}")
+            return
+        offer = await self._shared()
+        driver = Driver.numbered("Foxglove", socket.client and socket.client.host)
+        refusal = WATCHES if watches else SWITCHED_OFF
+        allowed = self._settings.foxglove_commands and not watches
+        await self._clients.talk(
+            socket,
+            lambda waiting: Session(offer, waiting.set, driver, None if allowed else refusal),
+            subprotocol=protocol,
+            greetings=offer.greetings(commands=allowed),
+        )
+
+    async def _shared(self) -> Offer:
+        """Return the offer, made for the first viewer.
+
+        Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
+        """
+        if self._offer is None:
+            made = await anyio.to_thread.run_sync(Offer, self._publisher, self._inbox)
+            self._offer = self._offer or made
+        return self._offer

@@ -1,0 +1,157 @@
+"""One viewer of Foxglove, without its socket: takes messages, gives answers and topics."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from app.engine.drivers import Driver
+from app.engine.mailboxes.outbox import Outbox
+from app.ros2.foxglove.commands import Commands
+from app.ros2.foxglove.offer import Offer
+from app.ros2.foxglove.protocol import (
+    ERROR,
+    Advertise,
+    ClientMessage,
+    ServiceCall,
+    Subscribe,
+    Unadvertise,
+    Unsubscribe,
+    Wish,
+    Words,
+    message_data,
+    parse,
+    service_response,
+    words,
+)
+from app.ros2.message_types import MessageError
+from app.ros2.route import Pace, Route
+from app.ros2.topic import Published, Topic
+from robot.errors import BrickPoseError
+
+MOST_BYTES = 16_000_000
+"""Most bytes that wait for one viewer; beyond it, older messages of a topic are dropped."""
+
+Data = str | bytes
+
+
+class Session(Route):
+    """A route to one viewer; a topic is made only while a viewer subscribes to it.
+
+    ``receive`` and ``next`` are for the event loop, the other methods for any thread.
+    """
+
+    name = "Foxglove"
+
+    def __init__(
+        self, offer: Offer, wake: Callable[[], None], driver: Driver, refusal: str | None
+    ) -> None:
+        """Start a session.
+
+        Args:
+            offer: what all sessions share.
+            wake: called from the topics' thread when ``next`` has a message.
+            driver: the viewer, as other drivers see it.
+            refusal: why its commands are refused; None if it may send some.
+        """
+        self._offer = offer
+        self._wake = wake
+        self._driver = driver
+        self._refusal = refusal
+        self._commands = Commands(offer.inbox, offer.names, driver)
+        self._outbox = Outbox[Data](MOST_BYTES)
+        self._subscriptions: dict[str, tuple[int, Pace]] = {}
+        """Number and pace by topic; replaced when it changes, as other threads read it."""
+
+    def receive(self, data: Data) -> list[Data]:
+        """Carry out a message; return the answers to send. An invalid message raises nothing."""
+        try:
+            request = parse(data)
+            if isinstance(request, ServiceCall):
+                return [self._answer(request)]
+            self._do(request)
+        except BrickPoseError as error:
+            return [words("status", level=ERROR, message=str(error))]
+        return []
+
+    def next(self) -> Data | None:
+        """The next message for the viewer; None if nothing waits."""
+        return self._outbox.take()
+
+    def close(self) -> None:
+        """End all subscriptions; stop the robot if this viewer drives it and nobody else does."""
+        self._replace({})
+        self._offer.inbox.drivers.leave(self._driver)
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """Whether the viewer subscribes to the topic, and its content is due."""
+        subscription = self._subscriptions.get(topic.name)
+        return subscription is not None and subscription[1].due(topic, stamp)
+
+    def take(self, published: Published) -> None:
+        """Put the message into the outbox, where the event loop finds it."""
+        topic = published.topic
+        subscription = self._subscriptions.get(topic.name)
+        if subscription is None:
+            return  # it has just ended
+        data = message_data(subscription[0], published.log_time_ns, published.cdr)
+        self._outbox.put(topic.name, data, topic.quality.depth, len(data))
+        self._wake()
+
+    def _answer(self, call: ServiceCall) -> Data:
+        try:
+            self._check_commands()
+            return service_response(call, self._commands.call(call))
+        except BrickPoseError as error:
+            return words(
+                "serviceCallFailure", serviceId=call.service, callId=call.call, message=str(error)
+            )
+
+    def _do(self, request: Words | ClientMessage) -> None:
+        if isinstance(request, Subscribe):
+            for wish in request.subscriptions:
+                self._subscribe(wish)
+        elif isinstance(request, Unsubscribe):
+            self._unsubscribe(frozenset(request.subscriptions))
+        else:
+            self._check_commands()
+            self._command(request)
+
+    def _command(self, request: Advertise | Unadvertise | ClientMessage) -> None:
+        if isinstance(request, Advertise):
+            for channel in request.channels:
+                self._commands.advertise(channel)
+        elif isinstance(request, Unadvertise):
+            for number in request.channels:
+                self._commands.unadvertise(number)
+        else:
+            self._commands.take(request)
+
+    def _check_commands(self) -> None:
+        if self._refusal is not None:
+            raise MessageError(self._refusal)
+
+    def _subscribe(self, wish: Wish) -> None:
+        topics = self._offer.topics
+        if wish.channel >= len(topics):
+            raise MessageError(f"channel {wish.channel} is not among those advertised")
+        topic, settings = topics[wish.channel], self._offer.names.settings
+        if topic.name in self._subscriptions:
+            raise MessageError(f"{settings.full_name(topic.name)} is subscribed already")
+        # A new pace has no history: who comes late is told what is latched.
+        pace = Pace(lambda topic: settings.period(topic.rate))
+        self._replace({**self._subscriptions, topic.name: (wish.id, pace)})
+
+    def _unsubscribe(self, numbers: frozenset[int]) -> None:
+        ended = {name for name, (number, _) in self._subscriptions.items() if number in numbers}
+        kept = {name: item for name, item in self._subscriptions.items() if name not in ended}
+        self._replace(kept)
+        for name in ended:
+            self._outbox.drop(name)
+
+    def _replace(self, subscriptions: dict[str, tuple[int, Pace]]) -> None:
+        """Change what is subscribed; a route only while there is any: each tick asks all routes."""
+        before, self._subscriptions = self._subscriptions, subscriptions
+        if subscriptions and not before:
+            self._offer.publisher.add(self)
+        elif before and not subscriptions:
+            self._offer.publisher.remove(self)

@@ -1,0 +1,97 @@
+"""Benchmark of the engine's step while a crowd of slow clients is at the server, and without."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+import numpy as np
+
+from app.engine.build import build_program
+from app.page.listening import listen
+from app.page.serving import Server
+from app.settings.config import ROOT, Config
+from benchmarks.crowd_clients import CROWDS
+from benchmarks.result import Result
+from sim.real_time import RealTime
+
+TURNS = 5
+SECONDS = 5.0
+SETTLE_S = 1.0
+
+ALL = "all at once"
+
+
+def measure() -> Result:
+    """Measure the 99th percentile of the step time, with and without each crowd in turns.
+
+    The median of the turns counts, as other programs disturb some of them. The crowds run on this
+    machine, too.
+    """
+    pace = RealTime()
+    program = build_program(Config(robot="sim"), pace)
+    listening = listen("127.0.0.1", 0)
+    address = f"127.0.0.1:{listening.getsockname()[1]}"
+    server = Server(program)
+    thread = threading.Thread(target=server.run, args=(listening,), name="server")
+    thread.start()
+    try:
+        time.sleep(5.0)  # wait: compiled code is loaded, and the first clouds are large
+        kinds = {**{kind: (kind,) for kind in CROWDS}, ALL: tuple(CROWDS)}
+        times = {name: _measure_in_turns(address, crowds, pace) for name, crowds in kinds.items()}
+    finally:
+        server.stop()
+        thread.join(10)
+    more = {
+        f"{name}, {case} [ms]": value
+        for name, cases in times.items()
+        for case, value in zip(("with", "without"), cases, strict=True)
+    }
+    present, alone = times[ALL]
+    return Result(
+        unit="ms p99 step with all crowds", brickpose=present, peer={"without": alone}, more=more
+    )
+
+
+def _measure_in_turns(address: str, crowds: tuple[str, ...], pace: RealTime) -> tuple[float, float]:
+    """Return p99 with the crowds and without [ms]."""
+    present: list[float] = []
+    alone: list[float] = []
+    for _ in range(TURNS):
+        alone.append(_percentile_ms(pace))
+        with _crowds(address, crowds):
+            present.append(_percentile_ms(pace))
+    return float(np.median(present)), float(np.median(alone))
+
+
+def _percentile_ms(pace: RealTime) -> float:
+    time.sleep(SETTLE_S)
+    pace.busy.clear()
+    time.sleep(SECONDS)
+    return 1e3 * float(np.percentile(list(pace.busy), 99))
+
+
+@contextmanager
+def _crowds(address: str, kinds: tuple[str, ...]) -> Iterator[None]:
+    with ExitStack() as stack:
+        for kind in kinds:
+            stack.enter_context(_crowd(address, kind))
+        yield
+
+
+@contextmanager
+def _crowd(address: str, kind: str) -> Iterator[None]:
+    command = [sys.executable, "-m", "benchmarks.crowd_clients", address, kind]
+    crowd = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    try:
+        assert crowd.stdout is not None
+        if not crowd.stdout.readline():
+            raise RuntimeError(f"the crowd {kind} has ended")
+        yield
+    finally:
+        crowd.kill()
+        crowd.communicate()
