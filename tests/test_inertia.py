@@ -10,7 +10,8 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.description.rigid_bodies import ENTRIES, principal_moments, with_inertia
+from robot.description.rigid_bodies import principal_moments, with_inertia
+from robot.description.robot_model import MOMENTS
 from robot.description.spec import SPIKE
 from robot.description.urdf import Shape, SpecError, numbers
 from robot.geometry import Array
@@ -28,7 +29,7 @@ def tensor(urdf: str) -> Array:
     inertia = ElementTree.fromstring(urdf).find(".//inertia")
     assert inertia is not None
     matrix = np.empty((3, 3))
-    for name, (row, column) in ENTRIES.items():
+    for name, (row, column) in MOMENTS.items():
         matrix[row, column] = matrix[column, row] = numbers(inertia, name, 1, "test")[0]
     return matrix
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 import shutil
 from pathlib import Path
@@ -15,8 +14,9 @@ from hypothesis import strategies as st
 from shapely import MultiPoint, Polygon
 
 from robot.description.rigid_bodies import with_inertia
+from robot.description.robot_model import read_model
 from robot.description.spec import SPIKE, RobotSpec, SpecError
-from robot.description.urdf import origin_of, read_model, shape_of
+from robot.description.urdf import origin_of, shape_of
 
 SPEC = RobotSpec.load()
 TEXT = SPIKE.read_text()
@@ -67,7 +67,7 @@ def parts() -> list[tuple[str, np.ndarray]]:
     found = []
     for link in root.findall("link"):
         name = str(link.get("name"))
-        robot_from_link = model.get_transform(name, "base_footprint")
+        robot_from_link = model.transform(name, "base_footprint")
         for visual in link.findall("visual"):
             at = robot_from_link @ origin_of(visual, name)
             points = shape_of(visual, name).corners()
@@ -249,7 +249,6 @@ def test_a_file_of_bytes_is_refused(tmp_path: Path) -> None:
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.data())
 def test_a_damaged_description_is_read_or_refused_and_nothing_else(data: st.DataObject) -> None:
-    logging.getLogger("yourdfpy").setLevel(logging.CRITICAL)
     root = ElementTree.fromstring(TEXT)
     inner = [(parent, element) for parent in root.iter() for element in parent]
     parent, element = data.draw(st.sampled_from(inner))

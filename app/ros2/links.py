@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
 from scipy.spatial.transform import Rotation
 
 from app.settings.ros2 import Ros2Settings
+from robot.description.robot_model import Joint, read_model
 from robot.description.spec import RobotSpec
-from robot.description.urdf import parse_xml, read_model
+from robot.description.urdf import parse_xml
 from robot.settings import SettingError
 
 Vector = tuple[float, float, float]
@@ -75,12 +74,12 @@ class Links:
             SettingError: with these names, a frame would have two parents or a wrong position.
         """
         model = read_model(spec.urdf)
-        joints = {joint.name: joint for joint in model.robot.joints}
+        joints = {joint.name: joint for joint in model.joints}
         root, base = parse_xml(spec.urdf), settings.base_frame_id
         fixed = [_link(item) for item in joints.values() if item.type == "fixed"]
-        fixed = _rooted_at(base, fixed, model.base_link, set(model.link_map))
+        fixed = _rooted_at(base, fixed, model.root, set(model.names))
         if settings.scan_frame_id != base or scan_x:
-            _check_new(settings.scan_frame_id, {base, *model.link_map})
+            _check_new(settings.scan_frame_id, {base, *model.names})
             fixed.append(Link(base, settings.scan_frame_id, (scan_x, 0.0, 0.0)))
         frame = root.find("ros2_control/sensor/param[@name='frame']")
         assert frame is not None  # every RobotSpec has a camera
@@ -120,10 +119,9 @@ def _check_new(scan: str, names: set[str]) -> None:
         )
 
 
-def _link(joint: Any) -> Link:
-    """Convert a joint from yourdfpy."""
-    origin = np.eye(4) if joint.origin is None else joint.origin
-    x, y, z = origin[:3, 3].astype(float).tolist()
-    qx, qy, qz, qw = Rotation.from_matrix(origin[:3, :3]).as_quat().tolist()
-    ax, ay, az = (0.0, 0.0, 0.0) if joint.axis is None else map(float, joint.axis)
+def _link(joint: Joint) -> Link:
+    """Convert a joint of the description."""
+    x, y, z = joint.origin[:3, 3].tolist()
+    qx, qy, qz, qw = Rotation.from_matrix(joint.origin[:3, :3]).as_quat().tolist()
+    ax, ay, az = joint.axis.tolist()
     return Link(joint.parent, joint.child, (x, y, z), (qx, qy, qz, qw), (ax, ay, az))

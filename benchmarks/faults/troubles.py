@@ -54,6 +54,11 @@ def _hang(rig: Rig) -> None:
     rig.clients[-1].send_signal(signal.SIGSTOP)
 
 
+def _plug_camera(rig: Rig) -> None:
+    rig.camera.plug()
+    until(rig.live, lambda message: not any("camera" in text for text in message["problems"]), 30)
+
+
 def _open_idle(rig: Rig) -> None:
     host, _, port = rig.program.address.rpartition(":")
     rig.sockets += [socket.create_connection((host, int(port))) for _ in range(IDLE_SOCKETS)]
@@ -123,7 +128,7 @@ TROUBLES = (
     _board("garbled bytes to the board", "garble-in 0.0005", "garble-in 0", stops=False),
     _board("bytes lost to the board", "lose 0.001", "lose 0", stops=False),
     _board("slow main loop", "late 20", None, stops=False),
-    Trouble("camera unplugged", lambda rig: rig.camera.unplug(), lambda rig: rig.camera.plug()),
+    Trouble("camera unplugged", lambda rig: rig.camera.unplug(), _plug_camera),
     Trouble("viewers come and are killed", lambda rig: rig.start_viewers(2), _end_clients),
     Trouble("viewers hang", _hang, _end_clients),
     Trouble("idle connections", _open_idle, _close_idle),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
+from robot.description.robot_model import MOMENTS, Inertial, Joint, Link, RobotModel, read_model
 from robot.description.urdf import (
     Shape,
     SpecError,
@@ -15,7 +15,6 @@ from robot.description.urdf import (
     origin_of,
     parse_xml,
     positive,
-    read_model,
     shape_of,
 )
 from robot.geometry import Array
@@ -52,84 +51,60 @@ def rigid_bodies(urdf: str) -> list[RigidBody]:
         SpecError: a body that can move has no mass, or a collision shape is a mesh.
     """
     model = read_model(urdf)
-    held_by = {joint.child: joint for joint in model.robot.joints}
-    groups: dict[str, list[Any]] = {}
-    for link in model.robot.links:
-        groups.setdefault(_topmost(link.name, held_by), []).append(link)
-    order = sorted(groups, key=lambda top: _depth(top, held_by))
-    return [_body(model, top, groups[top], held_by, order) for top in order]
+    groups: dict[str, list[Link]] = {}
+    for link in model.links:
+        groups.setdefault(_topmost(link.name, model.holders), []).append(link)
+    order = sorted(groups, key=lambda top: _depth(top, model.holders))
+    return [_body(model, top, groups[top], order) for top in order]
 
 
-def _topmost(link: str, held_by: dict[str, Any]) -> str:
-    while link in held_by and held_by[link].type == "fixed":
-        link = held_by[link].parent
+def _topmost(link: str, holders: dict[str, Joint]) -> str:
+    while link in holders and holders[link].type == "fixed":
+        link = holders[link].parent
     return link
 
 
-def _depth(link: str, held_by: dict[str, Any]) -> int:
-    return 1 + _depth(held_by[link].parent, held_by) if link in held_by else 0
+def _depth(link: str, holders: dict[str, Joint]) -> int:
+    return 1 + _depth(holders[link].parent, holders) if link in holders else 0
 
 
-def _body(
-    model: Any, top: str, links: list[Any], held_by: dict[str, Any], order: list[str]
-) -> RigidBody:
-    placed = [(link, np.asarray(model.get_transform(link.name, top))) for link in links]
-    mass, centre, inertia = _lump(top, placed)
+def _body(model: RobotModel, top: str, links: list[Link], order: list[str]) -> RigidBody:
+    placed = [(link, model.transform(link.name, top)) for link in links]
+    parts = [(link.inertial, pose) for link, pose in placed if link.inertial is not None]
+    mass, centre, inertia = _lump(top, parts)
     collisions = tuple(
-        (_shape(collision.geometry, link.name), body_from_link @ _transform(collision.origin))
+        (shape, body_from_link @ link_from_shape)
         for link, body_from_link in placed
-        for collision in link.collisions
+        for shape, link_from_shape in link.collisions
     )
-    joint = held_by.get(top)
+    joint = model.holders.get(top)
     if joint is None:
         return RigidBody(
             top, mass, centre, inertia, collisions, None, -1, np.eye(4), np.array([0.0, 0.0, 1.0])
         )
-    holder = _topmost(joint.parent, held_by)
+    holder = _topmost(joint.parent, model.holders)
     return RigidBody(
         top, mass, centre, inertia, collisions, joint.name, order.index(holder),
-        np.asarray(model.get_transform(top, holder)), joint.axis / np.linalg.norm(joint.axis),
+        model.transform(top, holder), joint.axis / np.linalg.norm(joint.axis),
     )  # fmt: skip
 
 
-def _lump(top: str, placed: list[tuple[Any, Array]]) -> tuple[float, Array, Array]:
+def _lump(top: str, links: list[tuple[Inertial, Array]]) -> tuple[float, Array, Array]:
     """Return the total mass, centre (3,) and inertia (3, 3), by the parallel axis theorem."""
     parts = [
-        (
-            link.inertial.mass,
-            link.inertial.inertia,
-            body_from_link @ _transform(link.inertial.origin),
-        )
-        for link, body_from_link in placed
-        if link.inertial is not None
+        (inertial.mass, inertial.inertia, body_from_link @ inertial.origin)
+        for inertial, body_from_link in links
     ]
     mass = float(sum(part_mass for part_mass, _, _ in parts))
     if mass <= 0:
         raise SpecError(f"the body of link {top!r} can move, so it needs mass")
-    centre: Array = sum(m * position[:3, 3] for m, _, position in parts) / mass
+    centre = np.sum([m * place[:3, 3] for m, _, place in parts], axis=0) / mass
     inertia = np.zeros((3, 3))
     for part_mass, tensor, place in parts:
         away = place[:3, 3] - centre
         shift = away @ away * np.eye(3) - np.outer(away, away)
         inertia += place[:3, :3] @ tensor @ place[:3, :3].T + part_mass * shift
     return mass, centre, inertia
-
-
-def _transform(origin: Array | None) -> Array:
-    return np.eye(4) if origin is None else origin
-
-
-def _shape(geometry: Any, link: str) -> Shape:
-    if geometry.box is not None:
-        return Shape("box", tuple(geometry.box.size.tolist()))
-    if geometry.cylinder is not None:
-        return Shape("cylinder", (geometry.cylinder.radius, geometry.cylinder.length))
-    if geometry.sphere is not None:
-        return Shape("sphere", (geometry.sphere.radius,))
-    raise SpecError(f"link {link!r}: a collision shape is a mesh; valid are box, cylinder, sphere")
-
-
-ENTRIES = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
 
 
 def principal_moments(shape: Shape, mass: float) -> Array:
@@ -180,5 +155,5 @@ def _fill(inertial: ElementTree.Element, link: ElementTree.Element) -> None:
     tensor = turned @ np.diag(moments) @ turned.T
     for typed in inertial.findall("inertia"):
         inertial.remove(typed)
-    entries = {name: repr(float(tensor[place])) for name, place in ENTRIES.items()}
+    entries = {name: repr(float(tensor[place])) for name, place in MOMENTS.items()}
     ElementTree.SubElement(inertial, "inertia", entries)

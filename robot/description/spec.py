@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,7 +15,8 @@ from shapely.geometry.polygon import orient
 
 from robot.camera import CameraError, FloorView, Lens
 from robot.description.rigid_bodies import with_inertia
-from robot.description.urdf import SpecError, origin_of, parse_xml, read_model, shape_of, text_of
+from robot.description.robot_model import RobotModel, read_model
+from robot.description.urdf import SpecError, origin_of, parse_xml, shape_of, text_of
 from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array
 
@@ -64,8 +64,8 @@ class RobotSpec:
         """
         urdf = with_inertia(text)
         root, model = parse_xml(urdf), read_model(urdf)
-        if model.base_link != ROBOT_FRAME:
-            raise SpecError(f"the root link is {model.base_link!r}; it must be {ROBOT_FRAME!r}")
+        if model.root != ROBOT_FRAME:
+            raise SpecError(f"the root link is {model.root!r}; it must be {ROBOT_FRAME!r}")
         joints, sensor = read_wheels(root, model), _camera_sensor(root)
         return cls(
             name=root.get("name", "robot"),
@@ -147,11 +147,11 @@ def _camera_sensor(root: ElementTree.Element) -> ElementTree.Element:
     )
 
 
-def _camera_pose(model: Any, frame: str) -> Array:
+def _camera_pose(model: RobotModel, frame: str) -> Array:
     """Return the transform (4, 4) from the optical frame to the robot frame."""
-    if frame not in model.link_map:
+    if frame not in model.names:
         raise SpecError(f"the camera's frame {frame!r} is no link; there should be such a one")
-    robot_from_camera: Array = np.array(model.get_transform(frame, ROBOT_FRAME))
+    robot_from_camera: Array = model.transform(frame, ROBOT_FRAME)
     if robot_from_camera[2, 3] <= 0:
         raise SpecError(f"the camera is {robot_from_camera[2, 3]:g} m high; it must be above 0")
     if robot_from_camera[2, 2] >= 0:
@@ -161,11 +161,11 @@ def _camera_pose(model: Any, frame: str) -> Array:
     return robot_from_camera
 
 
-def _outline(root: ElementTree.Element, model: Any) -> Array:
+def _outline(root: ElementTree.Element, model: RobotModel) -> Array:
     corners = []
     for link in root.findall("link"):
         name = str(link.get("name"))
-        robot_from_link = model.get_transform(name, ROBOT_FRAME)
+        robot_from_link = model.transform(name, ROBOT_FRAME)
         for visual in link.findall("visual"):
             where = f"link {name!r}"
             points = shape_of(visual, where).corners()

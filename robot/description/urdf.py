@@ -6,9 +6,7 @@ robot description needs none.
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -159,72 +157,3 @@ def text_of(element: ElementTree.Element, name: str, where: str) -> str:
         if param.get("name") == name and param.text and param.text.strip():
             return param.text.strip()
     raise SpecError(f'{where}: <param name="{name}"> is missing')
-
-
-_MISREAD = (
-    ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError,
-)  # fmt: skip
-"""Exceptions that yourdfpy raises, by accident, on an invalid description."""
-
-
-def read_model(urdf: str) -> Any:
-    """Return the description as yourdfpy's model: links, joints, masses, collisions, transforms.
-
-    Visuals are left out: yourdfpy would make a mesh of each.
-
-    Raises:
-        SpecError: the links do not form a tree, or yourdfpy cannot read the description.
-    """
-    # yourdfpy imports a library of meshes; a user who only asks for help should not wait for it.
-    import yourdfpy  # noqa: PLC0415
-
-    root = parse_xml(urdf)
-    for link in root.findall("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    _check_tree(root)
-    for element in root.iter():
-        origin_of(element, f"<{element.tag}> {element.get('name', '')}".rstrip())
-    for joint in root.findall("joint"):
-        _check_axis(joint)
-    slim = io.BytesIO(ElementTree.tostring(root))
-    try:
-        return yourdfpy.URDF.load(slim, load_meshes=False)
-    except (yourdfpy.URDFError, *_MISREAD) as error:
-        raise SpecError(f"no usable URDF: {type(error).__name__}: {error}") from error
-
-
-def _check_tree(root: ElementTree.Element) -> None:
-    """Check that every link but the root has exactly one parent, and that there is one root."""
-    links = [link.get("name") for link in root.findall("link")]
-    holders: dict[str | None, str | None] = {}
-    for joint in root.findall("joint"):
-        where = f"joint {joint.get('name')!r}"
-        held, holder = (child(joint, tag, where).get("link") for tag in ("child", "parent"))
-        for link in (held, holder):
-            if link not in links:
-                raise SpecError(f"{where}: there is no link {link!r}")
-        if held in holders:
-            raise SpecError(f"{where}: link {held!r} hangs on another joint already")
-        holders[held] = holder
-    if None in links or len(set(links)) != len(links):
-        raise SpecError("each link needs a name of its own")
-    roots = [link for link in links if link not in holders]
-    if len(roots) != 1:
-        raise SpecError(f"{len(roots)} links hang on no other; expected one, the root")
-    if any(_steps_up(link, holders) > len(links) for link in links):
-        raise SpecError("some links hang on each other in a ring; expected a tree")
-
-
-def _check_axis(joint: ElementTree.Element) -> None:
-    axis, where = joint.find("axis"), f"joint {joint.get('name')!r}"
-    if axis is not None and not numbers(axis, "xyz", 3, where).any():
-        raise SpecError(f"{where}: the axis is 0 0 0; it must point somewhere")
-
-
-def _steps_up(link: str | None, holders: dict[str | None, str | None]) -> int:
-    """Return the number of joints from a link to the root; in a ring, more than there are links."""
-    steps = 0
-    while link in holders and steps <= len(holders) + 1:
-        link, steps = holders[link], steps + 1
-    return steps

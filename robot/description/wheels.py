@@ -8,14 +8,13 @@ radius.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 
+from robot.description.robot_model import RobotModel
 from robot.description.urdf import SpecError, child, numbers, origin_of, positive, shape_of
 from robot.description.wiring import TOLERANCE, Wiring, driven, find_joint, read_wiring
-from robot.geometry import Array
 
 ROBOT_FRAME = "base_footprint"
 """The link on the floor under the middle of the axle; the program calls it the robot frame."""
@@ -33,7 +32,7 @@ class JointSpec(Wiring):
     """[N m]"""
 
 
-def read_wheels(root: ElementTree.Element, model: Any) -> tuple[JointSpec, ...]:
+def read_wheels(root: ElementTree.Element, model: RobotModel) -> tuple[JointSpec, ...]:
     """Return the driven joints in the order of the <ros2_control> block.
 
     Raises:
@@ -51,7 +50,9 @@ def read_wheels(root: ElementTree.Element, model: Any) -> tuple[JointSpec, ...]:
     return wheels
 
 
-def _read_wheel(root: ElementTree.Element, model: Any, control: ElementTree.Element) -> JointSpec:
+def _read_wheel(
+    root: ElementTree.Element, model: RobotModel, control: ElementTree.Element
+) -> JointSpec:
     wiring = read_wiring(root, control)
     joint = find_joint(root, wiring.name)
     radius = _radius(_wheel_link(root, joint))
@@ -89,15 +90,15 @@ def _radius(link: ElementTree.Element) -> float:
     return shape.size[0]
 
 
-def _offset(model: Any, joint: ElementTree.Element, radius: float) -> float:
+def _offset(model: RobotModel, joint: ElementTree.Element, radius: float) -> float:
     """Return the wheel's offset; the wheel must stand on the floor beside the frame's origin."""
     where = f"joint {joint.get('name')!r}"
     axis = child(joint, "axis", where)
     turned = origin_of(joint, where)[:3, :3] @ numbers(axis, "xyz", 3, where)
     if not np.allclose(turned, [0, 1, 0], atol=TOLERANCE):
         raise SpecError(f"{where}: the axis must be '0 1 0', so that positive drives forward")
-    wheel = child(joint, "child", where).get("link")
-    x, y, z = model.get_transform(wheel, ROBOT_FRAME)[:3, 3]
+    wheel = str(child(joint, "child", where).get("link"))
+    x, y, z = model.transform(wheel, ROBOT_FRAME)[:3, 3]
     if abs(x) > TOLERANCE:
         raise SpecError(f"{where} is {x:g} m ahead of {ROBOT_FRAME}, which is under the axle: 0 m")
     if abs(z - radius) > TOLERANCE:
@@ -117,14 +118,14 @@ def _check_pair(first: JointSpec, second: JointSpec) -> None:
         )
 
 
-def resize_wheel(root: ElementTree.Element, model: Any, wheel: JointSpec) -> None:
+def resize_wheel(root: ElementTree.Element, model: RobotModel, wheel: JointSpec) -> None:
     """Set the description's wheel to the radius and offset of ``wheel``, standing on the floor."""
     joint = find_joint(root, wheel.name)
     link = _wheel_link(root, joint)
     for solid in [*link.iter("cylinder"), *link.iter("sphere")]:
         solid.set("radius", repr(wheel.radius))
-    holder = child(joint, "parent", wheel.name).get("link")
-    holder_from_robot: Array = np.linalg.inv(model.get_transform(holder, ROBOT_FRAME))
+    holder = str(child(joint, "parent", wheel.name).get("link"))
+    holder_from_robot = model.transform(ROBOT_FRAME, holder)
     position = holder_from_robot @ np.array([0.0, wheel.offset, wheel.radius, 1.0])
     origin = joint.find("origin")
     if origin is None:

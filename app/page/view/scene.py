@@ -6,19 +6,18 @@ replaced: that costs the server a millisecond, whatever the number of viewers.
 
 from __future__ import annotations
 
-import io
 import math
 from typing import Any
 
 import cv2
 import numpy as np
 import viser
-import yourdfpy
 from numpy.typing import NDArray
 
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
 from app.page.view.paths import Path
+from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, heading_vectors
@@ -52,9 +51,10 @@ class Scene:
         scene.set_up_direction("+z")
         self._floor(field)
         self._robot = scene.add_frame("/robot", show_axes=False)
-        # One mesh: a hundred nodes of the description would cost each viewer a hundred draw calls.
-        description = yourdfpy.URDF.load(io.StringIO(spec.urdf), load_meshes=False)
-        scene.add_mesh_trimesh("/robot/body", description.scene.to_geometry())
+        for number, (colour, mesh) in enumerate(robot_meshes(spec.urdf).items()):
+            scene.add_mesh_simple(
+                f"/robot/{number}", mesh.vertices, mesh.faces, color=colour, flat_shading=True
+            )
         self._nodes = self._add_nodes(scene)
 
     def update(self, snapshot: Snapshot) -> None:
