@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +17,7 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 from websockets.sync.connection import Connection
 
+from app.interruption import exit_code
 from app.settings.config import ROOT
 
 START_S = 90.0
@@ -106,12 +108,12 @@ def _said(process: subprocess.Popen[str], says: str) -> str:
 
 
 def check_ended_well(process: subprocess.Popen[str]) -> None:
-    """Check the exit code of a program that has ended.
+    """Check the exit code of a program that ``started`` has ended.
 
     Raises:
-        RuntimeError: the code is not 0.
+        RuntimeError: the code is not that of SIGTERM.
     """
-    if process.returncode != 0:
+    if process.returncode != exit_code(signal.SIGTERM):
         raise RuntimeError(f"the program ended with {process.returncode}")
 
 

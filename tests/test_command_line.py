@@ -119,7 +119,7 @@ def test_help_shows_units_and_defaults(ended):
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_or_three_stop_the_robot_and_end_with_0(servers, sent):
+def test_a_signal_or_three_stop_the_robot_and_end_with_its_code(servers, sent):
     server = next(servers).result()
     with server.live() as live:
         ask(live, type="drive", v=0.1, omega=0)
@@ -128,7 +128,7 @@ def test_a_signal_or_three_stop_the_robot_and_end_with_0(servers, sent):
         for _ in range(3):
             server.process.send_signal(sent)
         _, err = server.process.communicate(timeout=15)
-    assert (server.process.returncode, err) == (0, "")
+    assert (server.process.returncode, err) == (128 + sent, "")
 
 
 def test_an_open_stream_does_not_hold_up_the_end(servers):
@@ -138,17 +138,17 @@ def test_an_open_stream_does_not_hold_up_the_end(servers):
         assert stream.read(100)
         server.process.send_signal(signal.SIGTERM)
         _, err = server.process.communicate(timeout=15)
-    assert (server.process.returncode, err) == (0, "")
+    assert (server.process.returncode, err) == (128 + signal.SIGTERM, "")
 
 
 @pytest.mark.parametrize("sent", [signal.SIGTERM, signal.SIGINT])
-def test_a_signal_while_it_starts_ends_it_with_0(sent):
+def test_a_signal_while_it_starts_ends_it_with_its_code(sent):
     command = [sys.executable, "-m", "app", "run", "--robot", "kinematic", "--port", "0"]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as starting:
         assert "BrickPose is at" in starting.stdout.readline()
         starting.send_signal(sent)
         try:
-            assert starting.wait(timeout=60) == 0
+            assert starting.wait(timeout=60) == 128 + sent
         finally:
             starting.kill()
 

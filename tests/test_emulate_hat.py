@@ -58,7 +58,9 @@ def ask(path: Path, line: str) -> str:
 
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
-def test_it_names_its_port_answers_there_and_ends_with_0(tmp_path: Path, ending: int) -> None:
+def test_it_names_its_port_answers_there_and_ends_with_the_code_of_the_signal(
+    tmp_path: Path, ending: int
+) -> None:
     link, hands = tmp_path / "hat", tmp_path / "hands"
     with program("--world", "free", "--link", str(link), "--control", str(hands)) as process:
         assert first_line(process) == f"Build HAT at {link}"
@@ -68,7 +70,7 @@ def test_it_names_its_port_answers_there_and_ends_with_0(tmp_path: Path, ending:
             assert port.readline().startswith(b"Firmware version: 1737564117 ")
         assert ask(hands, "state").startswith("now ")
         process.send_signal(ending)
-        assert process.wait(10) == 0
+        assert process.wait(10) == 128 + ending
         assert process.stderr is not None
         assert process.stderr.read() == ""
     assert list(tmp_path.iterdir()) == []
@@ -159,7 +161,7 @@ def test_a_robot_s_pictures_are_served_with_stamps_of_the_shared_clock(tmp_path:
         assert abs(frame.image.astype(int) - standing.astype(int)).mean() > 5
         camera.close()
         one.terminate()
-        assert one.wait(10) == 0
+        assert one.wait(10) == 128 + signal.SIGTERM
     assert list(tmp_path.iterdir()) == []
 
 

@@ -111,7 +111,7 @@ def test_ctrl_c_ends_it_well(server, tmp_path):
     assert "Ctrl-C ends it" in process.stdout.readline()
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=60)
-    assert process.returncode == 0
+    assert process.returncode == 128 + signal.SIGINT
     assert "MB are in" in out
     assert list(tmp_path.glob("*/*.mcap"))
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import errno
-import signal
 import socket
 import sys
-from contextlib import ExitStack
-from types import FrameType
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
 
 import uvicorn
 
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
+from app.interruption import deferred
 from app.page.access_options import Certificate
 from app.page.outlets import Outlets
 from app.page.server import create_app
@@ -84,7 +84,7 @@ class Server:
         self._uvicorn = _StopsTheRobotFirst(config, self._thread)
 
     def run(self, sockets: list[socket.socket]) -> None:
-        """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
+        """Serve until stopped."""
         sys.setswitchinterval(HAND_OVER_S)
         self._outlets.start()
         try:
@@ -107,13 +107,15 @@ def serve(
     tokens: Tokens | None = None,
     certificate: Certificate | None = None,
 ) -> None:
-    """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next."""
+    """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
+
+    Raises:
+        Interrupted: at the end.
+    """
     try:
         server = Server(program, tokens, certificate)
-        # These handle signals before uvicorn does, and when it raises them again at its end.
-        for name in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(name, lambda number, frame: server.stop())
-        server.run([listening])
+        with deferred(server.stop):
+            server.run([listening])
     finally:
         # The engine has closed the robot already, unless it never started.
         program.robot.close()
@@ -124,9 +126,10 @@ class _StopsTheRobotFirst(uvicorn.Server):
         super().__init__(config)
         self._thread = thread
 
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        # ``shutdown`` follows within a tenth of a second. A second signal does the same.
-        self.should_exit = True
+    @contextmanager
+    def capture_signals(self) -> Generator[None, None, None]:
+        """Leave signals to ``serve``; ``shutdown`` follows within a tenth of a second."""
+        yield
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._thread.stopping.set()
