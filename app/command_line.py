@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import logging
-import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
 from app.console import say
+from app.interruption import Interrupted, deferred
 from app.lab.evaluate_options import add_evaluate
 from app.lab.localize.options import add_localize
 from app.lab.sweep.options import add_sweep
@@ -29,21 +31,28 @@ from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
 
+LOOK_S = 0.2
+"""Interval of checking whether a signal asks to end [s]."""
+
+PATIENCE_S = 10.0
+"""Time that a benchmark has to end [s]."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return 0 on success, 2 on a wrong argument, 1 on any other failure."""
+    """Run a command; return 0 on success, 2 on a wrong argument, 1 on any other failure.
+
+    After Ctrl-C it is 130, after SIGTERM 143; but 0 where a signal is the usual end: of servers.
+    """
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     parsed = _parser().parse_args(arguments)
-    # SIGTERM then cleans up as Ctrl-C does; a server installs its own handlers later.
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return int(parsed.command(parsed))
     except (SettingError, FieldError, TrajectoryError) as error:
         return _complain(error, 2)
     except (BrickPoseError, OSError) as error:
         return _complain(error, 1)
-    except KeyboardInterrupt:
-        return 0 if parsed.command is _run else _complain(BrickPoseError("interrupted"), 1)
+    except Interrupted as interrupted:
+        return interrupted.code
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -193,8 +202,8 @@ def _run(parsed: argparse.Namespace) -> int:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = build_program(config, RealTime())
         scheme = "http" if certificate is None else "https"
-        announce(listening, tokens, scheme, foxglove=config.ros2.foxglove)
-        serve(program, listening, tokens, certificate)
+        ready = partial(announce, listening, tokens, scheme, foxglove=config.ros2.foxglove)
+        serve(program, listening, tokens, certificate, ready)
     return 0
 
 
@@ -218,7 +227,26 @@ def _bench(parsed: argparse.Namespace) -> int:
         raise SettingError("benchmarks are only in a checkout of the sources, not in the wheel")
     written = [] if parsed.json is None else ["--json", str(parsed.json.absolute())]
     command = [sys.executable, "-m", "benchmarks", *parsed.names, *written]
-    return subprocess.run(command, cwd=ROOT, check=False).returncode
+    # In a session of its own, so that Ctrl-C reaches it by this program alone.
+    with deferred() as asked:
+        child = subprocess.Popen(command, cwd=ROOT, start_new_session=True)
+        try:
+            while child.poll() is None and not asked():
+                with suppress(subprocess.TimeoutExpired):
+                    child.wait(LOOK_S)
+        finally:
+            _end(child)
+    return child.returncode
+
+
+def _end(child: subprocess.Popen[bytes]) -> None:
+    """End a process that may have ended already, within a bounded time."""
+    child.terminate()
+    try:
+        child.wait(PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
 
 
 def _complain(error: Exception, code: int) -> int:

@@ -49,7 +49,7 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
         base.robot,
         Odometry(kinematics, base.config.odometry),
         Localization(base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
-        Driving(DriveController(kinematics, base.config.drive), 0.5),
+        Driving(DriveController(kinematics, base.config.drive), base.config.drive.cmd_vel_timeout),
         base.field.start,
     )
     engine = Engine(controls, apply)

@@ -36,13 +36,13 @@ def test_a_drive_command_moves_it_forward():
     assert last.mode == "drive"
 
 
-def test_a_command_that_is_not_renewed_ends_after_half_a_second():
+def test_a_command_that_is_not_renewed_ends_after_its_time():
     program = kinematic()
     run(program, 1.0, drive(v=0.2))
     shown = run(program, 1.0)
     driven = [snapshot.stamp for snapshot in shown if snapshot.twist.v != 0]
-    assert driven[-1] - (shown[0].stamp - PERIOD) <= 0.5 + 1e-9
-    assert driven[-1] - shown[0].stamp > 0.4
+    assert driven[-1] - (shown[0].stamp - PERIOD) <= 0.35 + 1e-9
+    assert driven[-1] - shown[0].stamp > 0.3
     assert shown[-1].mode == "idle"
     assert shown[-1].truth == shown[-5].truth
 

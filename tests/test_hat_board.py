@@ -174,6 +174,20 @@ def test_another_motor_than_the_description_names_is_refused_by_name():
     assert bricks.stands()
 
 
+@pytest.mark.parametrize("gap", [0.15, 0.25, 0.29])
+@pytest.mark.parametrize("waiting", [0, 20, 4096])
+def test_a_program_that_stood_still_takes_no_wheel_for_blocked(bricks, gap, waiting):
+    """Of what the board said meanwhile, the first bytes wait for the program."""
+    heard = bricks.emulated.advance(gap)[:waiting]
+    bricks.board.command(FORWARD, bricks.now)
+    bricks.emulated.receive(bricks.board.receive(heard, bricks.now))
+    bricks.emulated.receive(bricks.board.tick(bricks.now))
+    for _ in range(100):
+        bricks.run(0.01)
+        assert "does not turn" not in said(bricks)
+    assert np.abs(bricks.speeds()).min() > 250
+
+
 def test_a_blocked_wheel_is_told_and_tried_again_when_it_is_free(bricks):
     bricks.motor(1).stalled = True
     bricks.until(lambda: bool(said(bricks)), 0.4)

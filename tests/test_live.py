@@ -31,11 +31,11 @@ def test_drive_is_answered_and_moves_the_robot(live):
     assert moved["twist"]["v"] > 0.05
 
 
-def test_without_renewal_it_stops_after_half_a_second(live):
+def test_without_renewal_it_stops_within_half_a_second(live):
     ask(live, type="drive", v=0.2, omega=0.5)
     moving = until(live, lambda t: t["twist"]["v"] > 0)
     still = until(live, lambda t: t["twist"]["v"] == 0)
-    assert still["stamp"] - moving["stamp"] <= 0.52
+    assert still["stamp"] - moving["stamp"] <= 0.4
 
 
 def test_when_the_driver_leaves_it_stops_at_once(server, live):

@@ -194,7 +194,7 @@ def test_a_bag_cut_short_is_one_clear_line(tmp_path, capsys, kind):
     code, told = refused(capsys, path, "--map", write_map(tmp_path), "--out", tmp_path / "out")
     assert code == 1
     assert str(path) in told
-    assert "mends it" in told
+    assert ("no message in it can be read" if kind == "mcap" else "mends it") in told
 
 
 @pytest.mark.parametrize(
@@ -267,14 +267,6 @@ def test_a_mistake_is_told_without_the_settings(capsys):
     told = capsys.readouterr().err
     assert told.endswith("the following arguments are required: --map\n")
     assert "sigma_hit" not in told
-
-
-def test_a_folder_with_an_unfinished_mcap_file_is_told_what_mends_it(tmp_path, capsys):
-    bag = write_bag(tmp_path / "cut")
-    (file,) = bag.glob("*.mcap")
-    file.write_bytes(file.read_bytes()[:-100])
-    _, told = refused(capsys, bag, "--map", write_map(tmp_path))
-    assert "`mcap recover` mends it" in told
 
 
 def test_a_bag_in_which_the_robot_never_moves_ends_without_a_guess(tmp_path):

@@ -280,11 +280,11 @@ def test_messages_of_foreign_types_do_not_matter(tmp_path):
 
 
 def test_a_bag_with_fewer_messages_than_its_metadata_has_is_told(tmp_path):
-    with LaserBag(tmp_path / "whole", "mcap") as bag:
+    with LaserBag(tmp_path / "whole", "sqlite3") as bag:
         bag.scan(0.0, [1.0], first=0.0, step=0.1)
         bag.odometry(0.0, Pose2())
-    with LaserBag(tmp_path / "hollow", "mcap") as bag:
+    with LaserBag(tmp_path / "hollow", "sqlite3") as bag:
         bag.odometry(0.0, Pose2())
-    (tmp_path / "hollow" / "hollow.mcap").replace(tmp_path / "whole" / "whole.mcap")
+    (tmp_path / "hollow" / "hollow.db3").replace(tmp_path / "whole" / "whole.db3")
     with Bag(tmp_path / "whole") as bag, pytest.raises(BagError, match="should have messages on"):
         find_layout(bag, choose(bag), None)

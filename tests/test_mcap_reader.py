@@ -93,7 +93,7 @@ def test_a_file_that_was_cut_off_is_read_up_to_there(tmp_path, share):
     path.write_bytes(path.read_bytes()[: int(end * share)])
     reader = open_recording(path)
     assert reader.unfinished
-    assert bool(reader.damage) is (share < 1)
+    assert bool(reader.damages) is (share < 1)
     part = told(path)
     assert part == whole[: len(part)]
     assert len(part) >= len(whole) * (share - 0.1)
@@ -120,7 +120,7 @@ def test_wherever_a_file_was_cut_off_all_that_is_whole_is_read(tmp_path, options
         path.write_bytes(data[:cut])
         assert told(path) == whole[: sum(end <= cut for end in ends)]
         clean = cut in whole_ends or cut >= whole_ends[-1] - 4  # the data section's checksum
-        assert bool(open_recording(path).damage) is not clean
+        assert bool(open_recording(path).damages) is not clean
 
 
 def test_chunks_messages_outside_of_them_and_records_of_a_writer_s_own_may_be_mixed(tmp_path):
@@ -136,7 +136,7 @@ def test_chunks_messages_outside_of_them_and_records_of_a_writer_s_own_may_be_mi
     assert [time_ns for time_ns, _, _ in told(mixed)] == list(range(20))
     mixed.write_bytes(chunked[:end] + own)
     reader = open_recording(mixed)
-    assert (reader.unfinished, reader.damage) == (True, "")
+    assert (reader.unfinished, reader.damages) == (True, [])
 
 
 def test_a_damaged_attachment_of_an_unfinished_file_costs_only_itself(tmp_path):
@@ -144,7 +144,7 @@ def test_a_damaged_attachment_of_an_unfinished_file_costs_only_itself(tmp_path):
     whole = told(path)
     path.write_bytes(path.read_bytes().replace(b"application/toml", b"application\xfftoml", 1))
     reader = open_recording(path)
-    assert (told(path), reader.damage, list(reader.attachments)) == (whole, "", ["settings.toml"])
+    assert (told(path), reader.damages, list(reader.attachments)) == (whole, [], ["settings.toml"])
     with pytest.raises(RecordingError, match="is damaged"):
         reader.attachments["settings.toml"]
 
@@ -162,7 +162,8 @@ def test_a_file_that_ends_in_zeros_as_after_a_power_cut_is_read_up_to_there(tmp_
     path.write_bytes(path.read_bytes() + bytes(5000))
     reader = open_recording(path)
     assert reader.unfinished
-    assert "no record" in reader.damage
+    seconds = (whole[-1][0] - whole[0][0]) / 1e9
+    assert reader.damages == [f"what follows {seconds:.1f} s is damaged or cut off"]
     assert told(path) == whole
 
 
@@ -188,5 +189,6 @@ def test_seeking_reads_only_what_it_needs(tmp_path):
     path.write_bytes(data)
     assert len(list(reader.messages({"/once"}))) == 1
     assert len(list(reader.messages(None, 480))) == 21
-    with pytest.raises(RecordingError):
-        list(reader.messages())
+    assert len(list(reader.messages())) < 100
+    (missing,) = reader.damages
+    assert "are damaged" in missing

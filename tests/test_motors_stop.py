@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from contextlib import ExitStack
 
@@ -118,6 +119,36 @@ def test_a_tab_that_is_closed_stops_them(hat, driven):
     begin, _ = state(hat)
     live.close()
     assert time_to_stop(hat, begin) < STOP_S
+
+
+def test_a_network_that_is_lost_lets_them_stop(hat, driven):
+    """The connection stays, and nothing comes any more."""
+    _, live = driven
+    begin, _ = state(hat)
+    live.send(json.dumps({"type": "drive", "v": SPEED, "omega": 0.0}))
+    assert time_to_stop(hat, begin) < STOP_S
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.6, 1.0])
+def test_a_program_that_hung_takes_no_wheel_for_blocked(hat, driven, seconds):
+    server, live = driven
+    begin, _ = state(hat)
+    server.process.send_signal(signal.SIGSTOP)
+    try:
+        while state(hat)[0] < begin + seconds:
+            pass
+    finally:
+        server.process.send_signal(signal.SIGCONT)
+    problems = set()
+
+    def has_driven_again(now):
+        problems.update(now["problems"])
+        return now["stamp"] > end
+
+    end = until(live, lambda now: True)["stamp"] + seconds + 2
+    drive_until(live, SPEED, has_driven_again)
+    assert not [problem for problem in problems if "does not turn" in problem]
+    assert state(hat)[1] > 200, problems
 
 
 def test_a_program_that_hangs_lets_them_stop(hat, driven):

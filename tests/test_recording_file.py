@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 import yaml
 from mcap.reader import NonSeekingReader
@@ -23,6 +24,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE, RecordingFile, free_folder
+from app.recordings.routes import listed
 from app.ros2.message_types import MessageError, typestore
 from app.ros2.topic import LATCHED, Quality
 from app.settings.config import ROOT
@@ -235,6 +237,44 @@ def test_a_full_disk_leaves_what_was_whole(tmp_path):
     assert path.stat().st_size == int(size) <= 20_000
     reader = open_recording(path)
     assert reader.unfinished
-    assert not reader.damage, "the last whole record is the file's end"
+    assert not reader.damages, "the last whole record is the file's end"
     assert reader.duration > 3
     assert len(list(reader.messages({"/command"}))) * TICK_NS >= reader.duration * 1e9
+    facts = metadata_of(path.parent)
+    assert facts["duration"]["nanoseconds"] == reader.end_ns - reader.start_ns
+    assert facts["message_count"] == len(list(reader.messages()))
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A folder on a disk of 3 MB."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    mounted = ["mount", "-t", "tmpfs", "-o", "size=3M", "tmpfs", str(folder)]
+    if subprocess.run(mounted, capture_output=True, check=False).returncode:
+        pytest.skip("only root may mount a small disk")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+@pytest.mark.parametrize("beside", [0, 200_000, 1_500_000])
+def test_on_a_full_disk_the_file_is_finished_and_everybody_reads_it(small_disk, beside):
+    """Noise cannot be compressed: the disk is full after some seconds."""
+    (small_disk / "other").write_bytes(bytes(beside))
+    noise = np.random.default_rng(0)
+    file = RecordingFile(small_disk / "drive", FACTS)
+    tick = 0
+    with pytest.raises(OSError, match="No space left"):
+        while True:
+            now = BEGIN_NS + tick * TICK_NS
+            file.write("/noise", TEXT, Quality(), now, now, text_cdr("") + noise.bytes(4000))
+            tick += 1
+    file.abandon()
+    reader = open_recording(file.path)
+    assert (reader.unfinished, reader.damages) == (False, [])
+    assert tick * TICK_NS / 1e9 - 0.9 < reader.duration <= tick * TICK_NS / 1e9
+    (entry,) = listed(small_disk)
+    assert (entry.duration_s, entry.unfinished) == (reader.duration, False)
+    with AnyReader([file.folder]) as theirs:
+        assert theirs.message_count == len(list(reader.messages()))
+    assert sorted(path.name for path in file.folder.iterdir()) == ["drive_0.mcap", "metadata.yaml"]

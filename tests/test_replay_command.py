@@ -38,7 +38,7 @@ def test_it_writes_what_was_estimated_now_and_then_and_the_truth(recording, tmp_
     assert written(tmp_path / "b") == files
 
 
-def test_damage_in_the_middle_is_told_and_what_came_before_is_written(recording, tmp_path, caplog):
+def test_damage_in_the_middle_is_told_and_all_else_is_written(recording, tmp_path, capsys):
     made, _ = recording
     (file,) = made.glob("*.mcap")
     data = bytearray(file.read_bytes())
@@ -50,10 +50,34 @@ def test_damage_in_the_middle_is_told_and_what_came_before_is_written(recording,
     damaged = tmp_path / "damaged.mcap"
     damaged.write_bytes(data)
     assert main(["replay", str(damaged), "--out", str(tmp_path / "out")]) == 0
-    assert "The recording is over here" in caplog.text
-    assert "damaged.mcap is damaged" in caplog.text
+    assert "In the recording, 0.4 s from " in capsys.readouterr().out
     last = parse_tum((tmp_path / "out" / "truth.tum").read_text(), "truth").stamps[-1]
-    assert 0.5 < last < 3.5
+    assert last > 3.5
+
+
+def test_damaged_settings_are_told_and_replaced_by_the_program_s_own(recording, tmp_path, capsys):
+    made, _ = recording
+    (file,) = made.glob("*.mcap")
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(
+        file.read_bytes().replace(b"[localization.filter]", b"[localizatio#.filter]")
+    )
+    assert main(["replay", str(damaged), "--out", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr().out
+    assert "settings.toml in the recording is damaged: the program's own is used" in told
+    assert "--filter-config gives others" in told
+
+
+def test_a_damaged_map_is_told_with_the_option_that_gives_one(recording, tmp_path, capsys):
+    made, _ = recording
+    (file,) = made.glob("*.mcap")
+    damaged = tmp_path / "damaged.mcap"
+    damaged.write_bytes(file.read_bytes().replace(b"<svg", b"<swg"))
+    assert main(["replay", str(damaged), "--out", str(tmp_path / "out")]) == 1
+    assert "the map in" in (told := capsys.readouterr().err)
+    assert "is damaged; --map gives one" in told
+    options = ["--map", "square", "--out", str(tmp_path / "out")]
+    assert main(["replay", str(damaged), *options]) == 0
 
 
 def test_other_settings_write_something_else(recording, tmp_path):

@@ -21,6 +21,7 @@ def test_the_service_stops_the_motors_however_it_ends() -> None:
     service = unit["Service"]
     assert service["ExecStopPost"].endswith("brickpose stop-motors")
     assert service["KillSignal"] == "SIGTERM"
+    assert service["SuccessExitStatus"].split() == ["143", "130"]
     assert service["Restart"] == "on-failure"
     command = service["ExecStart"].split()
     assert config_from(_parser().parse_args(command[1:])).robot == "buildhat"

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from app.interruption import interruptible
 from app.options import Commands, add_config, add_map
 from app.settings.conditions import condition_names
 from robot.settings import SettingError
@@ -217,15 +218,18 @@ def _evaluate(parsed: argparse.Namespace) -> int:
     if parsed.what == "integrity":
         from app.lab.evaluation.integrity.command import integrity_command  # noqa: PLC0415
 
-        return integrity_command(_own_options(vars(parsed)))
+        with interruptible():
+            return integrity_command(_own_options(vars(parsed)))
     check_options(vars(parsed))
     if parsed.what == "models":
         from app.lab.model_fits.command import models_command  # noqa: PLC0415
 
-        return models_command(vars(parsed))
+        with interruptible():
+            return models_command(vars(parsed))
     from app.lab.evaluation.command import evaluate_command  # noqa: PLC0415
 
-    return evaluate_command(vars(parsed))
+    with interruptible():
+        return evaluate_command(vars(parsed))
 
 
 def _own_options(given: dict[str, Any]) -> dict[str, Any]:

@@ -6,7 +6,6 @@ result. If a worker is killed, another worker repeats its job, and only that job
 
 from __future__ import annotations
 
-import contextlib
 import multiprocessing
 import os
 import re
@@ -241,23 +240,27 @@ class _Crew:
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
-        self._pid = self._pool.submit(os.getpid)
+        others = set(multiprocessing.active_children())
+        # A process inherits what is blocked: Ctrl-C is for the program, which then ends it.
+        signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
+        try:
+            self._pool.submit(os.getpid)
+        finally:
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))
+        self._processes = set(multiprocessing.active_children()) - others
 
     def submit(self, work: Callable[[S], T], job: S) -> Future[T]:
         return self._pool.submit(work, job)
 
     def end(self) -> None:
         """End the process at once, even while it works."""
-        if self._pid.done() and self._pid.exception() is None:
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(self._pid.result(), signal.SIGTERM)
+        for process in self._processes:
+            process.terminate()
         self._pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _begin() -> None:
     """Set up a new process: it uses one core and ends when its parent process ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     cv2.setNumThreads(1)
     threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import signal
 import socket
 import sys
-from types import FrameType
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
 
 import uvicorn
 
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
+from app.interruption import Interrupted, deferred
 from app.page.access_options import Certificate
 from app.page.http_door import http_door
 from app.page.listening import BACKLOG, Listening
@@ -54,7 +55,7 @@ class Server:
         self._uvicorn = _StopsTheRobotFirst(config, self._thread)
 
     def run(self, listening: Listening) -> None:
-        """Serve until stopped; in the main thread also until SIGINT or SIGTERM."""
+        """Serve until stopped."""
         sys.setswitchinterval(HAND_OVER_S)
         limit_logs("uvicorn.error", "asyncio", CLIENTS_LOG.name)
         self._uvicorn.config.http = http_door(listening.room)
@@ -78,14 +79,22 @@ def serve(
     listening: Listening,
     tokens: Tokens | None = None,
     certificate: Certificate | None = None,
+    announce: Callable[[], object] = lambda: None,
 ) -> None:
-    """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next."""
+    """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
+
+    Args:
+        program: what is served.
+        listening: the socket.
+        tokens: requests need one of them, if there are any.
+        certificate: for HTTPS.
+        announce: says where the program is; from then on a signal is its usual end.
+    """
     try:
         server = Server(program, tokens, certificate)
-        # These handle signals before uvicorn does, and when it raises them again at its end.
-        for name in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(name, lambda number, frame: server.stop())
-        server.run(listening)
+        with suppress(Interrupted), deferred(server.stop):
+            announce()
+            server.run(listening)
     finally:
         # The engine has closed the robot already, unless it never started.
         program.robot.close()
@@ -96,9 +105,10 @@ class _StopsTheRobotFirst(uvicorn.Server):
         super().__init__(config)
         self._thread = thread
 
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        # ``shutdown`` follows within a tenth of a second. A second signal does the same.
-        self.should_exit = True
+    @contextmanager
+    def capture_signals(self) -> Generator[None, None, None]:
+        """Leave signals to ``serve``; ``shutdown`` follows within a tenth of a second."""
+        yield
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         self._thread.stopping.set()

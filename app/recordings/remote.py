@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import signal
 import struct
 import sys
-import threading
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
 from app.console import say
+from app.interruption import Interrupted, deferred
+from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile, free_folder
 from app.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.ros2.message_types import MessageError, message_class
@@ -61,25 +61,34 @@ def record(
         SettingError: the address is invalid, or a topic does not exist; lists those that do.
         OSError: the file cannot be written; what was written before remains.
     """
-    with closing(RemoteRobot(address)) as robot, _interrupts() as stop:
+    with closing(RemoteRobot(address)) as robot:
         kinds = _chosen(robot.topics(), names)
         contents = robot.contents()
         folder = _new_folder(out)
-        file = RecordingFile(folder, contents.facts)
-        try:
-            for attachment in contents.attachments:
-                file.attach(attachment.name, attachment.data, attachment.media_type)
-            say(f"Recording {robot.place} to {folder} (Ctrl-C ends it)")
-            _record(robot, file, kinds, _Until(stop, seconds))
-        except RemoteRobotError as error:
-            file.close()
-            raise RemoteRobotError(f"{error}; {_kept(file)}") from error
-        except BaseException:
-            file.abandon()
-            raise
-        file.close()
-        say(f"{_kept(file)[0].upper()}{_kept(file)[1:]}")
+        # A signal raises nothing: the file must not be left in the middle of a message.
+        with suppress(Interrupted), deferred() as asked:
+            _record_to(folder, robot, contents, kinds, _Until(asked, seconds))
     return folder
+
+
+def _record_to(
+    folder: Path, robot: RemoteRobot, contents: Contents, kinds: Kinds, until: _Until
+) -> None:
+    """Record to a new folder until it is over."""
+    file = RecordingFile(folder, contents.facts)
+    try:
+        for attachment in contents.attachments:
+            file.attach(attachment.name, attachment.data, attachment.media_type)
+        say(f"Recording {robot.place} to {folder} (Ctrl-C ends it)")
+        _record(robot, file, kinds, until)
+    except RemoteRobotError as error:
+        file.close()
+        raise RemoteRobotError(f"{error}; {_kept(file)}") from error
+    except BaseException:
+        file.abandon()
+        raise
+    file.close()
+    say(f"{_kept(file)[0].upper()}{_kept(file)[1:]}")
 
 
 def _record(robot: RemoteRobot, file: RecordingFile, kinds: Kinds, until: _Until) -> None:
@@ -146,29 +155,13 @@ def _kept(file: RecordingFile) -> str:
     return f"{file.duration:.1f} s, {file.size / 1e6:.1f} MB are in {file.folder}"
 
 
-@contextmanager
-def _interrupts() -> Iterator[threading.Event]:
-    """Yield an event that Ctrl-C and SIGTERM set.
-
-    They interrupt nothing: the file must not be left in the middle of a message.
-    """
-    stop = threading.Event()
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
-    try:
-        yield stop
-    finally:
-        for number, handler in zip(numbers, before, strict=True):
-            signal.signal(number, handler)
-
-
 class _Until:
-    def __init__(self, stop: threading.Event, seconds: float | None) -> None:
-        self._stop = stop
+    def __init__(self, asked: Callable[[], bool], seconds: float | None) -> None:
+        self._asked = asked
         self._end = None if seconds is None else time.monotonic() + seconds
 
     def over(self) -> bool:
-        return self._stop.is_set() or (self._end is not None and time.monotonic() >= self._end)
+        return self._asked() or (self._end is not None and time.monotonic() >= self._end)
 
 
 class _Progress:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from app.engine.mailboxes.backlog import Backlog
 from app.engine.problems import LOG
 from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile
+from app.recordings.files.reserved_stream import FULL
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import TopicPublisher
 from app.ros2.route import Pace, Route
@@ -25,8 +25,6 @@ PERIOD_S = 0.15
 """Interval of writing [s]: writing each message on its own would cost a change of threads."""
 
 JOIN_S = 5.0
-
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class RecordingRun(Route):

@@ -43,6 +43,10 @@ HELD_TRAVEL = 5.0
 """A shaft is blocked if it stays on one degree for HELD_S [s] while it should have turned by
 HELD_TRAVEL [degree]."""
 
+GAP_S = 0.1
+"""If this long no duty was computed, the program stood still: what the wheel did meanwhile is not
+known, and says nothing of a blocked wheel [s]."""
+
 TURNING_SPAN = 0.03
 """When a wheel is to turn again, its speed over this time shows whether it still turns [s]."""
 
@@ -93,6 +97,8 @@ class SpeedLoop:
         if wanted == 0:
             self.rest()  # duty 0 is the brake
             return self.duty
+        if self._past and current - self._past[-1][0] > GAP_S:
+            self._past.clear()
         if not self._past:
             self._begin(current, track)
         ahead = wanted + self._gain * self._lag(wanted, current, track)

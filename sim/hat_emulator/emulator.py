@@ -63,11 +63,11 @@ class RealTimeBoard:
         """Stop listening to ``source``."""
         self._selector.unregister(source)
 
-    def run(self) -> None:
-        """Run from the board's present time until an exception ends it, as Ctrl-C does."""
+    def run(self, until: Callable[[], bool]) -> None:
+        """Run from the board's present time until a condition holds."""
         due = self._clock()
         self._zero = due - self.board.now
-        while True:
+        while not until():
             due = max(due + TURN, self._clock())
             self.turn(max(0.0, due - self._clock()))
 

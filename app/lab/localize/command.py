@@ -41,6 +41,8 @@ def localize_command(parsed: argparse.Namespace) -> int:
             say("so the laser is taken to sit at the robot's middle, looking ahead (--laser-pose)")
         pairing = Pairing(bag, chosen, layout, parsed.clock)
         result = localize(_shown(bag, pairing), enabled, settings, start, parsed.seed)
+        for words in bag.damages:
+            say(f"in {parsed.bag}, {words}")
     if not result.scans:
         raise BagError(_nothing(pairing, parsed))
     asked = LocalizeRequest(

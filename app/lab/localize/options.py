@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.interruption import interruptible
 from app.options import Commands
 
 EXAMPLE = """\
@@ -103,4 +104,5 @@ class _WithSettings(argparse.RawDescriptionHelpFormatter):
 def _localize(parsed: argparse.Namespace) -> int:
     from app.lab.localize.command import localize_command  # noqa: PLC0415
 
-    return localize_command(parsed)
+    with interruptible():
+        return localize_command(parsed)

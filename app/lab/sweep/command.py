@@ -171,9 +171,8 @@ def sweep_command(parsed: argparse.Namespace) -> int:
         swept = sweep(file, base, crew, folder, parsed.format)
     except KeyboardInterrupt:
         kept = len(list((folder / "points").glob("*.json")))
-        raise BrickPoseError(
-            f"interrupted; {kept} runs are kept in {folder}, and the same command goes on"
-        ) from None
+        say(f"interrupted; {kept} runs are kept in {folder}, and the same command goes on")
+        raise
     finally:
         crew.close()
     failed = [row for row in swept.rows if row["error"]]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.interruption import interruptible
 from app.lab.evaluate_options import add_workers
 from app.options import Commands, add_condition, add_config
 
@@ -53,4 +54,5 @@ def add_sweep(commands: Commands) -> None:
 def _sweep(parsed: argparse.Namespace) -> int:
     from app.lab.sweep.command import sweep_command  # noqa: PLC0415
 
-    return sweep_command(parsed)
+    with interruptible():
+        return sweep_command(parsed)

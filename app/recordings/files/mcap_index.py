@@ -1,13 +1,13 @@
 """Index of an MCAP file, what it holds and where: from its summary, or from reading all of it.
 
 An unfinished file (the program was killed, the disk was full) has no summary, and may end in the
-middle of a record. All whole records before that are used.
+middle of a record. All whole records are used, also those behind a damage.
 """
 
 from __future__ import annotations
 
-import os
 import zlib
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import BinaryIO, NamedTuple
 
@@ -16,6 +16,13 @@ from mcap.opcode import Opcode
 from mcap.reader import FOOTER_SIZE
 from mcap.stream_reader import MAGIC_SIZE
 
+from app.recordings.files.mcap_places import (
+    CHANNELS,
+    is_opcode,
+    place_behind,
+    read_at,
+    size_of,
+)
 from app.recordings.files.mcap_records import (
     HEAD,
     DamageError,
@@ -23,9 +30,6 @@ from app.recordings.files.mcap_records import (
     record_of,
     records_of,
 )
-
-FIRST_PRIVATE_OPCODE = 0x80
-"""Opcodes from here on are private to the writer."""
 
 RUN = 1 << 20
 """Approximate length of the runs in which messages outside of chunks are read [bytes]."""
@@ -46,6 +50,16 @@ class Piece(NamedTuple):
 
 
 @dataclass(slots=True)
+class Damage:
+    """A place in a file where messages may be missing."""
+
+    start_ns: int | None
+    """Log time of the last message before it; None if there is none."""
+    end_ns: int | None = None
+    """Log time of the first message after it; None if there is none."""
+
+
+@dataclass(slots=True)
 class Index:
     """What a file holds."""
 
@@ -57,8 +71,10 @@ class Index:
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     complete: bool = False
     """Whether the file was finished."""
-    damage: str = ""
-    """What is wrong at the end of the readable part; empty if that ends with a whole record."""
+    counts: Counter[int] = field(default_factory=Counter)
+    """Number of messages by channel."""
+    damages: list[Damage] = field(default_factory=list)
+    """Damages that reading all of the file has met, in the order of the file."""
 
     def take(self, record: records.McapRecord) -> None:
         """Add the content of a record."""
@@ -67,13 +83,38 @@ class Index:
                 self.schemas[record.id] = record
             case records.Channel():
                 self.channels[record.id] = record
+            case records.Metadata(name=name) if name == CHANNELS:
+                self._take_channels(record.metadata)
             case records.Metadata():
                 self.metadata[record.name] = record.metadata
+            case records.Statistics():
+                self.counts.update(record.channel_message_counts)
             case records.AttachmentIndex():
                 self.attachments[record.name] = (record.offset, record.length)
 
+    def _take_channels(self, repeated: dict[str, str]) -> None:
+        """Add the channels whose own records were in a chunk that is damaged."""
+        for number, words in repeated.items():
+            topic, _, type_name = words.partition(" ")
+            if number.isdecimal() and int(number) not in self.channels:
+                # Its schema's number is not known; numbers in files are positive.
+                schema = records.Schema(id=-int(number), name=type_name, encoding="", data=b"")
+                channel = records.Channel(
+                    id=int(number), topic=topic, message_encoding="cdr", metadata={},
+                    schema_id=schema.id,
+                )  # fmt: skip
+                self.schemas[schema.id], self.channels[channel.id] = schema, channel
+
+    def miss(self) -> None:
+        """Take note of a damage; several without a piece between them count as one."""
+        if not self.damages or self.damages[-1].end_ns is not None:
+            before = max((piece.end_ns for piece in self.pieces), default=None)
+            self.damages.append(Damage(before))
+
     def add(self, piece: Piece) -> None:
         """Append a piece; adjacent runs outside of chunks are joined, up to about ``RUN`` bytes."""
+        if self.damages and self.damages[-1].end_ns is None:
+            self.damages[-1].end_ns = piece.start_ns
         last = self.pieces[-1] if self.pieces else piece
         ends = last.offset + last.length
         if last.loose and piece.loose and ends == piece.offset and last.length < RUN:
@@ -92,23 +133,8 @@ def index_of(file: BinaryIO) -> Index:
         return _from_all(file)
 
 
-def read_at(file: BinaryIO, offset: int, length: int) -> bytes:
-    """Read bytes of a file; DamageError if the file ends before."""
-    # Never read a damaged length: the memory for it would be allocated first.
-    if offset + length <= _size(file):
-        file.seek(offset)
-        data = file.read(length)
-        if len(data) == length:
-            return data
-    raise DamageError("the file ends in the middle of a record")
-
-
-def _size(file: BinaryIO) -> int:
-    return os.fstat(file.fileno()).st_size
-
-
 def _from_summary(file: BinaryIO) -> Index:
-    index, messages = Index(complete=True), 0
+    index = Index(complete=True)
     for record in records_of(_summary(file), end=b""):
         match record:
             case records.ChunkIndex(message_start_time=start_ns, message_end_time=end_ns):
@@ -118,11 +144,9 @@ def _from_summary(file: BinaryIO) -> Index:
             case records.MetadataIndex():
                 data = read_at(file, record.offset, record.length)
                 index.take(record_of(data, records.Metadata))
-            case records.Statistics():
-                messages = record.message_count
             case _:
                 index.take(record)
-    if messages and not index.pieces:
+    if index.counts and not index.pieces:
         raise DamageError("the summary has no chunks")
     if any(channel.schema_id not in (0, *index.schemas) for channel in index.channels.values()):
         raise DamageError("the summary has not all schemas")
@@ -133,7 +157,7 @@ def _from_summary(file: BinaryIO) -> Index:
 
 def _summary(file: BinaryIO) -> bytes:
     """Read the bytes from the first record of the summary to the file's end."""
-    size, tail = _size(file), FOOTER_SIZE + MAGIC_SIZE
+    size, tail = size_of(file), FOOTER_SIZE + MAGIC_SIZE
     if size < 2 * tail:
         raise DamageError("the file is too short for a summary")
     footer = records_of(read_at(file, size - tail, tail), end=b"")[0]
@@ -147,15 +171,18 @@ def _summary(file: BinaryIO) -> bytes:
 
 
 def _from_all(file: BinaryIO) -> Index:
-    """Index the file by reading it to its end, or to the first damage."""
-    index, offset, size = Index(), MAGIC_SIZE, _size(file)
-    try:
-        while not index.complete and offset != size:
-            opcode, length = HEAD.unpack(read_at(file, offset, HEAD.size))
-            _take(index, file, opcode, offset, HEAD.size + length)
-            offset += HEAD.size + length
-    except DamageError as error:
-        index.damage = f"{error}, at byte {offset}"
+    """Index the file by reading it to its end; damaged parts are left out."""
+    index, size = Index(), size_of(file)
+    offset: int | None = MAGIC_SIZE
+    while not index.complete and offset is not None and offset != size:
+        begin = offset
+        try:
+            opcode, length = HEAD.unpack(read_at(file, begin, HEAD.size))
+            _take(index, file, opcode, begin, HEAD.size + length)
+            offset = begin + HEAD.size + length
+        except DamageError:
+            index.miss()
+            offset = place_behind(file, begin)
     return index
 
 
@@ -166,6 +193,7 @@ def _take(index: Index, file: BinaryIO, opcode: int, offset: int, length: int) -
             heads = [(channel, time_ns) for channel, time_ns, _ in messages]
             if heads:
                 channels, times = zip(*heads, strict=True)
+                index.counts.update(channels)
                 loose, place = opcode == Opcode.MESSAGE, (offset, length)
                 index.add(Piece(min(times), *place, max(times), frozenset(channels), loose))
         case Opcode.SCHEMA | Opcode.CHANNEL | Opcode.METADATA:
@@ -177,5 +205,5 @@ def _take(index: Index, file: BinaryIO, opcode: int, offset: int, length: int) -
             index.attachments[name] = (offset, length)
         case Opcode.DATA_END:
             index.complete = True
-        case _ if not (0 < opcode <= Opcode.DATA_END or opcode >= FIRST_PRIVATE_OPCODE):
+        case _ if not is_opcode(opcode):
             raise DamageError("there is no record")

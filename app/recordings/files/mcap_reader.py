@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import heapq
+import zlib
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,8 @@ from mcap.opcode import Opcode
 from mcap.records import Attachment
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
-from app.recordings.files.mcap_index import index_of, read_at
+from app.recordings.files.mcap_index import Damage, index_of
+from app.recordings.files.mcap_places import read_at
 from app.recordings.files.mcap_records import HEAD, DamageError, messages_of, record_of
 from app.recordings.files.recorded import RecordedMessage, RecordingError
 
@@ -31,14 +33,18 @@ CDR = "cdr"
 def open_recording(path: Path) -> RecordingReader:
     """Open an MCAP file, or a folder with one or several files of the same recording.
 
-    A ``metadata.yaml`` is not needed. An unfinished recording can be read up to the end of its last
-    whole record.
+    A ``metadata.yaml`` is not needed. Of an unfinished or damaged recording all whole chunks are
+    read.
 
     Raises:
-        RecordingError: the file does not exist, is something else, is damaged from the beginning,
-            or has no messages in CDR; says what it is and what is valid.
+        RecordingError: the file does not exist, is something else, has no whole chunk, or has no
+            messages in CDR; says what it is and what is valid.
     """
     reader = RecordingReader(path, [McapFile(each) for each in _files(path)])
+    if reader.damages and not any(file.pieces for file in reader.files):
+        raise RecordingError(
+            f"{path} is damaged: no message in it can be read; valid is a whole MCAP file"
+        )
     if not reader.topics:
         channels = [item for file in reader.files for item in file.index.channels.values()]
         encodings = {channel.message_encoding for channel in channels} - {CDR}
@@ -67,25 +73,59 @@ class RecordingReader:
         self.end_ns = max((piece.end_ns for piece in pieces), default=0)
         self.unfinished = any(not file.index.complete for file in files)
         """Whether it was cut off: the program was killed, or the disk was full."""
-        self.damage = " ".join(file.index.damage for file in files if file.index.damage)
-        """What is wrong at the end of the readable part of an unfinished file."""
 
     @property
     def duration(self) -> float:
         """From the first to the last message [s]."""
         return (self.end_ns - self.start_ns) / 1e9
 
+    def count(self, topic: str) -> int | None:
+        """Return the number of a topic's messages; None if the file does not say it."""
+        counts = [file.index.counts for file in self.files]
+        if not all(counts):
+            return None
+        return sum(
+            file.index.counts[number]
+            for file in self.files
+            for number, (name, _) in file.names.items()
+            if name == topic
+        )
+
+    @property
+    def damages(self) -> list[str]:
+        """Where messages are missing, in words, as far as was read until now."""
+        return [self._words(damage) for file in self.files for damage in file.damages()]
+
+    def damage_between(self, after_ns: int, until_ns: int) -> str | None:
+        """Return in words what is missing before the messages of a span of log times [ns]."""
+        for file in self.files:
+            for damage in file.damages():
+                if damage.end_ns is not None and after_ns < damage.end_ns <= until_ns:
+                    return self._words(damage)
+        return None
+
+    def _words(self, damage: Damage) -> str:
+        if damage.start_ns is None:
+            return "the beginning is damaged" if damage.end_ns else "all of it is damaged"
+        start = (damage.start_ns - self.start_ns) / 1e9
+        if damage.end_ns is None:
+            return f"what follows {start:.1f} s is damaged or cut off"
+        missing = max(damage.end_ns - damage.start_ns, 0) / 1e9
+        return f"{missing:.1f} s from {start:.1f} s on are damaged"
+
     def messages(
         self, topics: Collection[str] | None = None, start_ns: int = 0
     ) -> Iterator[RecordedMessage]:
         """Yield messages in the order of their log time; at the same time, as they were written.
+
+        Damaged chunks are left out; ``damages`` then names them.
 
         Args:
             topics: only these, named as in ``topics``; None for all.
             start_ns: only those logged at this time or later [ns since 1970].
 
         Raises:
-            RecordingError: the file is damaged in the middle, or does not exist any more.
+            RecordingError: the file does not exist any more, or not one chunk can be read.
         """
         streams = [file.messages(topics, start_ns) for file in self.files]
         return heapq.merge(*streams, key=lambda item: item.log_time_ns)
@@ -99,6 +139,9 @@ class _Attachments(Mapping[str, bytes]):
 
     def __getitem__(self, name: str) -> bytes:
         return self._files[name].attachment(name)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._files  # a damaged one is there, too
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._files)
@@ -124,12 +167,33 @@ class McapFile:
             if channel.message_encoding == CDR and channel.schema_id in schemas
         }
         """Topic and type by channel, of all channels in CDR."""
+        self._damaged: set[int] = set()
+        """Places in ``pieces`` of those that were met damaged."""
 
     def attachment(self, name: str) -> bytes:
         """The content of an attachment; RecordingError if it is damaged."""
         place = self.index.attachments[name]
         with self._open() as file:
-            return record_of(read_at(file, *place), Attachment).data
+            record = read_at(file, *place)
+            result = record_of(record, Attachment)
+            # The checksum is the record's last field (4 bytes), 0 if there is none.
+            checksum = int.from_bytes(record[-4:], "little")
+            if checksum and zlib.crc32(record[HEAD.size : -4]) != checksum:
+                raise DamageError(f"the checksum of {name} is another")
+        return result.data
+
+    def damages(self) -> list[Damage]:
+        """Where messages are missing, as far as was read until now."""
+        result = list(self.index.damages)
+        last = -2
+        for place in sorted(self._damaged):
+            piece = self.pieces[place]
+            if place == last + 1:
+                result[-1].end_ns = piece.end_ns
+            else:
+                result.append(Damage(piece.start_ns, piece.end_ns))
+            last = place
+        return result
 
     def messages(self, topics: Collection[str] | None, start_ns: int) -> Iterator[RecordedMessage]:
         """Yield messages as ``RecordingReader.messages`` does."""
@@ -137,7 +201,7 @@ class McapFile:
         queue: list[tuple[int, int, RecordedMessage]] = []
         count = 0
         with self._open() as file:
-            for piece in self.pieces:
+            for place, piece in enumerate(self.pieces):
                 # A file without an index of messages does not list the channels of a chunk either.
                 channels = piece.channels or names.keys()
                 if piece.end_ns < start_ns or channels.isdisjoint(names):
@@ -145,7 +209,14 @@ class McapFile:
                 # Chunks may overlap: only messages up to the start of the next one can go out.
                 while queue and queue[0][0] <= piece.start_ns:
                     yield heapq.heappop(queue)[2]
-                for channel, time_ns, cdr in messages_of(read_at(file, piece.offset, piece.length)):
+                try:
+                    held = list(messages_of(read_at(file, piece.offset, piece.length)))
+                except DamageError:
+                    self._damaged.add(place)
+                    if len(self._damaged) == len(self.pieces):
+                        raise
+                    continue
+                for channel, time_ns, cdr in held:
                     if channel in names and time_ns >= start_ns:
                         message = RecordedMessage(*names[channel], time_ns, cdr)
                         heapq.heappush(queue, (time_ns, count, message))

@@ -10,8 +10,8 @@ chunk. So if the program is killed or the disk is full, only the last chunk is l
 from __future__ import annotations
 
 import errno
-import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -26,7 +26,10 @@ from app.recordings.files.bag_metadata import (
     channel_metadata,
     in_file,
 )
+from app.recordings.files.mcap_index import index_of
+from app.recordings.files.mcap_places import CHANNELS
 from app.recordings.files.recorded import RecordingError
+from app.recordings.files.reserved_stream import ReservedStream
 from app.ros2.message_types import definition
 from app.ros2.topic import Quality
 
@@ -40,6 +43,11 @@ FLUSH_NS = 400_000_000
 
 METADATA_NS = 5_000_000_000
 """Interval of writing ``metadata.yaml`` again [ns]."""
+
+RESERVE = 1 << 20
+CHUNK_RESERVE = 400
+"""Space on the disk that is kept for finishing the file, and more of it for each chunk that the
+index will name [bytes]."""
 
 MOST_NAMES = 1000
 """Limit of recordings that begin in the same second."""
@@ -70,7 +78,9 @@ class RecordingFile:
         self._schemas: dict[str, int] = {}
         self._span: Span | None = None
         self._flushed_ns = self._told_ns = 0
-        self._stream = _Stream(self.path)
+        self._repeated = self._chunks = 0
+        """How many channels are in the last metadata that repeat them."""
+        self._stream = ReservedStream(self.path)
         try:
             self._writer = Writer(cast(IO[Any], self._stream))
             self._writer.start(PROFILE, f"brickpose {self._facts.get('version', '')}".strip())
@@ -78,8 +88,9 @@ class RecordingFile:
                 self._writer.add_metadata("brickpose", self._facts)
             self.flush()
             self._write_metadata()
+            self._stream.reserve(RESERVE)
         except BaseException:
-            self.abandon()
+            self._stream.close()
             raise
 
     @property
@@ -156,6 +167,16 @@ class RecordingFile:
         """
         self._writer.flush()  # type: ignore[no-untyped-call]
         self._stream.mark()
+        self._chunks += 1
+        if self._repeated < len(self._topics):
+            self._repeated = len(self._topics)
+            # The channels are in chunks: without this, the damage of one chunk loses them for all.
+            named = {str(n): f"{t.name} {t.type}" for n, t in self._topics.values()}
+            self._writer.add_metadata(CHANNELS, named)
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._stream.mark()
+        if self._stream.full is not None:
+            raise self._stream.full
 
     def close(self) -> None:
         """Finish the file, with its index, and ``metadata.yaml``.
@@ -164,17 +185,45 @@ class RecordingFile:
             OSError: they cannot be written; the messages before remain.
         """
         try:
-            self.flush()
-            self._writer.add_metadata("rosbag2", in_file(self._metadata()))
-            self._writer.finish()  # type: ignore[no-untyped-call]
-            self._stream.mark()
-            self._write_metadata()
+            with suppress(OSError):  # what follows tells the same
+                self.flush()
+            self._finish()
         finally:
             self._stream.close()
 
     def abandon(self) -> None:
-        """Close a file that cannot be written any more; it ends with its last complete record."""
-        self._stream.close()
+        """Close a file that cannot be written any more.
+
+        It is finished in the space that was kept for that; if it cannot be, it ends with its last
+        complete record.
+        """
+        try:
+            if self._stream.full is not None and self._stream.whole:
+                with suppress(OSError):
+                    self._finish()
+                    return
+            with suppress(OSError):
+                self._count_again()
+                self._write_metadata()
+        finally:
+            self._stream.close()
+
+    def _finish(self) -> None:
+        self._stream.release()
+        self._writer.add_metadata("rosbag2", in_file(self._metadata()))
+        self._writer.finish()  # type: ignore[no-untyped-call]
+        self._stream.mark()
+        self._write_metadata()
+
+    def _count_again(self) -> None:
+        """Count only those messages that are in the file."""
+        with self.path.open("rb") as file:
+            index = index_of(file)
+        for number, topic in self._topics.values():
+            topic.count = index.counts[number]
+        if index.pieces:
+            start_ns = min(piece.start_ns for piece in index.pieces)
+            self._span = Span(start_ns, max(piece.end_ns for piece in index.pieces))
 
     def _add_topic(self, topic: RecordedTopic) -> None:
         if topic.type not in self._schemas:
@@ -196,12 +245,13 @@ class RecordingFile:
         if abs(now_ns - self._told_ns) >= METADATA_NS:
             self._told_ns = now_ns
             self._write_metadata()
+            self._stream.reserve(RESERVE + CHUNK_RESERVE * self._chunks)
 
     def _write_metadata(self) -> None:
         # A deleted file still accepts all writes, but nobody ever sees them.
         if not self.path.exists():
             raise FileNotFoundError(errno.ENOENT, "its file was deleted", str(self.path))
-        with atomic_file(self.folder / METADATA_FILE) as new:
+        with self._stream.noticing_full(), atomic_file(self.folder / METADATA_FILE) as new:
             new.write_text(as_text(self._metadata()), encoding="utf-8")
 
 
@@ -216,35 +266,3 @@ def free_folder(parent: Path, name: str) -> Path:
         if not folder.exists():
             return folder
     raise RecordingError(f"{parent} has {MOST_NAMES} recordings called {name}; valid is another")
-
-
-class _Stream:
-    """A file without a buffer; if a write fails, it is cut off after its last complete part."""
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("xb", buffering=0)
-        self.good = 0
-        """Length of the complete part [bytes]."""
-
-    def write(self, data: bytes) -> int:
-        rest = memoryview(data)
-        try:
-            while rest:
-                rest = rest[self._file.write(rest) :]
-        except OSError:
-            os.ftruncate(self._file.fileno(), self.good)
-            self._file.seek(self.good)
-            raise
-        return len(data)
-
-    def tell(self) -> int:
-        return self._file.tell()
-
-    def flush(self) -> None:
-        """Do nothing: there is no buffer."""
-
-    def mark(self) -> None:
-        self.good = self._file.tell()
-
-    def close(self) -> None:
-        self._file.close()

@@ -13,6 +13,7 @@ from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
+from app.recordings.attachments import SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
@@ -89,6 +90,8 @@ class ReplayProgram(Program):
 
     replay: Replay = dataclasses.field(kw_only=True)
     """Its loop."""
+    remarks: tuple[str, ...] = dataclasses.field(kw_only=True)
+    """What is missing in the recording, or not as it was recorded."""
 
 
 def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
@@ -117,7 +120,8 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     engine = begin.engine({}, None)
     settings = ReplaySettings(given)
     timeline = Timeline(engine, robot, field, settings, begin.engine)
-    for words in _remarks(reader, parts, options):
+    remarks = tuple(_remarks(reader, parts, options))
+    for words in remarks:
         engine.note(words)
     replay = Replay(
         timeline, _name(path), _duration(reader, robot), paused=options.paused, speed=options.speed
@@ -134,6 +138,7 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
         own.choice,
         replay.run,
         replay=replay,
+        remarks=remarks,
     )
 
 
@@ -191,6 +196,8 @@ def _configured(config: Config, options: ReplayOptions) -> tuple[Config, frozens
 def _field(parts: RecordedParts, options: ReplayOptions, reader: RecordingReader) -> Field:
     if options.map is not None:
         return load_field(options.map, MAPS)
+    if parts.field is None and any(name.startswith("map/") for name in parts.damaged):
+        raise RecordingError(f"the map in {reader.path} is damaged; --map gives one")
     if parts.field is None:
         raise RecordingError(
             f"the recording {reader.path} has no map with it; --map says on which it was made"
@@ -209,10 +216,19 @@ def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRo
     return start(replace(wanted, restore_pose=False), Path(), field)
 
 
+CURES = {SETTINGS: "; --filter-config gives others"}
+
+
 def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptions) -> list[str]:
     result = []
     if reader.unfinished:
-        result.append(f"The recording was cut off: {reader.damage or 'it was not finished'}.")
+        result.append("The recording was cut off.")
+    result.extend(f"In the recording, {words}." for words in reader.damages)
+    result.extend(
+        f"{name} in the recording is damaged: the program's own is used{CURES.get(name, '')}."
+        for name in parts.damaged
+        if name in (SETTINGS, URDF)
+    )
     if parts.models and not (options.sensor_model or options.motion_model):
         result.append(
             f"It was recorded with models of somebody's own ({', '.join(parts.models)}); they are "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.interruption import interruptible
 from app.options import Commands, add_config, add_map
 
 
@@ -38,4 +39,5 @@ def add_export(commands: Commands) -> None:
 def _export(parsed: argparse.Namespace) -> int:
     from app.ros2.export.export import export_command  # noqa: PLC0415
 
-    return export_command(parsed)
+    with interruptible():
+        return export_command(parsed)

@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Mapping
-from contextlib import ExitStack
-from dataclasses import replace
-from pathlib import Path
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from app.console import say
 from app.engine.build import Streams
+from app.interruption import Interrupted, deferred
 from app.settings.config import MAPS, Config, load_config
 from robot.description.spec import RobotSpec
 from robot.description.wiring import PORTS
 from robot.errors import PackageError
-from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Twist2
 from robot.settings import SettingError
@@ -55,72 +54,79 @@ def emulate_hat(options: Mapping[str, Any]) -> int:
     sys.setswitchinterval(SWITCH_INTERVAL)
     # Without this, a program in the background of a shell stops when it reads from the terminal.
     signal.signal(signal.SIGTTIN, signal.SIG_IGN)
-    with ExitStack() as stack:
-        try:
-            _run(stack, options, config, spec, world, motors)
-        except KeyboardInterrupt:
-            return 0
+    scene = _scene(options, config, spec, world, motors)
+    with suppress(Interrupted), deferred() as asked, ExitStack() as stack:
+        _run(stack, options, config, scene, motors, asked)
     return 0
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """What is around the board."""
+
+    surroundings: Surroundings
+    true: RobotSpec
+    """The true robot."""
+    camera: FloorCamera | None = None
+    """The robot's camera, if its pictures are asked for."""
+
+
+def _scene(
+    options: Mapping[str, Any],
+    config: Config,
+    spec: RobotSpec,
+    world: str,
+    motors: Mapping[int, MotorFigures],
+) -> _Scene:
+    """Make the world, which takes long, and leaves nothing behind if a signal ends the program."""
+    if world != "sim":
+        return _Scene(Table(motors), spec)
+    field = load_field(config.map, MAPS)
+    true, rng = _true_robot(config, spec)
+    around = RobotOnField(BulletWorld(true, field.start, settings=config.sim.physics), true, motors)
+    if "pictures" not in options:
+        return _Scene(around, true)
+    camera = FloorCamera(true.floor_view, field.floor, config.sim.camera, rng)
+    # The first picture takes long, since it loads compiled code; later it would stall the board.
+    camera.picture(around.truth, Twist2(0.0, 0.0))
+    return _Scene(around, true, camera)
 
 
 def _run(
     stack: ExitStack,
     options: Mapping[str, Any],
     config: Config,
-    spec: RobotSpec,
-    world: str,
+    scene: _Scene,
     motors: Mapping[int, MotorFigures],
+    until: Callable[[], bool],
 ) -> None:
-    around: Surroundings
-    if world == "sim":
-        field = load_field(config.map, MAPS)
-        true, rng = _true_robot(config, spec)
-        around = RobotOnField(
-            BulletWorld(true, field.start, settings=config.sim.physics), true, motors
-        )
-    else:
-        around = Table(motors)
-    stack.callback(around.close)
+    stack.callback(scene.surroundings.close)
     terminal = PseudoTerminal(options.get("link"))
     stack.callback(terminal.close)
     beginning = InitialState(warm="bootloader" not in options, seed=config.seed)
     if "firmware" in options:
         beginning = replace(beginning, version=options["firmware"])
-    emulator = Emulator(around, motors, terminal, beginning)
+    emulator = Emulator(scene.surroundings, motors, terminal, beginning)
     stack.callback(emulator.loop.close)
-    if "pictures" in options and isinstance(around, RobotOnField):
-        _show_pictures(stack, options["pictures"], emulator, around, config, true, field, rng)
+    if scene.camera is not None and isinstance(scene.surroundings, RobotOnField):
+        server = PictureServer(options["pictures"], scene.camera)
+        stack.callback(server.close)
+        scene.surroundings.has_camera(
+            config.sim.camera, scene.true.lens.readout, emulator.wall, server.take
+        )
+        server.start()
     control = Control(emulator)
     if "control" in options:
         stack.callback(LineServer(options["control"], control.answer, emulator.loop).close)
     TypedLines(STANDARD_INPUT, control.answer, emulator.loop, say)
     say(f"Build HAT at {terminal.name}")
-    emulator.loop.run()
+    emulator.loop.run(until)
 
 
 def _true_robot(config: Config, spec: RobotSpec) -> tuple[RobotSpec, np.random.Generator]:
     """Return the true robot, the same as in ``run --robot sim``, and its random generator."""
     rng = Streams.of(config.seed).robot
     return draw(spec, config.sim.imperfections, rng), rng
-
-
-def _show_pictures(
-    stack: ExitStack,
-    path: Path,
-    emulator: Emulator,
-    around: RobotOnField,
-    config: Config,
-    true: RobotSpec,
-    field: Field,
-    rng: np.random.Generator,
-) -> None:
-    camera = FloorCamera(true.floor_view, field.floor, config.sim.camera, rng)
-    # The first picture takes long, since it loads compiled code; later it would stall the board.
-    camera.picture(around.truth, Twist2(0.0, 0.0))
-    server = PictureServer(path, camera)
-    stack.callback(server.close)
-    around.has_camera(config.sim.camera, true.lens.readout, emulator.wall, server.take)
-    server.start()
 
 
 def _config(options: Mapping[str, Any]) -> Config:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +45,8 @@ def run(given: dict[str, Any]) -> int:
         tokens = tokens_of(access, listening)
         program = open_replay(path, options)
         say(f"{path.name} is {program.replay.duration_s:.1f} s long")
-        announce(listening, tokens, "https" if certificate else "http")
-        serve(program, listening, tokens, certificate)
+        ready = partial(announce, listening, tokens, "https" if certificate else "http")
+        serve(program, listening, tokens, certificate, ready)
     return 0
 
 
@@ -73,6 +74,8 @@ def _write(path: Path, options: ReplayOptions, out: Path) -> int:
     if given is not None:
         sys.stderr.write("\r      \r")
     written = write(replayed, out, f"run: {path.name} of {replayed.stamps[-1]:.3f} s")
+    for words in replayed.remarks:
+        say(words)
     say(f"{', '.join(item.name for item in written)} are in {out}")
     return 0
 
@@ -96,6 +99,8 @@ class Replayed:
     """(n, 3) nan where it is not known."""
     odometry: Array
     """(n, 3) by the wheels alone, in the map, from where the robot began."""
+    remarks: tuple[str, ...] = ()
+    """What is missing in the recording, or not as it was recorded."""
 
     def trajectories(self) -> dict[str, Trajectory]:
         """Return the trajectories with at least two poses, by name."""
@@ -143,7 +148,10 @@ def replay(
     finally:
         program.robot.close()
     stamps, *poses = zip(*rows, strict=True)
-    return Replayed(np.array(stamps), *(np.array([_row(item) for item in kind]) for kind in poses))
+    arrays = [np.array([_row(item) for item in kind]) for kind in poses]
+    missing = (f"In the recording, {words}." for words in timeline.robot.reader.damages)
+    remarks = tuple(dict.fromkeys((*program.remarks, *missing)))
+    return Replayed(np.array(stamps), arrays[0], arrays[1], arrays[2], arrays[3], remarks)
 
 
 def write(replayed: Replayed, folder: Path, note: str) -> list[Path]:

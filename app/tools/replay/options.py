@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from app.interruption import interruptible
 from app.options import Commands
 from app.page.access_options import add_access
 from app.settings.config import Config
@@ -75,4 +76,5 @@ def _replay(parsed: argparse.Namespace) -> int:
     from app.tools.replay.command import run  # noqa: PLC0415
 
     given: dict[str, Any] = {name: v for name, v in vars(parsed).items() if name != "command"}
-    return run(given)
+    with interruptible():
+        return run(given)

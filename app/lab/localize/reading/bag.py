@@ -11,15 +11,15 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import Any
 
-from rosbags.rosbag1 import Reader as Ros1Reader
-from rosbags.rosbag2 import Reader as Ros2Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from app.lab.localize.reading.sources import McapSource, RosbagsSource, Source, Topic
+from app.recordings.files.recorded import RecordingError
 from robot.errors import BrickPoseError
 
 OLD_NAMES = {"tf/msg/tfMessage": "tf2_msgs/msg/TFMessage"}
@@ -39,17 +39,6 @@ def message_types(*, ros1: bool) -> Typestore:
         name = "tf2_msgs/msg/TFMessage"
         store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms\n", name))
     return store
-
-
-@dataclass(frozen=True, slots=True)
-class Topic:
-    """One topic of a bag."""
-
-    name: str
-    type: str
-    """Such as ``sensor_msgs/msg/LaserScan``."""
-    count: int
-    """Number of messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,15 +69,17 @@ class Bag:
             store.deserialize_ros1 if self._ros1 else store.deserialize_cdr
         )
         try:
-            self._readers = [self._stack.enter_context(self._open(file)) for file in _files(path)]
-        except BagError:
+            self._sources = [self._open(file) for file in _files(path)]
+            self.topics = self._topics()
+        except (BagError, RecordingError):
             raise
         except Exception as error:  # a foreign file may cause any error in the library
             raise BagError(f"{path} cannot be read: {_error_text(error)}. {_cure(path)}") from error
-        self.topics = self._topics()
 
-    def _open(self, path: Path) -> Any:
-        return Ros1Reader(path) if self._ros1 else Ros2Reader(path)
+    def _open(self, path: Path) -> Source:
+        if path.suffix == ".mcap" or (path.is_dir() and any(path.glob("*.mcap"))):
+            return McapSource(path)
+        return RosbagsSource(path, self._stack, ros1=self._ros1)
 
     def __enter__(self) -> Bag:
         return self
@@ -98,11 +89,15 @@ class Bag:
 
     def _topics(self) -> tuple[Topic, ...]:
         counts: Counter[tuple[str, str]] = Counter()
-        for reader in self._readers:
-            for name, info in reader.topics.items():
-                kind = info.msgtype or info.connections[0].msgtype
-                counts[name, OLD_NAMES.get(kind, kind)] += info.msgcount
+        for source in self._sources:
+            for name, kind, count in map(astuple, source.topics):
+                counts[name, OLD_NAMES.get(kind, kind)] += count
         return tuple(Topic(name, kind, count) for (name, kind), count in sorted(counts.items()))
+
+    @property
+    def damages(self) -> list[str]:
+        """Where messages are missing, in words, as far as was read until now."""
+        return [words for source in self._sources for words in source.damages]
 
     def of_type(self, kind: str) -> list[Topic]:
         """Return the topics of a type that have messages, by name."""
@@ -116,24 +111,20 @@ class Bag:
         """Yield the messages of some topics in recorded order, with one in memory at a time.
 
         Raises:
-            BagError: the bag is damaged.
+            BagError: the bag is damaged; of an MCAP file ``damages`` says what is missing.
         """
         try:
-            parts = [self._of_reader(reader, names) for reader in self._readers]
+            parts = [self._decoded(source, names) for source in self._sources]
             yield from heapq.merge(*parts, key=lambda message: message.logged)
-        except GeneratorExit:
+        except (GeneratorExit, RecordingError):
             raise
         except Exception as error:  # as above
             where = f"{self.path} is damaged or cut short: {_error_text(error)}"
             raise BagError(f"{where}. {_cure(self.path)}") from error
 
-    def _of_reader(self, reader: Any, names: Collection[str]) -> Iterator[Message]:
-        chosen = [item for item in reader.connections if item.topic in names]
-        if not chosen:
-            return
-        for connection, logged, raw in reader.messages(connections=chosen):
-            kind = OLD_NAMES.get(connection.msgtype, connection.msgtype)
-            yield Message(connection.topic, 1e-9 * logged, self._decode(raw, kind))
+    def _decoded(self, source: Source, names: Collection[str]) -> Iterator[Message]:
+        for topic, kind, logged, data in source.messages(names):
+            yield Message(topic, 1e-9 * logged, self._decode(data, OLD_NAMES.get(kind, kind)))
 
 
 def _files(path: Path) -> list[Path]:
@@ -171,6 +162,4 @@ def _cure(path: Path) -> str:
     """Return how to repair a bag whose writer was killed."""
     if path.suffix == ".bag":
         return "If it was not finished, `rosbag reindex` mends it"
-    if path.suffix == ".mcap" or (path.is_dir() and any(path.glob("*.mcap"))):
-        return "If it was not finished, `mcap recover` mends it"
     return "If it was not finished, `ros2 bag reindex` mends it"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import tomllib
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -47,6 +48,8 @@ class RecordedParts:
     """Whether the recording began with the run, before the filter knew anything."""
     models: tuple[str, ...] = ()
     """Files of the user's own models that were in use."""
+    damaged: tuple[str, ...] = ()
+    """Attachments that are damaged."""
 
     @classmethod
     def of(cls, reader: RecordingReader) -> RecordedParts:
@@ -57,23 +60,35 @@ class RecordedParts:
         """
         with tempfile.TemporaryDirectory(prefix="brickpose-") as made:
             folder = Path(made)
-            names = _unpacked(reader, folder)
+            damaged = _damaged(reader)
+            names = _unpacked(reader, folder, damaged)
             facts = reader.metadata.get("brickpose", {})
             map_file = facts.get("map_file", "")
             return cls(
-                _config(reader),
+                Config() if SETTINGS in damaged else _config(reader),
                 RobotSpec.load(folder / URDF) if URDF in names else RobotSpec.load(),
                 load_field(str(folder / map_file), MAPS) if map_file in names else None,
-                SETTINGS in reader.attachments,
+                SETTINGS in reader.attachments and SETTINGS not in damaged,
                 facts.get("from_start") == "true",
                 tuple(n.removeprefix(MODELS) for n in reader.attachments if n.startswith(MODELS)),
+                damaged,
             )
 
 
-def _unpacked(reader: RecordingReader, folder: Path) -> list[str]:
+def _damaged(reader: RecordingReader) -> tuple[str, ...]:
+    result = []
+    for name in reader.attachments:
+        try:
+            reader.attachments[name]
+        except RecordingError:
+            result.append(name)
+    return tuple(result)
+
+
+def _unpacked(reader: RecordingReader, folder: Path, damaged: Collection[str]) -> list[str]:
     """Write the attachments that may be read to a folder; return their names."""
     names = []
-    for name in reader.attachments:
+    for name in reader.attachments.keys() - set(damaged):
         path = PurePosixPath(name)
         # A name must not lead out of the folder.
         if len(path.parts) == 2 and path.parts[0] in FOLDERS and ".." not in path.parts:

@@ -171,6 +171,9 @@ class RecordedRobot:
         self._tell_applied(given, measured)
         if given.trouble:
             place = place.troubled(f"In the recording, {given.trouble}.")
+        missing = self.reader.damage_between(before.log_ns, next_tick.tick.log_ns)
+        if missing is not None:
+            place = place.troubled(f"In the recording, {missing}.")
         self.at = place
         return Reading(
             place.now_ns / 1e9,

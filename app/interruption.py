@@ -1,0 +1,133 @@
+"""What SIGINT (Ctrl-C) and SIGTERM do, by what the program has to clean up.
+
+Python raises KeyboardInterrupt wherever the program happens to be. Within an import or a callback
+from C, other code may print it with a traceback, or drop it, and the program goes on. So a signal
+
+* ends the process at once, as long as nothing has to be cleaned up: ``end_at_once``;
+* raises ``Interrupted`` until it is noticed, where ``finally`` clauses clean up: ``interruptible``;
+* raises nothing, in a loop that ends when it is asked to: ``deferred``.
+
+The exit code is that of a shell, 128 and the signal's number: 130 after Ctrl-C, 143 after SIGTERM.
+This module imports little, as signals are not handled before it is there.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from types import FrameType
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+AGAIN_S = 0.1
+"""Interval of raising ``Interrupted`` until it is noticed [s]."""
+
+Handler = Callable[[int, FrameType | None], object]
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal asks the program to end."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f"ended by {signal.Signals(number).name}")
+        self.number = number
+
+    @property
+    def code(self) -> int:
+        """The exit code."""
+        return exit_code(self.number)
+
+
+def exit_code(number: int) -> int:
+    """Return the exit code of a program that a signal ended."""
+    return 128 + number
+
+
+def end_at_once() -> None:
+    """End the process at a signal, from now on and until Python has shut down."""
+    for number in SIGNALS:
+        signal.signal(number, lambda number, frame: os._exit(exit_code(number)))
+    # Python restores the default handlers before it removes the modules, which takes a while: a
+    # signal would change the exit code of what has ended. Of all exit functions this is the last.
+    atexit.register(_ignore)
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Raise ``Interrupted`` in the block at a signal; a signal while it cleans up changes nothing.
+
+    Raises:
+        Interrupted: also at the end of the block, if other code dropped it before.
+    """
+    taken: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        taken.append(number)
+        if not _is_noticed(sys.exception()):
+            signal.setitimer(signal.ITIMER_REAL, AGAIN_S, AGAIN_S)
+            raise Interrupted(taken[0])
+
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda given: (
+        None if isinstance(given.exc_value, Interrupted) else hook(given)
+    )
+    try:
+        # The alarm's handler is there before the others, and after them.
+        with _handlers(interrupt, (signal.SIGALRM,)):
+            try:
+                with _handlers(interrupt, SIGNALS):
+                    yield
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+    finally:
+        sys.unraisablehook = hook
+    if taken:
+        raise Interrupted(taken[0])
+
+
+@contextmanager
+def deferred(stop: Callable[[], object] = lambda: None) -> Iterator[Callable[[], bool]]:
+    """Yield a function that says whether there was a signal; if so, the block has to end soon.
+
+    Args:
+        stop: called at each signal. It must take no lock: the next signal would wait for it.
+
+    Raises:
+        Interrupted: at the end of the block, if there was a signal.
+    """
+    taken: list[int] = []
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        taken.append(number)
+        stop()
+
+    with _handlers(ask, SIGNALS):
+        yield lambda: bool(taken)
+    if taken:
+        raise Interrupted(taken[0])
+
+
+@contextmanager
+def _handlers(handler: Handler, numbers: Sequence[signal.Signals]) -> Iterator[None]:
+    before = [signal.signal(number, handler) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, earlier in zip(numbers, before, strict=True):
+            signal.signal(number, earlier)
+
+
+def _is_noticed(error: BaseException | None) -> bool:
+    """Whether an exception that is being handled is, or came from, ``Interrupted``."""
+    while error is not None and not isinstance(error, Interrupted):
+        error = error.__context__
+    return error is not None
+
+
+def _ignore() -> None:
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)

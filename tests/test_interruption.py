@@ -1,0 +1,94 @@
+"""What a signal does to code that cleans up, and to code that drops exceptions."""
+
+import os
+import signal
+import sys
+
+import pytest
+
+from app.command_line import main
+from app.interruption import Interrupted, deferred, interruptible
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_interrupts_and_gives_the_exit_code_of_a_shell(number, code):
+    before = signal.getsignal(number)
+    with pytest.raises(Interrupted) as ended, interruptible():
+        os.kill(os.getpid(), number)
+        signal.pause()
+    assert ended.value.code == code
+    assert signal.getsignal(number) is before
+
+
+def test_code_that_drops_every_exception_does_not_drop_the_interruption():
+    with pytest.raises(Interrupted), interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+            signal.pause()
+        except BaseException:
+            pass
+        signal.pause()
+
+
+def test_what_is_dropped_at_the_end_is_raised_there():
+    with pytest.raises(Interrupted), interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.pause()
+        except BaseException:
+            pass
+
+
+def test_a_destructor_that_is_interrupted_prints_nothing(capsys):
+    class Signals:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)
+            for _ in range(1000):
+                pass
+
+    before = sys.unraisablehook
+    with pytest.raises(Interrupted), interruptible():
+        Signals()
+        signal.pause()
+    assert capsys.readouterr().err == ""
+    assert sys.unraisablehook is before
+
+
+def test_no_signal_interrupts_what_cleans_up():
+    cleaned = []
+    with pytest.raises(Interrupted) as ended, interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.pause()
+        finally:
+            for _ in range(3):
+                os.kill(os.getpid(), signal.SIGINT)
+            signal.pause()  # until the alarm, which raises nothing here
+            cleaned.append(True)
+    assert cleaned
+    assert ended.value.number == signal.SIGTERM
+
+
+def test_a_loop_is_asked_to_end_and_not_interrupted():
+    calls = []
+    with pytest.raises(Interrupted) as ended, deferred(lambda: calls.append(1)) as asked:
+        assert not asked()
+        os.kill(os.getpid(), signal.SIGTERM)
+        os.kill(os.getpid(), signal.SIGINT)
+        assert asked()
+    assert calls == [1, 1]
+    assert ended.value.code == 143
+
+
+def test_without_a_signal_nothing_is_raised():
+    with deferred() as asked, interruptible():
+        assert not asked()
+
+
+def test_the_command_line_ends_with_the_code_of_the_signal(monkeypatch, capsys):
+    def interrupted(parsed):
+        raise Interrupted(signal.SIGTERM)
+
+    monkeypatch.setattr("app.command_line.config_from", interrupted)
+    assert main(["run"]) == 143
+    assert capsys.readouterr().err == ""
