@@ -181,6 +181,7 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "names", nargs="*", metavar="NAME", help="which (default: all that take no minutes)"
     )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures here too")
+    bench.add_argument("--minutes", type=float, metavar="N", help="of the soak test (default: 10)")
     bench.set_defaults(command=_bench)
 
 
@@ -226,7 +227,8 @@ def _bench(parsed: argparse.Namespace) -> int:
     if not (ROOT / "benchmarks").is_dir():
         raise SettingError("benchmarks are only in a checkout of the sources, not in the wheel")
     written = [] if parsed.json is None else ["--json", str(parsed.json.absolute())]
-    command = [sys.executable, "-m", "benchmarks", *parsed.names, *written]
+    minutes = [] if parsed.minutes is None else ["--minutes", str(parsed.minutes)]
+    command = [sys.executable, "-m", "benchmarks", *parsed.names, *written, *minutes]
     # In a session of its own, so that Ctrl-C reaches it by this program alone.
     with deferred() as asked:
         child = subprocess.Popen(command, cwd=ROOT, start_new_session=True)

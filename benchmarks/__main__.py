@@ -19,10 +19,11 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="brickpose bench", allow_abbrev=False)
     parser.add_argument("names", nargs="*")
     parser.add_argument("--json", type=Path)
+    parser.add_argument("--minutes", type=float)
     parsed = parser.parse_args()
     try:
         with interruptible():
-            return run(parsed.names, parsed.json)
+            return run(parsed.names, parsed.json, parsed.minutes)
     except (OSError, ValueError, ImportError, RuntimeError) as error:
         sys.stderr.write(f"brickpose: {error}\n")
         return 2 if isinstance(error, SettingError) else 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from benchmarks import (
@@ -56,18 +57,34 @@ LONG = ("crowd", "official_library", "ros2", "routes", "serial_line", "soak", "w
 """Benchmarks that take minutes each, most in processes of their own; they run only if named."""
 
 
-def run(names: Sequence[str], file: Path | None) -> int:
+MOST_MINUTES = 10_000
+"""A week: longer is a mistake."""
+
+
+def run(names: Sequence[str], file: Path | None, minutes: float | None = None) -> int:
     """Run benchmarks, print the figures and write them to a file.
 
+    Args:
+        names: which; by default all that are not long.
+        file: where the figures are written as JSON, too.
+        minutes: how long the soak test runs.
+
     Raises:
-        SettingError: a name is unknown.
+        SettingError: a name is unknown, or the time is not above zero or has no effect.
     """
     unknown = [name for name in names if name not in BENCHMARKS]
     if unknown:
         raise SettingError(f"no benchmark {unknown[0]!r}; valid are {', '.join(BENCHMARKS)}")
+    benchmarks = dict(BENCHMARKS)
+    if minutes is not None:
+        if "soak" not in names:
+            raise SettingError("--minutes has no effect without soak; valid is: bench soak")
+        if not 0 < minutes <= MOST_MINUTES:
+            raise SettingError(f"--minutes is {minutes:g}; valid is above 0 up to {MOST_MINUTES}")
+        benchmarks["soak"] = partial(soak.measure, minutes)
     results = {}
     for name in names or [name for name in BENCHMARKS if name not in LONG]:
-        results[name] = BENCHMARKS[name]()
+        results[name] = benchmarks[name]()
         sys.stdout.write("\n".join(results[name].lines(name)) + "\n")
         sys.stdout.flush()
     if file is not None:
