@@ -33,7 +33,7 @@ export interface AckMessage {
   stamp: number | null;
 }
 
-/** Drive; holds for 0.35 s unless renewed. Velocities beyond the limits are reduced to them. */
+/** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
 export interface DriveCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
@@ -105,7 +105,7 @@ export interface FieldMessage {
   rays_px: [number, number][][];
 }
 
-/** Drive the open-loop figure-eight; holds for 0.35 s like drive, and continues if renewed. */
+/** Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed. */
 export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;

@@ -110,7 +110,7 @@ def test_a_command_holds_for_its_time_and_not_a_tick_longer() -> None:
         last = start + 49 * PERIOD
         held = [controller.update(last + tick * PERIOD) for tick in range(1, 30)]
         moving = [tick for tick, twist in enumerate(held, start=1) if twist != Twist2()]
-        assert moving == list(range(1, 18)), "0.34 s yes, 0.36 s no"
+        assert moving == list(range(1, 15)), "0.28 s yes, 0.30 s no"
         assert not controller.active
 
 

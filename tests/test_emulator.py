@@ -9,7 +9,7 @@ from contextlib import closing
 import pytest
 from emulator_bench import START, A, Bench
 
-from sim.hat_emulator.emulator import LONGEST_LAG, InitialState
+from sim.hat_emulator.emulator import LONGEST_LAG, TURN, InitialState
 from sim.hat_emulator.surroundings import Table
 
 
@@ -21,6 +21,15 @@ def bench() -> Iterator[Bench]:
 
 def test_the_board_answers_at_the_port(bench: Bench) -> None:
     assert bench.say("vin\r") == "\r\n8.00 V\r\n"
+
+
+def test_turns_that_end_early_do_not_add_up_to_a_long_wait(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waits: list[float] = []
+    monkeypatch.setattr(bench.emulator.loop, "turn", waits.append)
+    bench.emulator.loop.run(lambda: len(waits) == 100)
+    assert max(waits) <= TURN + 1e-9
 
 
 def test_another_firmware_runs_with_the_same_devices_and_the_motors_stopped(bench: Bench) -> None:

@@ -188,6 +188,17 @@ def test_a_program_that_stood_still_takes_no_wheel_for_blocked(bricks, gap, wait
     assert np.abs(bricks.speeds()).min() > 250
 
 
+@pytest.mark.parametrize("gap", [0.15, 0.25, 0.29])
+def test_a_board_that_stood_still_has_no_blocked_wheel(bricks, gap):
+    """As the emulated one does on a busy computer: the program goes on, and hears nothing."""
+    bricks.wanted = np.zeros(2)
+    bricks.run(0.5)
+    for tick in range(round(100 * gap)):
+        bricks.board.command(FORWARD, bricks.now + 0.01 * tick)
+        bricks.board.tick(bricks.now + 0.01 * tick)
+        assert "does not turn" not in said(bricks)
+
+
 def test_a_blocked_wheel_is_told_and_tried_again_when_it_is_free(bricks):
     bricks.motor(1).stalled = True
     bricks.until(lambda: bool(said(bricks)), 0.4)

@@ -55,7 +55,8 @@ def test_a_viewer_that_does_not_drive_may_leave(server, live):
     with server.live() as other:
         telemetry(other)
     still = until(live, lambda t: t["twist"]["v"] == 0)
-    assert still["stamp"] - moving["stamp"] > 0.4
+    # It goes on until its own command ends.
+    assert still["stamp"] - moving["stamp"] > 0.25
 
 
 def test_of_two_who_drive_the_first_has_the_drive_and_both_see_it(server, live):

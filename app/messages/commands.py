@@ -31,7 +31,7 @@ class CommandMessage(Message):
 
 
 class DriveCommand(CommandMessage):
-    """Drive; holds for 0.35 s unless renewed. Velocities beyond the limits are reduced to them."""
+    """Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them."""
 
     type: Literal["drive"]
     v: Annotated[float, Field(ge=-10, le=10)]
@@ -45,7 +45,7 @@ class StopCommand(CommandMessage):
 
 
 class FigureEightCommand(CommandMessage):
-    """Drive the open-loop figure-eight; holds for 0.35 s like drive, and continues if renewed."""
+    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
 
     type: Literal["figure_eight"]
 

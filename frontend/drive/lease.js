@@ -21,7 +21,7 @@ export class Drive {
   maxV = 0.15;
   maxOmega = 1;
   /** How long a command holds that is not renewed [ms]. */
-  timeout = 350;
+  timeout = 300;
   figureEight = false;
   /** A recording cannot be driven, nor may everybody drive. */
   possible = true;

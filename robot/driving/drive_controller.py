@@ -34,7 +34,7 @@ class DriveSettings:
         16.0, "Turning speed lost in a second", unit="rad/s^2", low=0.05, high=200
     )
     cmd_vel_timeout: float = setting(
-        0.35, "A command that is not renewed ends after this time", unit="s", low=0.2, high=5
+        0.3, "A command that is not renewed ends after this time", unit="s", low=0.2, high=5
     )
     left_wheel_radius_multiplier: float = setting(
         1.0, "The left wheel's radius, by the described one", low=0.5, high=2

@@ -123,7 +123,7 @@ class Motor:
         assert self._loop is not None
         wanted = math.degrees(velocity) * self.wiring.direction
         duty = self._loop.update(wanted, current, self.track, supply_v)
-        if self._loop.is_held(current):
+        if self._loop.is_held:
             self._held_until = current + HELD_S
         return duty
 

@@ -44,8 +44,8 @@ HELD_TRAVEL = 5.0
 HELD_TRAVEL [degree]."""
 
 GAP_S = 0.1
-"""If this long no duty was computed, the program stood still: what the wheel did meanwhile is not
-known, and says nothing of a blocked wheel [s]."""
+"""If no duty was computed for this long, or no sample came, the program or what is behind the port
+stood still: what the wheel did meanwhile is not known, and says nothing of a blocked wheel [s]."""
 
 TURNING_SPAN = 0.03
 """When a wheel is to turn again, its speed over this time shows whether it still turns [s]."""
@@ -69,6 +69,8 @@ class SpeedLoop:
         self._seen = 0.0
         """The last shaft angle that differed from the one before [degree]."""
         self._seen_at = -math.inf
+        self._heard_at = -math.inf
+        """Stamp of the last sample [s]."""
         self._travel = 0.0
         """How far the model wheel has turned since then [degree]."""
         self.duty = 0.0
@@ -79,9 +81,10 @@ class SpeedLoop:
         self._speed = self.duty = self._travel = 0.0
         self._past.clear()
 
-    def is_held(self, current: float) -> bool:
-        """Whether the shaft does not move although it should."""
-        return self._travel > HELD_TRAVEL and current - self._seen_at > HELD_S
+    @property
+    def is_held(self) -> bool:
+        """Whether the shaft does not move, by sample after sample, although it should."""
+        return self._travel > HELD_TRAVEL and self._heard_at - self._seen_at > HELD_S
 
     def update(
         self, wanted: float, current: float, track: JointTrack, supply_v: float | None
@@ -115,6 +118,7 @@ class SpeedLoop:
         stood = abs(self._speed) < STANDING
         self._began = current if stood else -math.inf
         self._seen, self._seen_at, self._travel = track.angle, current, 0.0
+        self._heard_at = track.newest_stamp
         self._past.append((current, track.angle))
 
     def _lag(self, wanted: float, current: float, track: JointTrack) -> float:
@@ -130,8 +134,9 @@ class SpeedLoop:
         sample = track.newest
         if sample is None:
             return 0.0
-        if sample.angle != self._seen:
+        if sample.angle != self._seen or sample.stamp - self._heard_at > GAP_S:
             self._seen, self._seen_at, self._travel = sample.angle, current, 0.0
+        self._heard_at = sample.stamp
         lag = self._interpolated(sample.stamp - WIRE_DELAY) - sample.angle
         return self._bounded(lag)
 

@@ -68,8 +68,10 @@ class RealTimeBoard:
         due = self._clock()
         self._zero = due - self.board.now
         while not until():
-            due = max(due + TURN, self._clock())
-            self.turn(max(0.0, due - self._clock()))
+            current = self._clock()
+            # Turns that end early, for there is input, must not add up to a long wait.
+            due = min(max(due + TURN, current), current + TURN)
+            self.turn(due - current)
 
     def turn(self, wait: float) -> None:
         """Wait up to ``wait`` [s] for input, and advance the board to the present time."""
