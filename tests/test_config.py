@@ -1,6 +1,4 @@
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from app.command_line import _parser
 from app.lab.sweep.sweep_file import Interval
@@ -153,13 +151,3 @@ def test_the_option_wins_over_the_source_in_the_file_and_leaves_the_rest(tmp_pat
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(SettingError, match=r"nowhere\.toml cannot be read"):
         load_config(tmp_path / "nowhere.toml")
-
-
-@given(st.binary(max_size=200))
-def test_no_file_does_more_than_be_refused(tmp_path_factory, content):
-    path = tmp_path_factory.mktemp("config") / "config.toml"
-    path.write_bytes(content)
-    try:
-        load_config(path)
-    except SettingError as error:
-        assert str(path) in str(error)

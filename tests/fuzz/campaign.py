@@ -21,6 +21,7 @@ from pathlib import Path
 
 from examination import OverdueError, examine
 from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis.errors import HypothesisWarning
 from parsers import program
 from targets import CORPUS, TARGETS, Target, kept_files
 
@@ -86,6 +87,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.error(f"unknown: {', '.join(sorted(unknown))}; valid are {', '.join(TARGETS)}")
     program()  # takes longer than any input may
     warnings.simplefilter("error")
+    warnings.simplefilter("ignore", HypothesisWarning)  # a failing input may be long
     tallies = [Tally(name, [p.read_bytes() for p in kept_files(name)]) for name in parsed.targets]
     print(f"seed {parsed.seed}, {parsed.minutes:g} min", flush=True)
     with tempfile.TemporaryDirectory(prefix="brickpose-fuzz-") as made:

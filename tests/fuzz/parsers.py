@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 from engine_runs import kinematic, run
 from rosbridge_sessions import Client, bridge_of
 
@@ -217,6 +218,7 @@ _map = of_file("map.yaml", lambda path: load_field(str(path), MAPS), FieldError)
 def svg(path: Path) -> None:
     """Load a drawing, and what is computed of it at the start."""
     field = load_field(str(path), MAPS)
+    assert np.isfinite(field.edges).all()
     _ = field.edge_index, field.symmetries
 
 
@@ -228,16 +230,20 @@ def urdf(data: bytes, folder: Path) -> str | None:
 
 
 def robot_view(path: Path) -> None:
-    """Load a robot, and how its camera sees the floor."""
-    _ = RobotSpec.load(path).floor_view
+    """Load a robot; its dimensions make sense."""
+    spec = RobotSpec.load(path)
+    assert min(spec.wheel_radius, spec.track) > 0
+    assert np.isfinite(spec.robot_from_camera).all()
+    assert np.isfinite(spec.outline).all()
 
 
 def lens_view(path: Path) -> None:
     """Load a lens; its numbers are finite."""
     lens = Lens.from_yaml(path)
     assert lens.width * lens.height > 0
-    assert abs(lens.matrix).max() < float("inf")
-    assert abs(lens.distortion).max() < float("inf")
+    assert np.isfinite(lens.matrix).all()
+    assert np.isfinite(lens.distortion).all()
+    assert 0 <= lens.readout < 1
 
 
 def replay_settings(path: Path) -> None:
