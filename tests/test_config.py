@@ -151,3 +151,8 @@ def test_the_option_wins_over_the_source_in_the_file_and_leaves_the_rest(tmp_pat
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(SettingError, match=r"nowhere\.toml cannot be read"):
         load_config(tmp_path / "nowhere.toml")
+
+
+def test_a_huge_file_is_refused_before_it_is_parsed(tmp_path):
+    with pytest.raises(SettingError, match="is too long; valid are up to 1000000 characters"):
+        load(tmp_path, "#" * 1_000_001)

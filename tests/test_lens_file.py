@@ -111,6 +111,11 @@ def test_a_few_lines_that_stand_for_billions_of_values_are_refused(tmp_path: Pat
                                   "camera_matrix: {data: *a11}"]))  # fmt: skip
 
 
+def test_a_huge_file_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    with pytest.raises(CameraError, match="is too large; valid are up to 65536 bytes"):
+        read(tmp_path, YAML + "#" * 1_000_000)
+
+
 def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
     for path in (tmp_path / "absent.yaml", tmp_path):
         with pytest.raises(CameraError, match="no readable"):

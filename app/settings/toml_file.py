@@ -8,6 +8,9 @@ from typing import Any
 
 from robot.settings import SettingError
 
+LONGEST = 1_000_000
+"""Longest text [characters]: reading TOML takes seconds for each megabyte."""
+
 DEEPEST = 20
 """Most tables and lists within each other; settings need five."""
 
@@ -30,8 +33,10 @@ def parse_toml(text: str, source: str) -> dict[str, Any]:
     """Return the tables of a TOML text; ``source`` is its name for messages.
 
     Raises:
-        SettingError: it is not TOML, or its tables are nested too deeply.
+        SettingError: it is not TOML, too long, or its tables are nested too deeply.
     """
+    if len(text) > LONGEST:
+        raise SettingError(f"{source} is too long; valid are up to {LONGEST} characters")
     too_deep = f"{source} is nested too deeply; valid are up to {DEEPEST} tables in each other"
     try:
         result = tomllib.loads(text)
