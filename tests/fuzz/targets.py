@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import file_structures as files
+import message_structures as messages
 import parsers
-import structures
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 from mutations import mutated
@@ -40,41 +41,35 @@ class Target:
 
 
 TARGETS = {
-    "hat": Target(parsers.hat, structures.HAT, (b"P0C0: +1 +2 +3\r\n", b"BHBL> ", b"P0>", b"\r")),
-    "live": Target(parsers.live, structures.LIVE, (b'"type":"drive"', b'"x":', b'"values":')),
-    "rosbridge": Target(parsers.rosbridge, structures.ROSBRIDGE, (b'"op":"publish"', b"/cmd_vel")),
-    "foxglove": Target(parsers.foxglove, structures.FOXGLOVE, (b"cdr", b"json", b"map")),
-    "dds": Target(parsers.dds, structures.FOXGLOVE, (b"map", b"\0\x01\0\0", b"\0\0\0\0")),
-    "mcap": Target(parsers.RECORDING, structures.damaged_recordings),
-    "replay": Target(parsers.REPLAY, structures.recordings),
+    "hat": Target(parsers.hat, messages.HAT, (b"P0C0: +1 +2 +3\r\n", b"BHBL> ", b"P0>", b"\r")),
+    "live": Target(parsers.live, messages.LIVE, (b'"type":"drive"', b'"x":', b'"values":')),
+    "rosbridge": Target(parsers.rosbridge, messages.ROSBRIDGE, (b'"op":"publish"', b"/cmd_vel")),
+    "foxglove": Target(parsers.foxglove, messages.FOXGLOVE, (b"cdr", b"json", b"map")),
+    "dds": Target(parsers.dds, messages.FOXGLOVE, (b"map", b"\0\x01\0\0", b"\0\0\0\0")),
+    "mcap": Target(parsers.RECORDING, files.damaged_recordings),
+    "replay": Target(parsers.REPLAY, files.recordings),
     "map_yaml": Target(
         parsers.map_yaml,
-        structures.yaml_keys(
+        files.yaml_keys(
             "image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"
         ),
         (b"mode: raw\n", b"mode: scale\n", b"origin: [1, 2, 3]\n", b"negate: 1\n"),
     ),
-    "map_picture": Target(parsers.map_picture, structures.PICTURES, (b"P2", b"P6", b"65535")),
-    "svg": Target(parsers.DRAWING, structures.SVG, (b"<g>", b"</g>", b"stroke", b"M0 0", b"%")),
-    "trajectory": Target(parsers.TRAJECTORY, structures.tables(), (b"#", b"Frame", b"\n1,")),
-    "urdf": Target(parsers.urdf, structures.urdf(), (b"<link", b"/>", b"xyz=", b"0 0 0")),
+    "map_picture": Target(parsers.map_picture, files.PICTURES, (b"P2", b"P6", b"65535")),
+    "svg": Target(parsers.DRAWING, files.SVG, (b"<g>", b"</g>", b"stroke", b"M0 0", b"%")),
+    "trajectory": Target(parsers.TRAJECTORY, files.tables(), (b"#", b"Frame", b"\n1,")),
+    "urdf": Target(parsers.urdf, files.urdf(), (b"<link", b"/>", b"xyz=", b"0 0 0")),
     "lens": Target(
         parsers.LENS_FILE,
-        structures.yaml_keys(
+        files.yaml_keys(
             "image_width", "image_height", "camera_matrix", "distortion_coefficients",
             "distortion_model", "rolling_shutter_readout",
         ),
     ),
-    "settings": Target(parsers.SETTINGS, structures.SETTINGS, (b"[sim]", b"[camera]", b"robot =")),
-    "replay_settings": Target(parsers.REPLAY_SETTINGS, structures.SETTINGS, (b"[localization]",)),
-    "sweep": Target(parsers.SWEEP, structures.SWEEP, (b"[sweep]", b"sample = 3\n", b"low = 1")),
-    "pose": Target(
-        parsers.POSE,
-        structures.as_json(
-            structures.objects(map=structures.SCALARS, extent=structures.VALUES,
-                               hypotheses=structures.VALUES, truth=structures.VALUES)
-        ),
-    ),
+    "settings": Target(parsers.SETTINGS, files.SETTINGS, (b"[sim]", b"[camera]", b"robot =")),
+    "replay_settings": Target(parsers.REPLAY_SETTINGS, files.SETTINGS, (b"[localization]",)),
+    "sweep": Target(parsers.SWEEP, files.SWEEP, (b"[sweep]", b"sample = 3\n", b"low = 1")),
+    "pose": Target(parsers.POSE, messages.SAVED_POSES),
 }  # fmt: skip
 
 
