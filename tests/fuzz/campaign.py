@@ -23,7 +23,7 @@ from examination import OverdueError, examine
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import HypothesisWarning
 from parsers import program
-from targets import CORPUS, TARGETS, Target, kept_files
+from targets import CORPUS, TARGETS, Target, samples
 
 OURS = tuple(str(CORPUS.parents[2] / name) for name in ("app", "robot", "sim", "tests"))
 ROUND = 300
@@ -37,7 +37,8 @@ class Tally:
     """What was seen of one target."""
 
     name: str
-    kept: list[bytes]
+    valid_files: list[bytes]
+    other_files: list[bytes]
     examples: int = 0
     valid: int = 0
     slowest: float = 0.0
@@ -88,11 +89,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     program()  # takes longer than any input may
     warnings.simplefilter("error")
     warnings.simplefilter("ignore", HypothesisWarning)  # a failing input may be long
-    tallies = [Tally(name, [p.read_bytes() for p in kept_files(name)]) for name in parsed.targets]
+    tallies = [Tally(name, *samples(name)) for name in parsed.targets]
     print(f"seed {parsed.seed}, {parsed.minutes:g} min", flush=True)
-    with tempfile.TemporaryDirectory(prefix="brickpose-fuzz-") as made:
-        _fuzz(tallies, Path(made), parsed.seed, time.monotonic() + 60 * parsed.minutes)
-    print(HEAD, *(tally.row() for tally in tallies), sep="\n", flush=True)
+    begin = time.monotonic()
+    try:
+        with tempfile.TemporaryDirectory(prefix="brickpose-fuzz-") as made:
+            _fuzz(tallies, Path(made), parsed.seed, begin + 60 * parsed.minutes)
+    finally:
+        print(f"after {(time.monotonic() - begin) / 60:.1f} min", HEAD, sep="\n")
+        print(*(tally.row() for tally in tallies), sep="\n", flush=True)
     return 1 if any(tally.failures for tally in tallies) else 0
 
 
@@ -119,7 +124,7 @@ def _round(tally: Tally, folder: Path, number: int) -> None:
         suppress_health_check=list(HealthCheck),
         print_blob=False,
     )
-    @given(target.inputs([*tally.kept, *tally.words.values()]))
+    @given(target.inputs(tally.valid_files, [*tally.other_files, *tally.words.values()]))
     def ask(data: bytes) -> None:
         try:
             tally.examine(target, data, folder)

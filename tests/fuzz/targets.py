@@ -27,15 +27,15 @@ class Target:
 
     parser: Parser
     structured: Inputs | Callable[[Sequence[bytes]], Inputs]
-    """Inputs as the format wants them; or a function that makes them of the kept files."""
+    """Inputs as the format wants them; or a function that makes them of the valid files."""
     words: tuple[bytes, ...] = ()
     """Words that mean something to the reader."""
 
-    def inputs(self, kept: Sequence[bytes]) -> Inputs:
+    def inputs(self, valid: Sequence[bytes], others: Sequence[bytes] = ()) -> Inputs:
         """Inputs of all kinds: built, changed, or any bytes."""
-        built = self.structured
+        built, kept = self.structured, [*valid, *others]
         if not isinstance(built, SearchStrategy):
-            built = built(kept)
+            built = built(valid)
         near = mutated(kept, self.words)
         return st.one_of(near, built, near, built, near, st.binary(max_size=200))
 
@@ -76,3 +76,11 @@ TARGETS = {
 def kept_files(name: str) -> list[Path]:
     """The kept files of a target, sorted."""
     return sorted((CORPUS / name).iterdir())
+
+
+def samples(name: str) -> tuple[list[bytes], list[bytes]]:
+    """The contents of a target's kept files: those that are valid, and the others."""
+    contents: tuple[list[bytes], list[bytes]] = [], []
+    for path in kept_files(name):
+        contents[not path.name.startswith(VALID)].append(path.read_bytes())
+    return contents

@@ -7,7 +7,7 @@ import pytest
 from examination import OverdueError, examine
 from hypothesis import HealthCheck, given, settings
 from parsers import program
-from targets import CORPUS, TARGETS, VALID, kept_files
+from targets import CORPUS, TARGETS, VALID, kept_files, samples
 
 KEPT = [(name, path) for name in TARGETS for path in kept_files(name)]
 EXAMPLES = 40
@@ -35,10 +35,9 @@ def test_each_target_keeps_files_of_both_kinds():
 @pytest.mark.parametrize("name", TARGETS)
 def test_any_bytes_are_taken_or_refused_in_a_line(name, folder):
     target = TARGETS[name]
-    kept = [path.read_bytes() for path in kept_files(name)]
 
     @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
-    @given(target.inputs(kept))
+    @given(target.inputs(*samples(name)))
     def ask(data: bytes) -> None:
         examine(target.parser, data, folder)
 
