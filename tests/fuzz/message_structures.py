@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 
+import cbor2
 from hypothesis import strategies as st
 from hypothesis.strategies import SearchStrategy
 from parsers import CONTENT
@@ -132,5 +133,9 @@ FOXGLOVE = st.builds(
     MESSAGES,
     st.booleans(),
 )
+
+REMOTE = objects(
+    topic=VALUES, msg=objects(secs=VALUES, nsecs=VALUES, bytes=VALUES | st.binary(max_size=9))
+).map(cbor2.dumps)
 
 SAVED_POSES = as_json(objects(map=SCALARS, extent=VALUES, hypotheses=VALUES, truth=VALUES))

@@ -30,6 +30,7 @@ from app.messages.commands import ErrorMessage
 from app.messages.parsing import parse
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
+from app.recordings.remote_messages import parse_received
 from app.recordings.replay.opening import read_filter_config
 from app.recordings.replay.recorded.parts import RecordedParts
 from app.recordings.replay.recorded.robot import RecordedRobot
@@ -172,6 +173,17 @@ def dds(data: bytes, folder: Path) -> str | None:
         return str(error)
     finally:
         _forget_commands()
+    return None
+
+
+def remote(data: bytes, folder: Path) -> str | None:
+    """What another robot's rosbridge sends to a recorder: JSON is text, all else is CBOR."""
+    try:
+        parse_received(data.decode() if data.startswith(b"{") else data)
+    except MessageError as error:
+        return str(error)
+    except UnicodeDecodeError:
+        return "no text"  # the socket refuses it
     return None
 
 

@@ -46,6 +46,7 @@ TARGETS = {
     "rosbridge": Target(parsers.rosbridge, messages.ROSBRIDGE, (b'"op":"publish"', b"/cmd_vel")),
     "foxglove": Target(parsers.foxglove, messages.FOXGLOVE, (b"cdr", b"json", b"map")),
     "dds": Target(parsers.dds, messages.FOXGLOVE, (b"map", b"\0\x01\0\0", b"\0\0\0\0")),
+    "remote": Target(parsers.remote, messages.REMOTE, (b"\xfb\x7f\xf0" + bytes(6), b"\xc2\x49")),
     "mcap": Target(parsers.RECORDING, files.damaged_recordings),
     "replay": Target(parsers.REPLAY, files.recordings),
     "map_yaml": Target(
