@@ -1,4 +1,4 @@
-# make run | test | check | bench | install
+# make run | test | check | fuzz | bench | install
 PYTHON ?= $(firstword $(shell command -v python3.11 python3 python 2>/dev/null))
 HOST ?= 127.0.0.1
 PORT ?= 8080
@@ -6,11 +6,27 @@ BIN := .venv/bin
 PEER := $(shell sed -n 's/^peers = \["\(.*\)"\].*/\1/p' pyproject.toml)
 # A Pi's camera library, picamera2, comes with the system; the environment has to see it.
 HAS_CAMERA := -c 'from importlib.util import find_spec; exit(find_spec("picamera2") is None)'
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --constraint constraints.txt
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
+# The locks have the files for these machines; elsewhere only the versions are fixed.
+HAS_HASHES := -c 'import platform as p, sys; exit(not ((3, 11) <= sys.version_info < (3, 14) and \
+  p.libc_ver()[0] == "glibc" and p.machine() in ("x86_64", "aarch64")))'
+PIP_AUDIT := pip-audit==2.10.1
+MINUTES ?= 60
 NPM_CI := npm ci --prefix .venv --ignore-scripts --no-audit --no-fund --loglevel=error
 
+# Install a lock, then the project itself, whose files have no hash.
+define install
+if $(BIN)/python $(HAS_HASHES); then \
+  $(PIP) --require-hashes --requirement $(1) && \
+  $(PIP) --no-deps --no-build-isolation --editable .; \
+else \
+  echo "Installing without hashes: the locks are for Linux with Python 3.11 to 3.13." >&2; \
+  $(PIP) --constraint constraints.txt --editable '$(2)'; fi
+endef
+
 .DEFAULT_GOAL := help
-.PHONY: help run install test check format bench browser peers node-peers dds-peer official-library
+.PHONY: help run install test check format fuzz lock audit bench
+.PHONY: browser peers node-peers dds-peer official-library
 
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## /{printf "make %-17s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -36,6 +52,21 @@ check: .venv/installed-dev ## lint, names, types, and who may import whom
 format: .venv/installed-dev ## tidy the source
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
+
+fuzz: .venv/installed-dev ## feed every reader damaged files for an hour (MINUTES=5 make fuzz)
+	PYTHONPATH=.:tests OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz/campaign.py --minutes $(MINUTES)
+
+lock: .venv/installed-dev ## write the hashes of all that is installed, after a change of versions
+	$(BIN)/python tests/lock_requirements.py
+
+audit: .venv/bin/python ## ask a public database for known weaknesses of what is installed
+	@[ -x .venv/audit/bin/pip-audit ] || { $(PYTHON) -m venv .venv/audit && \
+	  .venv/audit/bin/python -m pip --disable-pip-version-check install --quiet '$(PIP_AUDIT)'; } || { \
+	  echo "No audit: pip-audit cannot be installed; it needs the network." >&2; exit 1; }
+	@.venv/audit/bin/pip-audit --strict --disable-pip --require-hashes --progress-spinner off \
+	  --requirement requirements-dev.lock >.venv/audit/told 2>&1; status=$$?; cat .venv/audit/told; \
+	if grep -qE 'could not be audited|ConnectionError|Max retries' .venv/audit/told; then \
+	  echo "No audit: the database of weaknesses does not answer from here." >&2; fi; exit $$status
 
 bench: .venv/installed-dev peers ## measure, beside peers
 	$(BIN)/brickpose bench
@@ -76,16 +107,16 @@ browser:
 	{ echo "BrickPose needs Python 3.11 or newer; $(PYTHON) is $$($(PYTHON) --version 2>&1)." >&2; exit 1; }
 	@$(PYTHON) -m venv $$($(PYTHON) $(HAS_CAMERA) && echo --system-site-packages) .venv || { echo "Python's venv module is missing: sudo apt-get install python3-venv" >&2; exit 1; }
 
-.venv/installed: pyproject.toml constraints.txt | .venv/bin/python
+.venv/installed: pyproject.toml constraints.txt requirements.lock | .venv/bin/python
 	@echo "Setting up .venv (once) ..."
-	@$(PIP) --editable .
+	@$(call install,requirements.lock,.)
 	@# The system's simplejpeg, which picamera2 imports, is made for the system's older numpy.
 	@! $(BIN)/python $(HAS_CAMERA) || $(PIP) --ignore-installed --no-deps simplejpeg==1.9.0
 	@echo "Compiling (once) ..."
 	@$(BIN)/python -m app.tools.warm_up
 	@touch $@
 
-.venv/installed-dev: .venv/installed
+.venv/installed-dev: .venv/installed requirements-dev.lock
 	@echo "Setting up the tools for tests and checks (once) ..."
-	@$(PIP) --editable '.[dev]'
+	@$(call install,requirements-dev.lock,.[dev])
 	@touch $@

@@ -22,6 +22,9 @@ from robot.errors import BrickPoseError
 from robot.geometry import Array
 from robot.undistortion import undistorted
 
+LARGEST_BYTES = 64 << 10
+"""Largest camera_info file: reading YAML takes seconds for each megabyte."""
+
 FOUND_PX = 0.01
 """The direction found for a pixel must project back this close to the pixel [px]."""
 
@@ -119,8 +122,12 @@ class Lens:
             CameraError: the file cannot be read, or a value is invalid; the message names it.
         """
         try:
+            if path.stat().st_size > LARGEST_BYTES:
+                raise CameraError(f"{path} is too large; valid are up to {LARGEST_BYTES} bytes")
             # BaseLoader keeps values as text: no YAML tag can make it construct an object.
             content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
+        except CameraError:
+            raise
         except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
             raise CameraError(f"{path}: no readable camera_info YAML: {error}") from error
         if not isinstance(content, dict):

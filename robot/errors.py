@@ -1,11 +1,30 @@
 """The errors that the program tells its users; any other exception is a defect of the program."""
 
+LONGEST = 1500
+"""Longest message [characters]; a list of all settings' names is shorter."""
+
 
 class BrickPoseError(Exception):
     """Something that a user can put right; the message says what is wrong and what is valid.
 
-    Each subclass derives from a standard exception too.
+    Each subclass derives from a standard exception too. The message is one line, also if it quotes
+    a file or a request: what is not printable is escaped, and what is too long is cut.
     """
+
+    def __str__(self) -> str:
+        return one_line(super().__str__())
+
+
+def one_line(text: str) -> str:
+    """Return a text in one line of printable characters, at most ``LONGEST`` of them.
+
+    Line ends and the space around them become one space. Messages quote what users and other
+    programs wrote; a terminal, a log and a JSON answer have to take them.
+    """
+    lines = (line.strip() for line in text[: 10 * LONGEST].splitlines())
+    joined = " ".join(line for line in lines if line)
+    shown = "".join(char if char.isprintable() else repr(char)[1:-1] for char in joined)
+    return shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 4]} ..."
 
 
 class CommandError(BrickPoseError, ValueError):

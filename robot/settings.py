@@ -63,7 +63,7 @@ def check_settings(group: Any) -> None:
             raise SettingError(f"{name} is {value!r}; valid are {', '.join(known.choices)}")
         if isinstance(value, (int, float)) and not known.low <= value <= known.high:
             unit = f" {known.unit}" if known.unit else ""
-            raise SettingError(f"{name} is {value:g}{unit}; valid is {_range(known)}{unit}")
+            raise SettingError(f"{name} is {_number(value)}{unit}; valid is {_range(known)}{unit}")
 
 
 def check_names(group: Any, names: Iterable[str], path: str = "") -> None:
@@ -87,5 +87,7 @@ def _range(known: Setting) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a limit as it was written: whole numbers with all their digits."""
-    return str(value) if isinstance(value, int) else f"{value:g}"
+    """Return a number as it was written: whole numbers with all their digits, if they are few."""
+    if isinstance(value, int):
+        return str(value) if value.bit_length() <= 64 else "a very large number"
+    return f"{value:g}"

@@ -8,8 +8,6 @@ import cv2
 import numpy as np
 import pytest
 import yaml
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from robot.fields.grid_map import MapError, load_map_yaml
 
@@ -155,40 +153,3 @@ def test_a_picture_of_a_gigabyte_is_refused_unread(tmp_path, load):
 def test_an_absent_map_is_refused(tmp_path):
     with pytest.raises(MapError, match="there is no such file"):
         load_map_yaml(tmp_path / "absent.yaml")
-
-
-any_bytes = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-
-
-@any_bytes
-@given(st.binary(max_size=100))
-def test_any_yaml_is_a_map_error(load, text):
-    with pytest.raises(MapError):
-        load(text=text)
-
-
-@any_bytes
-@given(
-    st.sampled_from(
-        [
-            b"",
-            b"P5 ",
-            b"P2 ",
-            b"P6 1 1 255 ",
-            b"P3 ",
-            b"P5 3 2 255\n",
-            PNG[:8],
-            PNG[:41],
-            b"BM",
-            BMP[:54],
-        ]
-    ),
-    st.binary(max_size=100),
-)
-def test_any_picture_is_a_map_or_a_map_error(load, start, rest):
-    try:
-        grid = load(start + rest)
-    except MapError as error:
-        assert "\n" not in str(error)
-    else:
-        assert grid.data.size

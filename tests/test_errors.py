@@ -9,7 +9,7 @@ import pytest
 import app
 import robot
 import sim
-from robot.errors import BrickPoseError
+from robot.errors import LONGEST, BrickPoseError, CommandError
 
 STANDARD = tuple(
     kind
@@ -51,3 +51,19 @@ def test_each_is_one_of_ours_and_a_standard_one(kind):
 def test_no_two_have_the_same_name():
     assert len(OWN) > 30
     assert len({kind.__name__ for kind in OWN}) == len(OWN)
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("two\n  lines\r\n", "two lines"),
+        ("a  b é ٣ 机", "a  b é ٣ 机"),
+        ("\0 \x1b[2J \t \x7f", "\\x00 \\x1b[2J \\t \\x7f"),
+        ("\ud800 \u202e \u2028 next", "\\ud800 \\u202e next"),
+        ("x" * LONGEST, "x" * LONGEST),
+        ("x" * 10**7, "x" * (LONGEST - 4) + " ..."),
+        ("\0" * LONGEST, ("\\x00" * LONGEST)[: LONGEST - 4] + " ..."),
+    ],
+)
+def test_a_message_is_one_line_of_text_whatever_it_quotes(text, shown):
+    assert str(CommandError(text)) == shown

@@ -186,16 +186,3 @@ def test_services_do_what_amcl_does(program, inbox):
     assert [one.type for one in run(program, 0.02)[0].commands] == ["scatter", "update", "set_pose"]
     with pytest.raises(MessageError, match="valid are reinitialize_global_localization"):
         inbox.call("get_map", empty, ME)
-
-
-@given(st.binary(max_size=200))
-def test_no_bytes_do_anything_but_be_refused_or_taken(data):
-    inbox = INBOX
-    for name, kind in (("cmd_vel", STAMPED), ("initialpose", POSE)):
-        try:
-            inbox.take(name, kind, data, ME)
-        except ValueError:
-            continue
-
-
-INBOX = inbox_of(kinematic())

@@ -5,10 +5,8 @@ import re
 import tracemalloc
 
 import pytest
-from engine_runs import kinematic, run
-from hypothesis import given
-from hypothesis import strategies as st
-from rosbridge_sessions import Client, bridge_of, deliver
+from engine_runs import run
+from rosbridge_sessions import deliver
 
 from app.engine.drivers import Driver
 from app.ros2.rosbridge.requests import LONGEST
@@ -125,32 +123,3 @@ def test_a_client_that_takes_nothing_fills_no_memory(bridge, program, client):
     tracemalloc.stop()
     assert kept < 25e6
     assert client.got()
-
-
-VALUES = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
-)
-NAMES = st.sampled_from(["/scan", "/cmd_vel", "/initialpose", "/set_initial_pose", "rosapi/topics"])
-OPS = ["subscribe", "unsubscribe", "advertise", "publish", "call_service", "set_level", "fragment"]
-OTHERS = ["type", "id", "msg", "args", "throttle_rate", "queue_length", "level", "num", "total"]
-OTHERS += ["compression", "data"]
-REQUESTS = st.fixed_dictionaries(
-    {"op": st.sampled_from(OPS)},
-    optional={
-        "topic": NAMES | VALUES,
-        "service": NAMES | VALUES,
-        **dict.fromkeys(OTHERS, VALUES),
-    },
-)
-
-
-@given(REQUESTS.map(json.dumps) | VALUES.map(json.dumps) | st.text(max_size=30) | st.binary())
-def test_whatever_is_sent_the_session_goes_on(data):
-    client = Client(BRIDGE)
-    for answer in client.send(data):
-        assert answer["op"] in ("status", "service_response")
-    client.session.close()
-
-
-BRIDGE = bridge_of(kinematic())

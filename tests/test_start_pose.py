@@ -7,8 +7,6 @@ from dataclasses import replace
 import anyio
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from app.command_line import main
 from app.engine.build import build_program
@@ -110,14 +108,6 @@ def test_a_complaint_is_in_the_record_and_stops_nothing(tmp_path, caplog):
     assert "is damaged" in now.record[0].message
     assert now.problems == ()
     assert "is damaged" in caplog.text
-
-
-@given(st.binary(max_size=300))
-def test_no_file_does_more_than_be_refused(driven, tmp_path_factory, content):
-    path = tmp_path_factory.mktemp("pose") / "pose.json"
-    path.write_bytes(content)
-    with pytest.raises(PoseFileError):
-        read(path, driven.field)
 
 
 def test_no_file_yet_is_told_too(driven, tmp_path):

@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from costs import processor_seconds
-from hypothesis import given
 from hypothesis import strategies as st
 
 from app.lab.trajectories.files.mrclam import integrated, parse_mrclam
@@ -134,23 +133,9 @@ def parsed(text):
         assert "a.txt" in str(error)
 
 
-@given(st.text())
-def test_any_text_is_a_trajectory_or_an_error(text):
-    parsed(text)
-
-
 number = st.one_of(
     st.floats().map(repr), st.integers().map(str), st.text("0123456789.-+eEinfa_ ٣", max_size=6)
 )
-
-
-@pytest.mark.parametrize(("head", "columns"), [("", 8), (TRUTH, 4), (ODOMETRY, 3)])
-@given(data=st.data())
-def test_any_table_is_a_trajectory_or_an_error(head, columns, data):
-    rows = data.draw(
-        st.lists(st.lists(number, min_size=columns, max_size=columns), min_size=1, max_size=5)
-    )
-    parsed(head + "\n".join(" ".join(row) for row in rows))
 
 
 def seconds_for(rows):

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import anyio
 import anyio.to_thread
 import cv2
+from starlette.exceptions import HTTPException
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocket
 
@@ -24,6 +25,7 @@ from robot.scanning.tape_edges import Verdict
 
 QUALITY = 75
 BOUNDARY = "frame"
+STREAM = "multipart/x-mixed-replace"
 LONGEST_WAIT_S = 0.2
 """Longest time between two checks whether the program ends [s]."""
 
@@ -54,7 +56,7 @@ class CameraStream:
         """Return the newest picture, or status 503 before the first."""
         latest = self._latest.get()
         if latest is None or latest.frame is None:
-            return Response("The camera has sent no picture yet.", status_code=503)
+            raise HTTPException(503, "The camera has sent no picture yet.")
         data = (await self._encode(latest.frame, latest.line_scan)).jpeg
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
@@ -62,7 +64,7 @@ class CameraStream:
         """Return a stream of pictures in the form that browsers show in an ``<img>``."""
         return StreamingResponse(
             self._parts(),
-            media_type=f"multipart/x-mixed-replace; boundary={BOUNDARY}",
+            media_type=f"{STREAM}; boundary={BOUNDARY}",
             headers={"Cache-Control": "no-store"},
         )
 

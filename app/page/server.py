@@ -29,9 +29,10 @@ from app.messages.answers import (
     ProblemsMessage,
     ProfileMessage,
 )
+from app.messages.refusals import content, refusal
 from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
-from app.page.camera_stream import CameraStream
+from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.live import Live
 from app.page.outlets import Outlets
@@ -49,6 +50,7 @@ from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND
 
 FOXGLOVE = "/foxglove"
+NO_PICTURE = refusal(503, "before the camera's first picture")
 
 
 def create_app(
@@ -156,7 +158,7 @@ def _add_state(
     live = Live(program, outlets)
     started = time.monotonic()
 
-    @app.get("/api/health")
+    @app.get("/api/health", responses={503: {"model": HealthMessage}})
     def health(response: Response) -> HealthMessage:
         """Whether the program works; 503 when it has failed."""
         status, detail = _health(program, thread, followers, outlets)
@@ -173,7 +175,7 @@ def _add_state(
             }
         )
 
-    @app.get("/api/state", responses={503: {"description": "before the first tick"}})
+    @app.get("/api/state", responses=refusal(503, "before the first tick"))
     def state() -> TelemetryMessage:
         """The newest telemetry."""
         latest = engine.latest.get()
@@ -229,7 +231,7 @@ def _add_field(app: FastAPI, program: Program) -> None:
         """The field and the robot on it."""
         return field
 
-    @app.get("/api/field.png", response_class=Response)
+    @app.get("/api/field.png", response_class=Response, responses=content("image/png"))
     def field_picture() -> Response:
         """The floor from above."""
         return Response(png, media_type="image/png", headers={"Cache-Control": "no-cache"})
@@ -244,7 +246,7 @@ def _add_field(app: FastAPI, program: Program) -> None:
             return parameter_messages(configured, configured, given, given)
         return parameter_messages(latest.parameters, configured, latest.own, given)
 
-    @app.get("/api/ray/{ray}")
+    @app.get("/api/ray/{ray}", responses=NO_PICTURE | refusal(404, "no such ray"))
     def ray_profile(ray: int) -> ProfileMessage:
         """What the scanner saw along one ray of the newest picture, and why it counted or not."""
         latest = program.engine.latest.get()
@@ -257,12 +259,12 @@ def _add_field(app: FastAPI, program: Program) -> None:
 
 
 def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
-    @app.get("/camera.jpg", response_class=Response)
+    @app.get("/camera.jpg", response_class=Response, responses=NO_PICTURE | content("image/jpeg"))
     async def picture() -> Response:
         """One picture of the robot's camera."""
         return await camera.picture()
 
-    @app.get("/camera.mjpg", response_class=Response)
+    @app.get("/camera.mjpg", response_class=Response, responses=content(STREAM))
     async def motion_jpeg() -> Response:
         """The robot's camera, live."""
         return camera.motion_jpeg()

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from fastapi import APIRouter, HTTPException
 
 from app.messages.message import Message
+from app.messages.refusals import refusal
 from app.recordings.attachments import Attachment, Contents
 from robot.errors import BrickPoseError
 
@@ -43,7 +44,7 @@ def contents_router(contents: Callable[[], Contents]) -> APIRouter:
     """Serve a recording's facts and files, so that a recording made elsewhere can be replayed."""
     router = APIRouter()
 
-    @router.get("/api/recording_contents")
+    @router.get("/api/recording_contents", responses=refusal(503, "a file cannot be read"))
     def recording_contents() -> ContentsMessage:
         """Settings, map, robot and models, as they are now."""
         try:

@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
 from urllib.error import HTTPError
 from urllib.parse import parse_qs, urlsplit
 from urllib.request import Request, urlopen
 
-import cbor2
 from websockets.exceptions import InvalidHandshake, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from app.recordings.attachments import Contents
 from app.recordings.contents_route import ContentsMessage
+from app.recordings.remote_messages import NO_MESSAGE, Received, parse_received
+from app.ros2.message_types import MessageError
 from robot.errors import BrickPoseError
 from robot.settings import SettingError
 
@@ -28,23 +28,9 @@ LARGEST = 64_000_000
 QUEUE = 10_000
 """Most messages that may wait at the robot while this program is slow."""
 
-_NO_MESSAGE = (
-    cbor2.CBORError, EOFError, RecursionError, ValueError, KeyError, TypeError, AttributeError,
-)  # fmt: skip
-"""Exceptions that decoding arbitrary data may raise."""
-
 
 class RemoteRobotError(BrickPoseError, RuntimeError):
     """The robot does not answer as rosbridge does, or not at all; says why."""
-
-
-@dataclass(frozen=True, slots=True)
-class Received:
-    """One received message."""
-
-    topic: str
-    log_time_ns: int
-    cdr: bytes
 
 
 class RemoteRobot:
@@ -87,7 +73,7 @@ class RemoteRobot:
         try:
             values = self._answer("topics")
             return dict(zip(values["topics"], values["types"], strict=True))
-        except (TimeoutError, WebSocketException, ValueError, KeyError, TypeError) as error:
+        except (*NO_MESSAGE, TimeoutError, WebSocketException) as error:
             raise RemoteRobotError(f"{self.place} does not tell its topics: {error}") from error
 
     def contents(self) -> Contents:
@@ -140,8 +126,8 @@ class RemoteRobot:
         except WebSocketException as error:
             raise RemoteRobotError(f"the connection to {self.place} was lost: {error}") from error
         try:
-            return _received(data)
-        except _NO_MESSAGE as error:
+            return parse_received(data)
+        except MessageError as error:
             raise RemoteRobotError(f"{self.place} sent what is no message: {error}") from error
 
     def close(self) -> None:
@@ -159,20 +145,6 @@ class RemoteRobot:
     def _texts(self) -> Iterator[dict[str, Any]]:
         for _ in range(100):
             yield dict(json.loads(self._socket.recv(timeout=ANSWER_S)))
-
-
-def _received(data: str | bytes) -> Received | None:
-    if isinstance(data, str):
-        given = json.loads(data)
-        if given.get("op") == "status":
-            raise ValueError(str(given.get("msg"))[:300])
-        return None
-    given = cbor2.loads(data)
-    message = given["msg"]
-    stamp = int(message["secs"]) * 1_000_000_000 + int(message["nsecs"])
-    if not 0 <= stamp < 1 << 63:
-        raise ValueError(f"{stamp} ns is no time")
-    return Received(str(given["topic"]), stamp, bytes(message["bytes"]))
 
 
 def _authorization(address: str) -> dict[str, str]:

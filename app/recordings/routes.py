@@ -14,6 +14,7 @@ from fastapi.responses import FileResponse, StreamingResponse
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from app.messages.message import Message
+from app.messages.refusals import content, refusal
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE
 
@@ -90,6 +91,7 @@ def _duration(path: Path) -> float | None:
 
 
 MEDIA_TYPE = "application/octet-stream"
+FILE = content(MEDIA_TYPE) | refusal(404, "no such recording")
 BLOCK = 1 << 20
 """Block size for reading a file that is still being written [bytes]."""
 
@@ -123,7 +125,7 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
             for item in listed(folder())
         ]
 
-    @router.get("/api/recordings/{name}", response_class=Response)
+    @router.get("/api/recordings/{name}", response_class=Response, responses=FILE)
     def recording(name: str) -> Response:
         """A recording as one MCAP file; of an unfinished one, what is written so far."""
         try:

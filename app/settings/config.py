@@ -8,7 +8,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
+from app.settings.toml_file import read_toml
 from robot.cameras.settings import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.figure_eight import FigureEight
@@ -102,22 +102,6 @@ class Config:
 
     def __post_init__(self) -> None:
         check_settings(self)
-
-
-def read_toml(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file.
-
-    Raises:
-        SettingError: the file cannot be read or is not TOML.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise SettingError(f"{path} is no text: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is no TOML: {error}") from error
 
 
 def by_path(table: dict[str, Any], path: str = "") -> dict[str, Any]:

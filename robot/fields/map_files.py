@@ -188,7 +188,7 @@ def _digits(data: bytes) -> bytes:
     """Convert numbers in digits to big-endian 16-bit numbers."""
     try:
         return np.array(data.split(), dtype=np.int64).astype(">u2").tobytes()
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise MapError("the picture's PGM digits are damaged") from error
 
 

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.settings.config import by_path, read_toml, with_settings
+from app.settings.config import by_path, with_settings
+from app.settings.toml_file import read_toml
 from robot.localization.models.motion_parameters import MotionParameters
 from robot.localization.models.sensor_parameters import SensorParameters
 from robot.localization.parameters import FilterParameters, LocalizationParameters

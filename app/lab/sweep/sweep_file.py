@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import re
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from app.lab.evaluation.worlds import WORLDS
 from app.settings.conditions import condition_names, require_condition
 from app.settings.config import Config, from_table
 from app.settings.provenance import settings_of
+from app.settings.toml_file import parse_toml, read_toml_text
 from robot.settings import SettingError, check_settings, setting
 
 NOT_SWEPT = ("robot", "host", "port", "seed")
@@ -108,13 +108,8 @@ def load_sweep(path: Path) -> SweepFile:
     """
     if not path.is_file():
         raise SettingError(f"there is no file {path}")
-    try:
-        text = path.read_text(encoding="utf-8")
-        content = tomllib.loads(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path} cannot be read: {error}") from error
-    except tomllib.TOMLDecodeError as error:
-        raise SettingError(f"{path} is no TOML: {error}") from error
+    text = read_toml_text(path)
+    content = parse_toml(text, str(path))
     for name in content:
         if name not in ("sweep", "settings"):
             raise _wrong(path, text, name, "is unknown; valid are sweep, settings")

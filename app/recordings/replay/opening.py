@@ -22,7 +22,8 @@ from app.recordings.replay.recorded.topics import RecordedTopics
 from app.recordings.replay.replay import Replay
 from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline
-from app.settings.config import MAPS, Config, by_path, read_toml, with_settings
+from app.settings.config import MAPS, Config, by_path, with_settings
+from app.settings.toml_file import read_toml
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field

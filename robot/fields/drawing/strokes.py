@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from robot.geometry import Array
 
 MAX_DASHES = 10_000
+LONGEST_DASH = 1e9
+"""In units of the drawing; far longer ones overflow when they are added."""
 
 
 def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: float) -> list[Array]:
@@ -29,8 +31,9 @@ def dashes(points: Array, closed: bool, pattern: tuple[float, ...], offset: floa
     Raises:
         ValueError: a length is negative, or there would be absurdly many dashes.
     """
-    if min(pattern) < 0:
-        raise ValueError(f"a dash of length {min(pattern):g}; valid is 0 or more")
+    wrong = [length for length in pattern if not 0 <= length <= LONGEST_DASH]
+    if wrong:
+        raise ValueError(f"a dash of length {wrong[0]:g}; valid is 0 to {LONGEST_DASH:g}")
     around = np.vstack([points, points[:1]]) if closed else points
     step = np.diff(around, axis=0)
     walked = np.concatenate([[0.0], np.cumsum(np.hypot(step[:, 0], step[:, 1]))])

@@ -151,7 +151,7 @@ def pose_and_covariance_of(cdr: bytes) -> tuple[int, Pose2, Array]:
     flat = whole[np.ix_([0, 1, 5], [0, 1, 5])]
     if not np.isfinite(flat).all():
         raise ContentError("a covariance has numbers that are not finite")
-    return stamp_ns(message), pose_of(message.pose.pose), (flat + flat.T) / 2
+    return stamp_ns(message), pose_of(message.pose.pose), flat / 2 + flat.T / 2
 
 
 def truth_of(cdr: bytes) -> tuple[int, Pose2]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tempfile
-import tomllib
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -18,6 +17,7 @@ from app.recordings.replay.recorded.decoding import ContentError, pose_and_covar
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
+from app.settings.toml_file import parse_toml
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -103,9 +103,10 @@ def _config(reader: RecordingReader) -> Config:
     if SETTINGS not in reader.attachments:
         return Config()
     try:
-        content = with_new_names(tomllib.loads(reader.attachments[SETTINGS].decode()))
+        text = reader.attachments[SETTINGS].decode()
+        content = with_new_names(parse_toml(text, SETTINGS))
         return from_table(Config, {name: content[name] for name in TAKEN if name in content})
-    except (SettingError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except (SettingError, UnicodeDecodeError) as error:
         raise RecordingError(f"the settings in {reader.path} cannot be used: {error}") from error
 
 

@@ -1,0 +1,34 @@
+"""Every route of the server, asked for what its own description allows and forbids."""
+
+import schemathesis
+from hypothesis import HealthCheck, given, settings
+from schemathesis.generation import GenerationMode
+
+ENDLESS = "/camera.mjpg"
+"""Its answer never ends; another test reads it."""
+NUMBERED = "/api/ray/{ray}"
+"""The one route that can be asked wrongly: a name may be any text, and the others take nothing."""
+EXAMPLES = 15
+QUICK = settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
+
+
+def test_each_answer_is_as_described_and_no_request_is_a_defect(server):
+    """Schemathesis checks status, media type, headers and content, and what must be refused."""
+    schema = schemathesis.openapi.from_url(f"{server.url}/openapi.json")
+    operations = [found.ok() for found in schema.get_all_operations()]
+    asked = {operation.path for operation in operations}
+    assert {"/api/state", NUMBERED, "/api/recordings/{name}", ENDLESS} <= asked
+    for operation in operations:
+        if operation.path != ENDLESS:
+            ask(operation, GenerationMode.POSITIVE)
+        if operation.path == NUMBERED:
+            ask(operation, GenerationMode.NEGATIVE)
+
+
+def ask(operation, mode):
+    @QUICK
+    @given(case=operation.as_strategy(generation_mode=mode))
+    def answered(case):
+        case.call_and_validate(timeout=20)
+
+    answered()
