@@ -11,7 +11,6 @@ import shutil
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 from engine_runs import kinematic, run
@@ -34,7 +33,8 @@ from app.recordings.replay.opening import read_filter_config
 from app.recordings.replay.recorded.parts import RecordedParts
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.recorded.topics import RecordedTopics
-from app.ros2.foxglove.commands import Commands
+from app.ros2.foxglove.offer import Offer
+from app.ros2.foxglove.session import Session
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.bridge import Bridge
@@ -55,7 +55,6 @@ LENS = SPIKE.parent / "pi_camera.yaml"
 ME = Driver.numbered("fuzz")
 CONTENT = b"\n\n"
 """Between a first line, which says how the rest is encoded, and the rest."""
-
 
 
 def of_file(name: str, read: Callable[[Path], object], *refusals: type[BrickPoseError]) -> Parser:
@@ -122,6 +121,7 @@ def live(data: bytes, folder: Path) -> str | None:
 def rosbridge(data: bytes, folder: Path) -> str | None:
     """Messages of one client, a line each; the first refusal."""
     client = Client(bridge())
+    client.send('{"op": "set_level", "level": "error"}')
     try:
         answers = [answer for line in data.split(b"\n") for answer in client.send(_text(line))]
     finally:
@@ -152,12 +152,24 @@ def foxglove(data: bytes, folder: Path) -> str | None:
     """A viewer's channel (topic, type and encoding in the first line) and its message."""
     head, _, content = data.partition(CONTENT)
     topic, kind, encoding, *_ = [*head.decode(errors="replace").split(), "", "", ""]
-    commands = Commands(_inbox())
-    channel = SimpleNamespace(id=1, topic=topic, schema_name=kind, encoding=encoding)
+    channel = {"id": 1, "topic": topic, "schemaName": kind, "encoding": encoding}
+    inbox = _inbox()
+    offer = Offer(bridge().publisher, inbox)
+    session = Session(offer, lambda: None, ME, refusal=None)
+    sent: list[str | bytes] = [
+        json.dumps({"op": "advertise", "channels": [channel]}),
+        b"\x01\x01\0\0\0" + content,
+    ]
+    # As words, and as bytes of any kind, the content may be anything.
+    rest = [content.decode(errors="replace"), content]
     try:
-        return commands.advertise(1, channel) or commands.take(1, 1, content)
+        answers = [answer for message in sent for answer in session.receive(message)]
+        for message in rest:
+            session.receive(message)
     finally:
+        session.close()
         _forget_commands()
+    return str(json.loads(answers[0])["message"]) if answers else None
 
 
 def dds(data: bytes, folder: Path) -> str | None:
