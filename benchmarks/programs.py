@@ -56,6 +56,12 @@ class Server:
                 ticks += int(fields[11]) + int(fields[12])
         return ticks / os.sysconf("SC_CLK_TCK")
 
+    def memory_mb(self) -> float:
+        """Return the memory that it holds (resident set) [MB]."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        (line,) = (line for line in status.splitlines() if line.startswith("VmRSS:"))
+        return int(line.split()[1]) / 1024
+
     def descriptors(self) -> int:
         """Return the number of its open file descriptors."""
         return len(list(Path(f"/proc/{self.process.pid}/fd").iterdir()))

@@ -8,7 +8,6 @@ come, hang and are killed, the process of ROS 2 is killed, recordings begin, end
 from __future__ import annotations
 
 import json
-import re
 import sys
 import tempfile
 import time
@@ -63,10 +62,7 @@ class Usage:
     @classmethod
     def of(cls, program: Server, minute: float) -> Usage:
         """Look at a running program."""
-        status = Path(f"/proc/{program.process.pid}/status").read_text()
-        match = re.search(r"VmRSS:\s+(\d+)", status)
-        assert match is not None
-        return cls(minute, int(match[1]) / 1024, program.threads(), program.descriptors())
+        return cls(minute, program.memory_mb(), program.threads(), program.descriptors())
 
 
 def measure(minutes: float = 10.0) -> Result:

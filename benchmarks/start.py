@@ -1,4 +1,4 @@
-"""Benchmark of the start, from the command to the page, with everything already compiled."""
+"""Benchmark of the start, with everything already compiled: time to the page, and memory."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ import urllib.request
 
 import numpy as np
 
-from benchmarks.programs import server
+from benchmarks.programs import server, telemetry
 from benchmarks.result import Result
 
 RUNS = 3
+
+ROBOTS = ("kinematic", "sim")
+
+TELEMETRY = 300
+"""Messages after which all is loaded that a robot at rest needs."""
 
 
 def measure() -> Result:
@@ -19,7 +24,10 @@ def measure() -> Result:
     return Result(
         unit="s to the first page",
         brickpose=float(np.median(pages)),
-        more={"to the first telemetry [s]": float(np.median(robots))},
+        more={
+            "to the first telemetry [s]": float(np.median(robots)),
+            **{f"memory, {robot} [MB]": _memory_mb(robot) for robot in ROBOTS},
+        },
     )
 
 
@@ -30,6 +38,15 @@ def _start() -> tuple[float, float]:
         page = time.perf_counter() - start
         _wait_for(running.url + "/api/state")
         return page, time.perf_counter() - start
+
+
+def _memory_mb(robot: str) -> float:
+    """Memory of a program that stands, with nobody at its page [MB]."""
+    with server("--robot", robot) as running:
+        with running.live() as live:
+            for _ in range(TELEMETRY):
+                telemetry(live)
+        return running.memory_mb()
 
 
 def _wait_for(address: str) -> None:

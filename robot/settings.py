@@ -88,6 +88,9 @@ def _range(known: Setting) -> str:
 
 def _number(value: float) -> str:
     """Return a number as it was written: whole numbers with all their digits, if they are few."""
-    if isinstance(value, int):
-        return str(value) if value.bit_length() <= 64 else "a very large number"
-    return f"{value:g}"
+    if isinstance(value, int) and value.bit_length() <= 64:
+        return str(value)
+    try:
+        return f"{value:g}"
+    except OverflowError:
+        return "a very large number"

@@ -78,9 +78,10 @@ def test_a_carried_robot_is_not_certain_of_another_place() -> None:
     # To find another place is no fault of the model.
     since = claims.stamps > 14
     assert right(claims)[since].all()
-    # Half a turn away the floor looks the same for as long: no bound is claimed meanwhile.
+    # Half a turn away the floor looks the same for as long: no bound is claimed meanwhile. Whether
+    # that place keeps a twentieth of the weight depends on the last digits.
     states = {state for state, later in zip(claims.states, since, strict=True) if later}
-    assert states <= {State.CERTAIN, State.APPROXIMATE}
+    assert states <= {State.CERTAIN, State.APPROXIMATE, State.AMBIGUOUS}
     assert {cause for cause, later in zip(claims.causes, since, strict=True) if later} == {None}
 
 
