@@ -14,8 +14,6 @@ from laser_office import write_bag, write_map
 from replays import recorded_eight
 from serving import ROOT
 
-pytestmark = pytest.mark.real_time
-
 CONSOLE_SCRIPT = "import sys; from app.__main__ import main; sys.exit(main())"
 
 BOUND_S = 6.0
