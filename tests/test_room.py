@@ -82,6 +82,15 @@ def test_pages_are_refused_before_the_last_places_are_taken():
     assert room.crowded
 
 
+def test_what_has_closed_makes_no_room():
+    room = Room(4)
+    gone, left = fill(room, 2, silent=True)
+    gone.ended = True
+    assert room.release()
+    assert left.ended
+    assert not room.release()
+
+
 def test_what_has_closed_takes_no_place():
     room = Room(4)
     for wire in fill(room, 4, silent=False):

@@ -76,6 +76,7 @@ class Room:
 
     def release(self) -> bool:
         """Let the connection go that has been silent for longest; False if there is none."""
+        self._forget_closed()
         return self._release(self._guests.values())
 
     def _release(self, guests: Iterable[_Guest]) -> bool:
