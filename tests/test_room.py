@@ -63,7 +63,7 @@ def test_an_address_elsewhere_gets_its_share_and_others_find_places():
     assert [wire.ended for wire in busy].index(True) == 2
 
 
-@pytest.mark.parametrize("address", [HERE, "::1", "127.9.9.9"])
+@pytest.mark.parametrize("address", [HERE, "::1", "127.9.9.9", "::ffff:127.0.0.1"])
 def test_this_computer_may_take_all_places(address):
     room = Room(40)
     fill(room, 40, address, silent=False)
