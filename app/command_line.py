@@ -178,10 +178,15 @@ def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "bench", help="measure, side by side with peers", allow_abbrev=False
     )
     bench.add_argument(
-        "names", nargs="*", metavar="NAME", help="which (default: all that take no minutes)"
+        "names", nargs="*", metavar="NAME", help="which (default: all that are quick)"
     )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the figures here too")
-    bench.add_argument("--minutes", type=float, metavar="N", help="of the soak test (default: 10)")
+    bench.add_argument(
+        "--minutes",
+        type=float,
+        metavar="N",
+        help="how long the soak test runs, a minute at least (default: 10)",
+    )
     bench.set_defaults(command=_bench)
 
 

@@ -43,7 +43,7 @@ class Record:
     """What a soak has seen."""
 
     stops: list[float] = field(default_factory=lambda: [0.0])
-    """Times until the motors stood [s]."""
+    """Times until the motors stood [s]; 0 where none had to stop."""
     backs: defaultdict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
     """Times from the end of each kind of fault until the robot drove again [s]."""
     steps: list[float] = field(default_factory=list)
@@ -152,7 +152,7 @@ def _result(record: Record, usage: list[Usage]) -> Result:
         for name, times in sorted(record.backs.items())
     }
     return Result(
-        unit="troubles survived, of all",
+        unit="troubles survived",
         brickpose=float(len(backs)),
         more={
             "stopped after, worst [s]": max(record.stops),

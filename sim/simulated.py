@@ -150,6 +150,7 @@ class SimulatedRobot:
         if not self._closed:
             self._closed = True
             self._command = np.zeros(len(self.spec.joints))
+            self._renderer.shutdown(cancel_futures=True)
             self._world.close()
 
     def _remember(self, since_tick: float = 0.0) -> None:

@@ -258,6 +258,19 @@ def test_what_cannot_be_done_is_answered_in_words(viewer, request_, words):
     assert words in answer["message"]
 
 
+def test_one_wrong_item_does_not_keep_the_others_of_its_list_out(viewer):
+    wishes = [{"id": number, "channelId": number} for number in (999, 0, 1)]
+    (answer,) = viewer.told(op="subscribe", subscriptions=wishes)
+    assert "999" in answer["message"]
+    topics = viewer.session._offer.topics
+    assert viewer.wanted() == [topics[0].name, topics[1].name]
+    right = {**CHANNEL, "id": 2, "schemaName": "geometry_msgs/msg/TwistStamped"}
+    (answer,) = viewer.told(op="advertise", channels=[CHANNEL, right])
+    assert "has the type geometry_msgs" in answer["message"]
+    (answer,) = viewer.session.receive(b"\x01" + (2).to_bytes(4, "little"))
+    assert json.loads(answer)["op"] == "status", "its channel is open: no twist is this short"
+
+
 @pytest.mark.parametrize(
     "data",
     [

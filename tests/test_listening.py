@@ -1,6 +1,8 @@
 """What the server sends is on its way at once."""
 
 import asyncio
+import errno
+import os
 import socket
 
 import pytest
@@ -27,3 +29,29 @@ async def delay_is_off(listening: socket.socket) -> bool:
 @pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "0.0.0.0"])
 def test_no_part_of_an_answer_waits_until_the_one_before_is_acknowledged(host):
     assert asyncio.run(delay_is_off(listen(host, 0)))
+
+
+def test_a_descriptor_that_another_thread_took_is_not_closed_in_its_hands(monkeypatch):
+    """It takes the spare one, which is closed to drop a connection; then none is left."""
+
+    def used_up(*_: object) -> None:
+        raise OSError(errno.EMFILE, "too many open files")
+
+    def accept(_: socket.socket) -> None:
+        try:
+            os.fstat(spare)
+        except OSError:
+            os.dup2(0, spare)
+        used_up()
+
+    with listen("127.0.0.1", 0) as listening, monkeypatch.context() as scarce:
+        spare = listening._spare
+        scarce.setattr(os, "open", used_up)
+        scarce.setattr(socket.socket, "accept", accept)
+        for _ in range(2):
+            with pytest.raises(BlockingIOError):
+                listening.accept()
+        ours = os.fstat(0)
+        assert os.path.samestat(os.fstat(spare), ours)
+    assert os.path.samestat(os.fstat(spare), ours)
+    os.close(spare)

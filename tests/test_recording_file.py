@@ -1,5 +1,7 @@
 """A recording on the disk is what ROS 2's tools expect, at any moment of its making."""
 
+import errno
+import os
 import resource
 import signal
 import subprocess
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from mcap.reader import NonSeekingReader
+from mcap.writer import MCAP0_MAGIC as MAGIC
 from recordings import BEGIN_NS, FACTS, TEXT, TICK_NS, make, text_cdr, write_ticks
 from rosbags.highlevel import AnyReader
 from rosbags.interfaces import (
@@ -278,3 +281,52 @@ def test_on_a_full_disk_the_file_is_finished_and_everybody_reads_it(small_disk, 
     with AnyReader([file.folder]) as theirs:
         assert theirs.message_count == len(list(reader.messages()))
     assert sorted(path.name for path in file.folder.iterdir()) == ["drive_0.mcap", "metadata.yaml"]
+
+
+class FaultyDisk:
+    """A file whose next write fails."""
+
+    def __init__(self, file):
+        self._file, self._works = file, False
+
+    def write(self, data):
+        if self._works:
+            return self._file.write(data)
+        self._works = True
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    def __getattr__(self, name):
+        return getattr(self._file, name)
+
+
+def test_messages_that_are_lost_at_the_end_are_told_and_in_no_index(tmp_path):
+    file = RecordingFile(tmp_path / "drive", FACTS)
+    write_ticks(file, 210)
+    file._stream._file = FaultyDisk(file._stream._file)
+    with pytest.raises(OSError, match="Input/output"):
+        file.close()
+    file.abandon()
+    reader = open_recording(file.path)
+    assert (reader.unfinished, reader.damages) == (True, [])
+    kept = len(list(reader.messages()))
+    assert 150 < kept < 210
+    assert metadata_of(file.folder)["message_count"] == kept
+
+
+def test_a_disk_that_is_full_when_only_the_metadata_are_missing_leaves_a_whole_file(
+    tmp_path, monkeypatch
+):
+    file = RecordingFile(tmp_path / "drive", FACTS)
+    write_ticks(file, 210)
+
+    def full(path):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("app.recordings.files.recording_file.atomic_file", full)
+    with pytest.raises(OSError, match="No space"):
+        file.close()
+    file.abandon()
+    reader = open_recording(file.path)
+    assert (reader.unfinished, reader.damages) == (False, [])
+    assert reader.count("/command") == 210
+    assert file.path.read_bytes().count(MAGIC) == 2, "at its beginning and at its end"

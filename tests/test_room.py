@@ -63,7 +63,7 @@ def test_an_address_elsewhere_gets_its_share_and_others_find_places():
     assert [wire.ended for wire in busy].index(True) == 2
 
 
-@pytest.mark.parametrize("address", [HERE, "::1", "127.9.9.9"])
+@pytest.mark.parametrize("address", [HERE, "::1", "127.9.9.9", "::ffff:127.0.0.1"])
 def test_this_computer_may_take_all_places(address):
     room = Room(40)
     fill(room, 40, address, silent=False)
@@ -80,6 +80,15 @@ def test_pages_are_refused_before_the_last_places_are_taken():
     assert not room.crowded
     fill(room, 1, silent=False)
     assert room.crowded
+
+
+def test_what_has_closed_makes_no_room():
+    room = Room(4)
+    gone, left = fill(room, 2, silent=True)
+    gone.ended = True
+    assert room.release()
+    assert left.ended
+    assert not room.release()
 
 
 def test_what_has_closed_takes_no_place():

@@ -62,6 +62,16 @@ def test_pictures_are_rendered_while_the_engine_goes_on() -> None:
     assert threads and threading.current_thread() not in threads
 
 
+def test_a_closed_robot_leaves_no_thread() -> None:
+    before = set(threading.enumerate())
+    robot = robot_with(CameraSettings())
+    while robot.read().frame is None:
+        pass
+    (renderer,) = set(threading.enumerate()) - before
+    robot.close()
+    assert not renderer.is_alive()
+
+
 def test_a_picture_that_was_being_rendered_is_lost_when_the_robot_is_placed_elsewhere() -> None:
     robot = robot_with(CameraSettings(delay=0.1))
     while robot.read().frame is None:

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.types import Message
 
+from app.page.access import SameOriginOnly
 from app.page.token_guard import SUBPROTOCOL, TokenRequired, role_in
 from app.page.token_guesses import FREE_GUESSES, LONGEST_WAIT, MOST_ADDRESSES, Guessing
 from app.page.tokens import Role, Tokens, chosen_tokens
@@ -232,6 +233,16 @@ def test_who_guesses_waits_longer_and_longer(client: Client, clock: Clock) -> No
     clock.stamp = 3.2
     assert client.get("/?token=drive-me").status_code == 200
     assert client.get("/?token=mistyped").status_code == 200  # the cookie is right
+
+
+def test_a_foreign_page_that_guesses_lets_nobody_wait_but_foreign_pages(guarded: FastAPI) -> None:
+    names = frozenset(["robot.local"])
+    guarded.add_middleware(SameOriginOnly, names=names, inviting=frozenset(["/"]))
+    client = Client(guarded)
+    for number in range(FREE_GUESSES + 2):
+        answer = client.get(f"/?token=wrong-{number}", origin="https://evil.example")
+    assert answer.status_code == 429
+    assert client.get("/?token=drive-me").status_code == 200
 
 
 def test_an_old_page_that_reconnects_is_no_guess() -> None:

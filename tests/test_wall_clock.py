@@ -14,7 +14,9 @@ from app.recordings.files.mcap_reader import open_recording
 from app.settings.config import ROOT
 from sim.simulated import PERIOD
 
-WALL_CLOCK = re.compile(r"time\.time\(|time_ns\(\)|datetime\.now|date\.today|utcnow|CLOCK_REALTIME")
+WALL_CLOCK = re.compile(
+    r"time\.time\(|time_ns\(\)|datetime\.now|date\.today|utcnow|CLOCK_REALTIME|record\.created"
+)
 
 READERS = {
     "app/page/outlets.py",  # the names of recordings

@@ -1,4 +1,4 @@
-"""The listening socket of the program, which lets in as many as there is room for."""
+"""The listening socket of the program, which lets in as many clients as it has room for."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def listen(host: str, port: int) -> Listening:
 
 
 class Listening(socket.socket):
-    """A listening socket that never fails to accept: it drops whom there is no room for.
+    """A listening socket that never fails to accept: without room, it drops the connection.
 
     Where descriptors are used up, asyncio would log thousands of failures a second, and do nothing
     else meanwhile: a connection that waits is offered to it again at once.
@@ -92,20 +92,23 @@ class Listening(socket.socket):
 
     def close(self) -> None:
         """Close the socket; may be called twice."""
-        if self._spare >= 0:
-            os.close(self._spare)
-            self._spare = -1
+        self._close_spare()
         super().close()
 
     def _drop_waiting(self) -> None:
         """Drop a connection that waits, with a descriptor that is kept for this."""
         self.room.release()
-        os.close(self._spare)
-        try:
-            with contextlib.suppress(OSError):
-                super().accept()[0].close()
-        finally:
+        self._close_spare()
+        with contextlib.suppress(OSError):
+            super().accept()[0].close()
+        # Another thread may have taken the descriptor: then there is none to keep until next time.
+        with contextlib.suppress(OSError):
             self._spare = os.open(os.devnull, os.O_RDONLY)
+
+    def _close_spare(self) -> None:
+        spare, self._spare = self._spare, -1
+        if spare >= 0:
+            os.close(spare)
 
 
 def raise_descriptors() -> int:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 MOST_LINES = 5
@@ -24,8 +26,10 @@ class _Kind:
 class LogLimit(logging.Filter):
     """Passes a few lines of each kind; the next one tells how many were dropped."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """Count by a clock [s] that nobody sets: the stamps of lines follow the wall clock."""
         super().__init__()
+        self._clock = clock
         self._kinds: dict[tuple[str, str, str], _Kind] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
@@ -36,11 +40,12 @@ class LogLimit(logging.Filter):
         if len(self._kinds) > MOST_KINDS:
             self._kinds.clear()
         name = (record.name, str(record.msg), error)
-        kind = self._kinds.setdefault(name, _Kind(record.created))
-        if record.created - kind.since > PERIOD_S:
+        stamp = self._clock()
+        kind = self._kinds.setdefault(name, _Kind(stamp))
+        if stamp - kind.since > PERIOD_S:
             if kind.dropped:
                 record.msg = f"{record.msg} ({kind.dropped} lines more like this were left out)"
-            kind = self._kinds[name] = _Kind(record.created)
+            kind = self._kinds[name] = _Kind(stamp)
         kind.written += 1
         if kind.written > MOST_LINES:
             kind.dropped += 1

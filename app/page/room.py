@@ -51,7 +51,7 @@ class Room:
     def admit(self, connection: Connection, address: str) -> bool:
         """Give a connection a place; False if there is none for it."""
         self._forget_closed()
-        local = ipaddress.ip_address(address.partition("%")[0]).is_loopback
+        local = _is_local(address)
         same = [guest for guest in self._guests.values() if guest.address == address]
         crowded = not local and len(same) >= max(1, self.most // SHARE)
         full = len(self._guests) >= self.most
@@ -76,6 +76,7 @@ class Room:
 
     def release(self) -> bool:
         """Let the connection go that has been silent for longest; False if there is none."""
+        self._forget_closed()
         return self._release(self._guests.values())
 
     def _release(self, guests: Iterable[_Guest]) -> bool:
@@ -93,3 +94,10 @@ class Room:
             for descriptor, guest in self._guests.items()
             if guest.connection.fileno() == descriptor
         }
+
+
+def _is_local(address: str) -> bool:
+    """Whether an address is this computer's own, also if a socket for IPv6 tells one of IPv4."""
+    parsed = ipaddress.ip_address(address.partition("%")[0])
+    mapped = parsed.ipv4_mapped if isinstance(parsed, ipaddress.IPv6Address) else None
+    return (mapped or parsed).is_loopback

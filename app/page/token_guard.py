@@ -67,6 +67,9 @@ class TokenRequired:
     def _judge(self, request: HTTPConnection) -> tuple[Response | None, Role]:
         """Return an answer to refuse the request with, if need be; and what it may do."""
         address = request.client.host if request.client else ""
+        if is_guest(request.scope):
+            # Any page in a browser may guess: the user of that browser must not have to wait.
+            address = f"guest at {address}"
         stamp = self._clock()
         tokens = list(_tokens_of(request))
         wait = self._guessing.wait(address, stamp) if tokens else 0.0

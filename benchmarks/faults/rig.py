@@ -64,11 +64,9 @@ class Rig:
 
     def dds_process(self) -> int | None:
         """Return the process that speaks DDS; None while there is none."""
-        pid = self.program.process.pid
-        children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-        threads = Path(f"/proc/{pid}/task").iterdir()
-        for thread in threads:
-            with contextlib.suppress(OSError):
+        children: list[str] = []
+        for thread in Path(f"/proc/{self.program.process.pid}/task").iterdir():
+            with contextlib.suppress(OSError):  # the thread has just ended
                 children += (thread / "children").read_text().split()
         return int(children[0]) if children else None
 

@@ -25,8 +25,6 @@ class Trouble:
     end: Act | None
     stops: bool = False
     """Whether the motors must stop."""
-    slow: bool = False
-    """Whether the program may need half a minute to get over it."""
 
 
 def _board(name: str, begin: str, end: str | None, *, stops: bool = True) -> Trouble:

@@ -16,6 +16,7 @@ import time
 import traceback
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -132,12 +133,8 @@ def _round(tally: Tally, folder: Path, number: int) -> None:
             if str(error) not in before:
                 raise
 
-    try:
+    with suppress(ExceptionGroup, AssertionError):  # the tally has it
         ask()
-    except BaseExceptionGroup:
-        pass
-    except AssertionError:
-        pass
     for place in tally.failures.keys() - before:
         _keep(tally.name, place, tally.failures[place])
 

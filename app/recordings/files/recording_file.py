@@ -78,8 +78,10 @@ class RecordingFile:
         self._schemas: dict[str, int] = {}
         self._span: Span | None = None
         self._flushed_ns = self._told_ns = 0
-        self._repeated = self._chunks = 0
+        self._repeated = 0
         """How many channels are in the last metadata that repeat them."""
+        self._chunks = 0
+        self._finished = False
         self._stream = ReservedStream(self.path)
         try:
             self._writer = Writer(cast(IO[Any], self._stream))
@@ -182,24 +184,32 @@ class RecordingFile:
         """Finish the file, with its index, and ``metadata.yaml``.
 
         Raises:
-            OSError: they cannot be written; the messages before remain.
+            OSError: something cannot be written; what was written before remains, as ``abandon``
+                leaves it.
         """
         try:
-            with suppress(OSError):  # what follows tells the same
+            try:
                 self.flush()
+            except OSError:
+                if not self._stream.whole:  # else all is written: only the disk is full
+                    raise
             self._finish()
-        finally:
-            self._stream.close()
+        except OSError:
+            self.abandon()
+            raise
+        self._stream.close()
 
     def abandon(self) -> None:
-        """Close a file that cannot be written any more.
+        """Close a file that cannot be written any more; a closed one stays as it is.
 
         It is finished in the space that was kept for that; if it cannot be, it ends with its last
         complete record.
         """
+        if self._stream.closed:
+            return
         try:
-            if self._stream.full is not None and self._stream.whole:
-                with suppress(OSError):
+            with suppress(OSError):
+                if self._stream.full is not None and self._stream.whole:
                     self._finish()
                     return
             with suppress(OSError):
@@ -210,9 +220,11 @@ class RecordingFile:
 
     def _finish(self) -> None:
         self._stream.release()
-        self._writer.add_metadata("rosbag2", in_file(self._metadata()))
-        self._writer.finish()  # type: ignore[no-untyped-call]
-        self._stream.mark()
+        if not self._finished:
+            self._writer.add_metadata("rosbag2", in_file(self._metadata()))
+            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._stream.mark()
+            self._finished = True
         self._write_metadata()
 
     def _count_again(self) -> None:

@@ -90,6 +90,11 @@ class ReservedStream:
         """Take note that all that is written is complete."""
         self.good = self._file.tell()
 
+    @property
+    def closed(self) -> bool:
+        """Whether the file is closed."""
+        return self._file.closed
+
     def close(self) -> None:
         """Close the file, and give the kept space free."""
         self.release()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
@@ -63,15 +64,18 @@ class Session(Route):
         """Number and pace by topic; replaced when it changes, as other threads read it."""
 
     def receive(self, data: Data) -> list[Data]:
-        """Carry out a message; return the answers to send. An invalid message raises nothing."""
+        """Carry out a message; return the answers to send. An invalid message raises nothing.
+
+        What is invalid in a list does not keep the rest of it from being carried out.
+        """
         try:
             request = parse(data)
             if isinstance(request, ServiceCall):
                 return [self._answer(request)]
-            self._do(request)
+            steps = self._steps(request)
         except BrickPoseError as error:
-            return [words("status", level=ERROR, message=str(error))]
-        return []
+            return [_complaint(error)]
+        return [answer for step in steps for answer in _carried_out(step)]
 
     def next(self) -> Data | None:
         """The next message for the viewer; None if nothing waits."""
@@ -106,25 +110,22 @@ class Session(Route):
                 "serviceCallFailure", serviceId=call.service, callId=call.call, message=str(error)
             )
 
-    def _do(self, request: Words | ClientMessage) -> None:
-        if isinstance(request, Subscribe):
-            for wish in request.subscriptions:
-                self._subscribe(wish)
-        elif isinstance(request, Unsubscribe):
-            self._unsubscribe(frozenset(request.subscriptions))
-        else:
-            self._check_commands()
-            self._command(request)
+    def _steps(self, request: Words | ClientMessage) -> list[Callable[[], None]]:
+        """Return what a message asks for, item by item.
 
-    def _command(self, request: Advertise | Unadvertise | ClientMessage) -> None:
+        Raises:
+            MessageError: it is a command, and the viewer may give none.
+        """
+        if isinstance(request, Subscribe):
+            return [partial(self._subscribe, wish) for wish in request.subscriptions]
+        if isinstance(request, Unsubscribe):
+            return [partial(self._unsubscribe, frozenset(request.subscriptions))]
+        self._check_commands()
         if isinstance(request, Advertise):
-            for channel in request.channels:
-                self._commands.advertise(channel)
-        elif isinstance(request, Unadvertise):
-            for number in request.channels:
-                self._commands.unadvertise(number)
-        else:
-            self._commands.take(request)
+            return [partial(self._commands.advertise, channel) for channel in request.channels]
+        if isinstance(request, Unadvertise):
+            return [partial(self._commands.unadvertise, number) for number in request.channels]
+        return [partial(self._commands.take, request)]
 
     def _check_commands(self) -> None:
         if self._refusal is not None:
@@ -155,3 +156,16 @@ class Session(Route):
             self._offer.publisher.add(self)
         elif before and not subscriptions:
             self._offer.publisher.remove(self)
+
+
+def _carried_out(step: Callable[[], None]) -> list[Data]:
+    """Carry out one item of a message; return the answer if it is not possible."""
+    try:
+        step()
+    except BrickPoseError as error:
+        return [_complaint(error)]
+    return []
+
+
+def _complaint(error: BrickPoseError) -> Data:
+    return words("status", level=ERROR, message=str(error))

@@ -30,6 +30,9 @@ TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
 FOLDERS = ("map", "robot")
 """Folders of attachments that are read; code in a recording is never run."""
 
+LONGEST_NAME = 255
+"""Longest name that a file can have [bytes]."""
+
 MODELS = "models/"
 
 
@@ -90,13 +93,17 @@ def _unpacked(reader: RecordingReader, folder: Path, damaged: Collection[str]) -
     names = []
     for name in reader.attachments.keys() - set(damaged):
         path = PurePosixPath(name)
-        # A name must not lead out of the folder.
-        if len(path.parts) == 2 and path.parts[0] in FOLDERS and ".." not in path.parts:
+        if len(path.parts) == 2 and path.parts[0] in FOLDERS and _names_file(path.name):
             target = folder / path
             target.parent.mkdir(exist_ok=True)
             target.write_bytes(reader.attachments[name])
             names.append(name)
     return names
+
+
+def _names_file(name: str) -> bool:
+    """Whether a foreign name can be that of a file, and does not lead out of its folder."""
+    return name != ".." and name.isprintable() and len(name.encode()) <= LONGEST_NAME
 
 
 def _config(reader: RecordingReader) -> Config:
