@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -134,6 +136,25 @@ def test_who_leaves_while_driving_stops_the_robot_and_nobody_else_does(floor: Fl
     assert floor.queue.take() == (STOP,)
     assert not floor.drivers.state.stopped
     assert floor.try_to(floor.bob, DRIVE)
+
+
+def test_no_drive_command_overtakes_a_stop_of_another_thread(
+    floor: Floor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once a stop is in the queue, no command follows that was taken before it."""
+    put = floor.queue.put
+    stop = threading.Thread(target=floor.drivers.put, args=(floor.bob, STOP))
+
+    def put_late(command: Command) -> None:
+        if command is DRIVE:
+            stop.start()
+            stop.join(0.2)  # it has to wait until the drive command is in the queue
+        put(command)
+
+    monkeypatch.setattr(floor.queue, "put", put_late)
+    floor.drivers.put(floor.ann, DRIVE)
+    stop.join(10)
+    assert floor.queue.take() == (DRIVE, STOP)
 
 
 def test_an_unreadable_command_stops_the_robot_of_its_sender_alone(floor: Floor) -> None:

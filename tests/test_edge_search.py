@@ -44,6 +44,7 @@ def pairs_of(answers: NDArray[np.int16]) -> tuple[list[tuple[int, int]], int]:
         ([(30, -90), (50, -50), (80, 90)], [(30, 80)]),
         ([(30, -90), (60, 50), (80, 90)], [(30, 60)]),  # the first exit
         ([(20, -90), (40, 90), (60, -90), (80, 90)], [(20, 40), (60, 80)]),
+        ([(40, -90), (43, 90)], [(40, 43)]),  # far tape: no sample between is below the threshold
     ],
 )
 def test_pairs_are_an_entry_and_the_next_exit(

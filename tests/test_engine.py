@@ -1,6 +1,7 @@
 """The engine without threads, faster than real time."""
 
 import threading
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -146,6 +147,21 @@ def test_a_picture_that_comes_too_late_is_told_and_not_used():
     assert any("too late" in problem for problem in last.problems)
     assert last.problem_count <= 2
     assert last.truth.x > 0.1
+
+
+def test_pictures_that_come_in_time_again_end_the_problem():
+    program = kinematic(odometry=OdometrySettings(history=0.05))
+    read, late = program.robot.read, 0.5
+
+    def read_late():
+        reading = read()
+        frame = reading.frame
+        return replace(reading, frame=frame and replace(frame, stamp=reading.stamp - late))
+
+    program.robot.read = read_late
+    assert any("too late" in problem for problem in run(program, 1.0)[-1].problems)
+    late = 0.02
+    assert run(program, 1.0)[-1].problems == ()
 
 
 @pytest.mark.parametrize("frame_rate", [50, 60, 120])

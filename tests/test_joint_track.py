@@ -66,6 +66,14 @@ def test_a_lost_digit_is_not_believed(count, absolute):
     assert track.angle == 2
 
 
+def test_a_digit_that_is_lost_now_and_then_is_never_believed():
+    """A wheel that stands gives the same wrong number each time, but not in a row."""
+    track = followed([12345])
+    for i in range(1, 40):
+        lost = i % 4 == 0
+        assert track.report(i * DT, 1234 if lost else 12345, marked(12345)) is not lost
+
+
 def test_reports_that_agree_with_each_other_are_believed_in_the_end_without_a_jump():
     track = followed([0, 4])
     later = [track.report(0.02 + i * DT, 9000 + i, marked(9000 + i)) for i in range(5)]

@@ -2,6 +2,7 @@ import asyncio
 import threading
 
 from app.engine.mailboxes.latest import Latest
+from app.engine.mailboxes.wakeup import Wakeup
 
 
 def test_the_newest_value_wins():
@@ -38,13 +39,21 @@ def test_another_thread_wakes_all_readers():
     assert asyncio.run(asyncio.wait_for(read(), 5)) == ["value", "value"]
 
 
-def test_a_reader_that_has_left_is_forgotten():
+def test_a_reader_that_has_left_is_forgotten(monkeypatch):
+    woken = []
+
+    def note(wakeup):
+        woken.append(wakeup)
+
+    monkeypatch.setattr(Wakeup, "set", note)
     latest = Latest()
 
     async def read():
         with latest.subscribe():
-            pass
+            latest.put(1)
 
     asyncio.run(read())
-    latest.put(1)
-    assert latest.get() == 1
+    assert len(woken) == 1
+    latest.put(2)
+    assert len(woken) == 1
+    assert latest.get() == 2

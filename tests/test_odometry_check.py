@@ -170,6 +170,18 @@ def test_gaps_in_the_pictures_are_bridged_unless_they_are_long() -> None:
     assert steps[0] > steps[1] > steps[2] > 0.5 * steps[0]
 
 
+def test_what_happens_in_a_long_gap_is_no_error_of_the_wheels() -> None:
+    """As when somebody pushes the robot while it sees nothing."""
+    check, pushed = OdometryCheck(), Pose2(0.05, 0.1, 0.3)
+    for stamp, pose, odometry in path(Planted(), 10.0, 0):
+        if stamp < 4.0:
+            check.observe(stamp, pose, odometry, COVARIANCE)
+        elif stamp > 5.5:
+            check.observe(stamp, pushed @ pose, odometry, COVARIANCE)
+    assert (check.errors.rest < 1.3).all()
+    assert abs(check.errors.value("turn")) < 0.02
+
+
 def test_columns_are_the_changes_of_a_step_by_each_error() -> None:
     """Against steps with the error planted, by the geometry of the house."""
     first, last = Twist2(0.2, 0.5), Twist2(0.1, -0.8)

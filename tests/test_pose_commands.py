@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from app.engine.pose_commands import cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
-from app.page.belief import integrity_message, packed
+from app.page.belief import MOST_PARTICLES, integrity_message, packed
 from robot.errors import CommandError
 from robot.localization.filter import Cloud
 from robot.localization.integrity import Alert, Cause, Integrity, State
@@ -80,6 +80,12 @@ def test_an_infinite_bound_is_null_and_reasons_are_told_in_their_words():
     message = integrity_message(Integrity(State.APPROXIMATE, 0.06, 0.2, (late,)))
     assert (message.radius, message.heading_bound) == (0.06, 0.2)
     assert message.alerts == ["pictures seem to come 30 ms late"]
+
+
+@pytest.mark.parametrize("count", [MOST_PARTICLES, MOST_PARTICLES + 1, 2 * MOST_PARTICLES - 1])
+def test_no_more_particles_are_sent_than_a_map_shows(count):
+    sent = base64.b64decode(packed(Cloud.even(np.zeros((count, 3))), (-1.0, -1.0, 1.0, 1.0)))
+    assert MOST_PARTICLES / 2 <= len(sent) / 8 <= MOST_PARTICLES
 
 
 def test_an_empty_cloud_and_one_without_weight_can_be_sent():

@@ -82,3 +82,28 @@ def test_particles_count_by_their_weight() -> None:
     weights = np.array([0.75, 0.25])
     found.observe(10 * np.log([0.8, 0.4]), weights, 10, 0.1, 0.1)
     assert found.slow == pytest.approx(0.75 * 0.8 + 0.25 * 0.4)
+
+
+class Level:
+    """A model by which every pose fits alike, each ray with the same likelihood."""
+
+    def __init__(self) -> None:
+        self.ray = 0.5
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        return np.full(len(poses), np.log(self.ray) * scan.hit.sum())
+
+
+def test_a_fall_counts_once() -> None:
+    """Else scans that fit worse from now on would end with all particles anywhere."""
+    model = Level()
+    f = tracker_of(model, recovery_alpha_slow=0.01, recovery_alpha_fast=0.2, resample_interval=1)
+    f.told(Pose2(), 0.005, 0.01)
+    anywhere = []
+    for ray in (0.5, 0.1, 0.1, 0.1):
+        model.ray = ray
+        f.force_update()
+        f.update(Pose2(), Scan(0.0, np.zeros(60), np.full(60, 0.35)))
+        anywhere.append(float(np.mean(np.hypot(*f.cloud.poses[:, :2].T) > 0.05)))
+    assert anywhere[0] == 0
+    assert anywhere[1:] == pytest.approx(3 * [observed(0.5, 0.1).share()], abs=0.03)

@@ -110,7 +110,9 @@ def test_entries_of_another_line_lend_no_support() -> None:
     assert Verdict.COUNTED not in verdicts
 
 
-@pytest.mark.parametrize(("change", "counts"), [(0.004, True), (0.02, False)])
+@pytest.mark.parametrize(
+    ("change", "counts"), [(0.004, True), (0.02, False), (-0.004, True), (-0.02, False)]
+)
 def test_the_width_must_stay_what_it_is(change: float, counts: bool) -> None:
     """The end of a shoe has a straight edge too, and is as wide as tape somewhere."""
     entries, exits = stripe(21)

@@ -49,6 +49,15 @@ def test_polished_or_not_elsewhere_does_not_fit() -> None:
         assert fit(TRUE @ off) < fit(TRUE) - 1
 
 
+@pytest.mark.parametrize("off", [Pose2(0.04, 0, 0), Pose2(0, 0.04, 0.05)], ids=str)
+def test_known_to_centimetres_it_fits_where_rays_lie_farther_off_than_half_the_tape(
+    off: Pose2,
+) -> None:
+    one = ParticleFilter.of(SETUP, np.random.default_rng(0))
+    one.set_pose(TRUE @ off, np.diag(np.square([0.03, 0.03, 0.05])))
+    assert Track(one, 0.0).fit(RAYS, SETUP) == pytest.approx(fit(TRUE), abs=0.01)
+
+
 @pytest.mark.parametrize("off", [Pose2(0.06, 0, 0), Pose2(0, 0.04, 0.1)], ids=str)
 def test_it_does_not_live_on_what_fits_another_place(off: Pose2) -> None:
     """From so near, rays would draw it over, millimetres though its filter is sure of.
