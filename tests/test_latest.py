@@ -2,7 +2,6 @@ import asyncio
 import threading
 
 from app.engine.mailboxes.latest import Latest
-from app.engine.mailboxes.wakeup import Wakeup
 
 
 def test_the_newest_value_wins():
@@ -39,17 +38,13 @@ def test_another_thread_wakes_all_readers():
     assert asyncio.run(asyncio.wait_for(read(), 5)) == ["value", "value"]
 
 
-def test_a_reader_that_has_left_is_forgotten(monkeypatch):
+def test_a_reader_that_has_left_is_forgotten():
     woken = []
-
-    def note(wakeup):
-        woken.append(wakeup)
-
-    monkeypatch.setattr(Wakeup, "set", note)
     latest = Latest()
 
     async def read():
-        with latest.subscribe():
+        with latest.subscribe() as subscription:
+            subscription._waiting.set = lambda: woken.append("now")
             latest.put(1)
 
     asyncio.run(read())
