@@ -2,10 +2,11 @@
 
 from datetime import datetime
 
+import yaml
 from engine_runs import run
 
 from app.recordings.contents import contents_of
-from app.recordings.files.recording_file import RecordingFile
+from app.recordings.files.recording_file import METADATA_FILE, RecordingFile
 from app.recordings.recorder import Recorder
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
@@ -94,3 +95,10 @@ def record(program, folder, seconds, *renewed, **settings):
     assert recorder.failure is None
     assert recorder.status.message is None
     return made, shown, publisher.source
+
+
+def metadata_of(folder):
+    """What a recording's metadata.yaml tells."""
+    return yaml.safe_load((folder / METADATA_FILE).read_text(encoding="utf-8"))[
+        "rosbag2_bagfile_information"
+    ]

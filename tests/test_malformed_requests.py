@@ -6,6 +6,7 @@ import base64
 import random
 import socket
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import httpx
@@ -97,6 +98,13 @@ def no_traceback(served) -> Iterator[None]:
     assert httpx.get(f"{running.url}/api/health", timeout=20).json()["status"] == "ok"
 
 
+def drain(raw: socket.socket) -> None:
+    """Read until the other side closes."""
+    with suppress(ConnectionError):
+        while raw.recv(65536):
+            pass
+
+
 @pytest.mark.parametrize("request_", REFUSED.values(), ids=REFUSED.keys())
 def test_what_cannot_be_read_is_refused(served, request_) -> None:
     assert answer(served[0], request_).startswith(b"HTTP/1.1 400 ")
@@ -115,11 +123,7 @@ def test_frames_that_are_none_end_the_websocket(served, path, frames) -> None:
         raw.sendall(LIVE.replace(b"/api/live", path.encode()) + KEY + b"\r\n")
         assert raw.recv(12) == b"HTTP/1.1 101"
         raw.sendall(frames)
-        try:
-            while raw.recv(65536):
-                pass
-        except ConnectionError:
-            pass
+        drain(raw)
 
 
 def test_a_bad_chunk_after_the_answer_is_closed_too(served) -> None:
@@ -128,13 +132,10 @@ def test_a_bad_chunk_after_the_answer_is_closed_too(served) -> None:
     with socket.create_connection((host, int(port)), timeout=20) as raw:
         raw.sendall(POST + CHUNKED)
         assert raw.recv(65536).startswith(b"HTTP/1.1 405 ")
-        try:
+        with suppress(ConnectionError):
             for _ in range(3):
                 raw.sendall(b"zz\r\n")
-            while raw.recv(65536):
-                pass
-        except ConnectionError:
-            pass
+        drain(raw)
 
 
 def test_requests_with_wrong_bytes_leave_no_traceback(served) -> None:
@@ -150,11 +151,8 @@ def test_requests_with_wrong_bytes_leave_no_traceback(served) -> None:
             raw.sendall(bytes(request))
             raw.shutdown(socket.SHUT_WR)
             raw.settimeout(0.05)
-            try:
-                while raw.recv(65536):
-                    pass
-            except OSError:
-                pass
+            with suppress(TimeoutError):
+                drain(raw)
 
 
 def test_the_log_stays_short(served) -> None:
