@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import anyio
+from starlette import status
 from starlette.websockets import WebSocket
 
 from app.engine.mailboxes.wakeup import Wakeup
@@ -15,8 +16,6 @@ Data = str | bytes
 
 MOST_CLIENTS = 50
 """Most clients of one protocol at the same time: each costs a little in every tick."""
-
-TRY_AGAIN_LATER = 1013
 
 
 class Session(Protocol):
@@ -58,7 +57,9 @@ class Clients:
             greetings: the first messages.
         """
         if self._count >= MOST_CLIENTS:
-            await socket.close(TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are connected already")
+            await socket.close(
+                status.WS_1013_TRY_AGAIN_LATER, f"{MOST_CLIENTS} clients are connected already"
+            )
             return
         self._count += 1
         try:

@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 
 import viser
 import websockets.asyncio.server
+from starlette import status
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.exceptions import ConnectionClosedOK
 
@@ -22,9 +23,6 @@ from app.engine.problems import CLIENTS_LOG
 
 PROTOCOL = f"viser-v{viser.__version__}"
 """The subprotocol of viser's client; another version's cannot read the messages."""
-PROTOCOL_ERROR = 1002
-UNSUPPORTED_DATA = 1003
-TRY_AGAIN_LATER = 1013
 
 T = TypeVar("T")
 
@@ -58,11 +56,13 @@ class Viewers:
         """Serve one viewer in viser's event loop, until one side ends."""
         loop = self._loop
         if loop is None:
-            await socket.close(TRY_AGAIN_LATER, "the 3D view is not there")
+            await socket.close(status.WS_1013_TRY_AGAIN_LATER, "the 3D view is not there")
             return
         if PROTOCOL not in socket.scope.get("subprotocols", []):
             await socket.accept()
-            await socket.close(PROTOCOL_ERROR, f"the 3D view speaks {PROTOCOL}: reload the page")
+            await socket.close(
+                status.WS_1002_PROTOCOL_ERROR, f"the 3D view speaks {PROTOCOL}: reload the page"
+            )
             return
         await socket.accept(subprotocol=PROTOCOL)
         viewer = _Viewer(socket, asyncio.get_running_loop())
@@ -80,7 +80,7 @@ class Viewers:
             pass  # the view ends, or our websocket has: so does this task
         except Exception as error:  # viser expects well-formed messages; the others go on
             CLIENTS_LOG.warning("a viewer of the 3D view sent what viser cannot read: %r", error)
-            await viewer.close(UNSUPPORTED_DATA, "this is no message of viser's")
+            await viewer.close(status.WS_1003_UNSUPPORTED_DATA, "this is no message of viser's")
         finally:
             self._tasks.discard(task)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import anyio
+from starlette import status
 from starlette.websockets import WebSocket
 
 from app.engine.drivers import Driver
@@ -13,8 +14,6 @@ from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.websocket_session import Clients
 from app.settings.ros2 import Ros2Settings
-
-PROTOCOL_ERROR = 1002
 
 WATCHES = "this token only watches; ask for the link to drive"
 SWITCHED_OFF = "Foxglove only watches; foxglove_commands = true in [ros2] lets it drive"
@@ -35,7 +34,9 @@ class Foxglove:
         protocol = next((name for name in offered if name in SUBPROTOCOLS), None)
         if protocol is None:
             await socket.accept()
-            await socket.close(PROTOCOL_ERROR, f"valid subprotocols: {', '.join(SUBPROTOCOLS)}")
+            await socket.close(
+                status.WS_1002_PROTOCOL_ERROR, f"valid subprotocols: {', '.join(SUBPROTOCOLS)}"
+            )
             return
         offer = await self._shared()
         driver = Driver.numbered("Foxglove", socket.client and socket.client.host)
