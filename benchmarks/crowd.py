@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from app.engine.build import build_program
-from app.page.listening import listen
-from app.page.serving import Server
-from app.settings.config import ROOT, Config
+from app.settings.config import ROOT
 from benchmarks.crowd_clients import CROWDS
 from benchmarks.result import Result
+from benchmarks.served_simulation import percentile_ms, served_simulation
 from sim.real_time import RealTime
 
 TURNS = 5
@@ -32,20 +29,9 @@ def measure() -> Result:
     The median of the turns counts, as other programs disturb some of them. The crowds run on this
     machine, too.
     """
-    pace = RealTime()
-    program = build_program(Config(robot="sim"), pace)
-    listening = listen("127.0.0.1", 0)
-    address = f"127.0.0.1:{listening.getsockname()[1]}"
-    server = Server(program)
-    thread = threading.Thread(target=server.run, args=(listening,), name="server")
-    thread.start()
-    try:
-        time.sleep(5.0)  # wait: compiled code is loaded, and the first clouds are large
+    with served_simulation() as (address, pace):
         kinds = {**{kind: (kind,) for kind in CROWDS}, ALL: tuple(CROWDS)}
         times = {name: _measure_in_turns(address, crowds, pace) for name, crowds in kinds.items()}
-    finally:
-        server.stop()
-        thread.join(10)
     more = {
         f"{name}, {case} [ms]": value
         for name, cases in times.items()
@@ -62,17 +48,17 @@ def _measure_in_turns(address: str, crowds: tuple[str, ...], pace: RealTime) -> 
     present: list[float] = []
     alone: list[float] = []
     for _ in range(TURNS):
-        alone.append(_percentile_ms(pace))
+        alone.append(_settled_ms(pace))
         with _crowds(address, crowds):
-            present.append(_percentile_ms(pace))
+            present.append(_settled_ms(pace))
     return float(np.median(present)), float(np.median(alone))
 
 
-def _percentile_ms(pace: RealTime) -> float:
+def _settled_ms(pace: RealTime) -> float:
     time.sleep(SETTLE_S)
     pace.busy.clear()
     time.sleep(SECONDS)
-    return 1e3 * float(np.percentile(list(pace.busy), 99))
+    return percentile_ms(pace, 99)
 
 
 @contextmanager

@@ -5,16 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-import threading
 import time
 
-import numpy as np
-
-from app.engine.build import build_program
-from app.page.listening import listen
-from app.page.serving import Server
-from app.settings.config import ROOT, Config
+from app.settings.config import ROOT
 from benchmarks.result import Result
+from benchmarks.served_simulation import percentile_ms, served_simulation
 from sim.real_time import RealTime
 
 VIEWERS = 5
@@ -27,27 +22,16 @@ def measure() -> Result:
     A viewer receives everything that the page receives: telemetry, pictures and the messages of the
     3D view. The first viewer drives the figure-eight. Viewers run on this machine, too.
     """
-    pace = RealTime()
-    program = build_program(Config(robot="sim"), pace)
-    listening = listen("127.0.0.1", 0)
-    address = f"127.0.0.1:{listening.getsockname()[1]}"
-    server = Server(program)
-    thread = threading.Thread(target=server.run, args=(listening,), name="server")
-    thread.start()
-    try:
-        time.sleep(5.0)  # wait: compiled code is loaded, and the first clouds are large
+    with served_simulation() as (address, pace):
         pace.busy.clear()
         time.sleep(SECONDS)
-        alone = _percentile_ms(pace, 99)
+        alone = percentile_ms(pace, 99)
         watched = _watch(address, pace)
-    finally:
-        server.stop()
-        thread.join(10)
     return Result(
         unit="ms p99 step with 5 viewers",
-        brickpose=_percentile_ms(pace, 99),
+        brickpose=percentile_ms(pace, 99),
         peer={"without viewers": alone},
-        more={"median step [ms]": _percentile_ms(pace, 50), **watched},
+        more={"median step [ms]": percentile_ms(pace, 50), **watched},
     )
 
 
@@ -59,7 +43,3 @@ def _watch(address: str, pace: RealTime) -> dict[str, float]:
         pace.busy.clear()
         counted: dict[str, float] = json.loads(viewers.stdout.readline())
     return counted
-
-
-def _percentile_ms(pace: RealTime, percent: float) -> float:
-    return 1e3 * float(np.percentile(list(pace.busy), percent))

@@ -87,9 +87,10 @@ def _cause_troubles(rig: Rig, record: Record, seconds: float) -> list[Usage]:
     usage: list[Usage] = []
     _say("minute  memory [MB]  threads  descriptors  step, median and 99 % [ms]")
     # Each kind once, then again in another order.
+    kinds = [trouble for trouble in TROUBLES if rig.disk or not trouble.needs_disk]
     order: list[Trouble] = []
     while (elapsed := time.monotonic() - begun) < seconds or not usage:
-        order = order or [TROUBLES[index] for index in rng.permutation(len(TROUBLES))]
+        order = order or [kinds[index] for index in rng.permutation(len(kinds))]
         _survive(rig, order.pop(), rng, record)
         if elapsed >= WARM_UP_S * (len(usage) + 1):
             usage.append(Usage.of(rig.program, elapsed / 60))

@@ -39,6 +39,8 @@ class Rig:
     """Viewers in processes of their own, to be killed at the end of their fault."""
     sockets: list[socket.socket] = field(default_factory=list)
     """Connections that say nothing."""
+    killed: int | None = None
+    """The process of ROS 2 that was killed last."""
 
     def ask(self, **command: Any) -> dict[str, Any]:
         """Send a command and return its answer."""

@@ -15,6 +15,9 @@ Act = Callable[[Rig], None]
 
 IDLE_SOCKETS = 60
 
+DDS_S = 30.0
+"""The process of ROS 2 is back within this time, by the robot's clock [s]."""
+
 
 @dataclass(frozen=True)
 class Trouble:
@@ -25,19 +28,20 @@ class Trouble:
     end: Act | None
     stops: bool = False
     """Whether the motors must stop."""
+    needs_disk: bool = False
+    """Whether the recordings must have a small disk of their own."""
 
 
 def _board(name: str, begin: str, end: str | None, *, stops: bool = True) -> Trouble:
     """A fault of the board, by lines that a person's hands would be."""
 
     def act(line: str) -> Act:
-        return lambda rig: _discard(rig.hat.ask(line))
+        def ask(rig: Rig) -> None:
+            rig.hat.ask(line)
+
+        return ask
 
     return Trouble(name, act(begin), act(end) if end else None, stops)
-
-
-def _discard(answer: str) -> None:
-    """Leave an answer unread."""
 
 
 def _end_clients(rig: Rig) -> None:
@@ -69,9 +73,14 @@ def _close_idle(rig: Rig) -> None:
 
 
 def _kill_dds(rig: Rig) -> None:
-    pid = rig.dds_process()
-    if pid is not None:
-        os.kill(pid, signal.SIGKILL)
+    rig.killed = rig.dds_process()
+    if rig.killed is not None:
+        os.kill(rig.killed, signal.SIGKILL)
+
+
+def _await_dds(rig: Rig) -> None:
+    """Wait until another process speaks DDS; it is started after some seconds."""
+    until(rig.live, lambda message: rig.dds_process() not in (None, rig.killed), DDS_S)
 
 
 def _no_recording(message: Telemetry) -> bool:
@@ -90,8 +99,6 @@ def _end_recording(rig: Rig) -> None:
 
 def _fill_disk(rig: Rig) -> None:
     _begin_recording(rig)
-    if not rig.disk:
-        return
     filler = rig.recordings / "filler"
     with filler.open("wb") as file:
         try:
@@ -130,8 +137,8 @@ TROUBLES = (
     Trouble("viewers come and are killed", lambda rig: rig.start_viewers(2), _end_clients),
     Trouble("viewers hang", _hang, _end_clients),
     Trouble("idle connections", _open_idle, _close_idle),
-    Trouble("ROS 2 process killed", _kill_dds, None),
+    Trouble("ROS 2 process killed", _kill_dds, _await_dds),
     Trouble("recording", _begin_recording, _end_recording),
-    Trouble("disk full while recording", _fill_disk, lambda rig: rig.forget_recordings()),
+    Trouble("disk full while recording", _fill_disk, Rig.forget_recordings, needs_disk=True),
     Trouble("parameters changed, cloud scattered", _change_parameters, _reset),
 )
