@@ -61,7 +61,8 @@ def interruptible() -> Iterator[None]:
     """Raise ``Interrupted`` in the block at a signal; a signal while it cleans up changes nothing.
 
     Raises:
-        Interrupted: also at the end of the block, if other code dropped it before.
+        Interrupted: also at the end of the block, if other code dropped it or raised another
+            exception from it.
     """
     taken: list[int] = []
 
@@ -81,6 +82,11 @@ def interruptible() -> Iterator[None]:
             try:
                 with _handlers(interrupt, SIGNALS):
                     yield
+            except Exception as error:
+                # C code makes a SystemError of an exception that it did not expect.
+                if _is_cause(error):
+                    raise Interrupted(taken[0]) from None
+                raise
             finally:
                 signal.setitimer(signal.ITIMER_REAL, 0)
     finally:
@@ -125,6 +131,13 @@ def _is_noticed(error: BaseException | None) -> bool:
     """Whether an exception that is being handled is, or came from, ``Interrupted``."""
     while error is not None and not isinstance(error, Interrupted):
         error = error.__context__
+    return error is not None
+
+
+def _is_cause(error: BaseException | None) -> bool:
+    """Whether an exception was raised from ``Interrupted``, and not merely while cleaning up."""
+    while error is not None and not isinstance(error, Interrupted):
+        error = error.__cause__
     return error is not None
 
 

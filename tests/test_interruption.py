@@ -39,6 +39,25 @@ def test_what_is_dropped_at_the_end_is_raised_there():
             pass
 
 
+def test_an_exception_that_c_code_makes_of_the_interruption_is_the_interruption():
+    with pytest.raises(Interrupted) as ended, interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.pause()
+        except BaseException as error:
+            raise SystemError("returned a result with an exception set") from error
+    assert ended.value.number == signal.SIGTERM
+
+
+def test_a_failure_of_what_cleans_up_is_told():
+    with pytest.raises(OSError, match="disk full"), interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.pause()
+        finally:
+            raise OSError("disk full")
+
+
 def test_a_destructor_that_is_interrupted_prints_nothing(capsys):
     class Signals:
         def __del__(self):

@@ -15,6 +15,7 @@ from app.ros2.route import Pace, Route
 from app.ros2.source import RosClock, TopicSource
 from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic
+from robot.worker_thread import WorkerThread
 
 ODOM, MAP = topic("odom"), topic("map")
 
@@ -168,6 +169,17 @@ def test_the_thread_is_there_only_while_a_route_is(program, publisher):
     publisher.remove(route)
     thread.join(5)
     assert not threads()
+
+
+def test_the_next_tick_counts_though_the_thread_has_not_begun(program, publisher, monkeypatch):
+    begin = threading.Event()
+    waits = WorkerThread._run
+    monkeypatch.setattr(WorkerThread, "_run", lambda self: begin.wait(10) and waits(self))
+    route = Collecting("odom")
+    publisher.add(route)
+    snapshot = program.engine.step()
+    begin.set()
+    assert route.next().stamp == ODOM.stamp(snapshot)
 
 
 def test_who_leaves_and_comes_back_is_never_asked_by_two_threads(program, publisher):

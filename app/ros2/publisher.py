@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import ExitStack
 
+from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
@@ -44,8 +46,14 @@ class TopicPublisher:
         with self._lock:
             self._routes = (*self._routes, route)
             if self._thread is None:
+                # Subscribed here: the thread may begin only after the next tick.
+                subscribed = ExitStack()
+                feed = subscribed.enter_context(self._every.subscribe(MOST_WAITING))
                 self._thread = WorkerThread(
-                    "topics", self._run, owner="the topics", patience=JOIN_S
+                    "topics",
+                    lambda stopping: self._run(subscribed, feed),
+                    owner="the topics",
+                    patience=JOIN_S,
                 )
                 self._thread.start()
 
@@ -69,8 +77,8 @@ class TopicPublisher:
         if thread is not None:
             thread.join()
 
-    def _run(self, stopping: threading.Event) -> None:
-        with self._every.subscribe(MOST_WAITING) as feed:
+    def _run(self, subscribed: ExitStack, feed: Backlog[Snapshot]) -> None:
+        with subscribed:
             while self._goes_on():
                 snapshot = feed.get(LOOK_S)
                 while snapshot is not None and self._routes:
