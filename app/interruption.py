@@ -61,8 +61,8 @@ def interruptible() -> Iterator[None]:
     """Raise ``Interrupted`` in the block at a signal; a signal while it cleans up changes nothing.
 
     Raises:
-        Interrupted: also at the end of the block, if other code dropped it or raised another
-            exception from it.
+        Interrupted: also at the end of the block, if other code dropped it failed because
+            of it.
     """
     taken: list[int] = []
 
@@ -83,8 +83,9 @@ def interruptible() -> Iterator[None]:
                 with _handlers(interrupt, SIGNALS):
                     yield
             except Exception as error:
-                # C code makes a SystemError of an exception that it did not expect.
-                if _is_cause(error):
+                # C code makes a SystemError of an exception that it did not expect, or drops it and
+                # fails at what it left undone. A failure while cleaning up is another matter.
+                if taken and (_is_cause(error) or not _is_noticed(error)):
                     raise Interrupted(taken[0]) from None
                 raise
             finally:

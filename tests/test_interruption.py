@@ -49,6 +49,16 @@ def test_an_exception_that_c_code_makes_of_the_interruption_is_the_interruption(
     assert ended.value.number == signal.SIGTERM
 
 
+def test_a_failure_of_code_that_dropped_the_interruption_is_the_interruption():
+    with pytest.raises(Interrupted), interruptible():
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+            signal.pause()
+        except BaseException:
+            pass
+        raise RuntimeError("no compiled object yet")
+
+
 def test_a_failure_of_what_cleans_up_is_told():
     with pytest.raises(OSError, match="disk full"), interruptible():
         try:

@@ -31,8 +31,8 @@ worlds = ["kinematic"]
 localization.filter.min_particles = [100, 200]
 """
 
-MODULE = [sys.executable, "-m", "app"]
-SCRIPT = [sys.executable, "-c", CONSOLE_SCRIPT]
+MODULE = [sys.executable, "-X", "faulthandler", "-m", "app"]
+SCRIPT = [sys.executable, "-X", "faulthandler", "-c", CONSOLE_SCRIPT]
 
 COMMANDS = {
     "run": (MODULE, ["run", "--robot", "kinematic", "--port", "0"], 4.0),

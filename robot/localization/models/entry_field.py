@@ -11,6 +11,7 @@ of such a cell without their sign.
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
@@ -29,6 +30,8 @@ SIGNED_CELLS = 2.0
 """The distance has a sign up to so many cells from an edge; farther it would jump."""
 MOST_CELLS = 500_000
 """Largest table for one direction; fields that would need more get coarser cells."""
+THREADS = 2
+"""Directions worked out at a time; each takes up to 40 MB meanwhile."""
 KEPT = 2
 """Tables that are kept: up to 32 MB each, but 0.2 s to make."""
 
@@ -72,17 +75,22 @@ def _built(edges_as_bytes: bytes, resolution: float, max_distance: float) -> Ent
     x = low[0] + cell * np.arange(width)
     y = low[1] + cell * np.arange(height)
     cells = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    table = np.full((DIRECTIONS, height, width), max_distance, dtype=np.float32)
     turns = heading_vectors(np.linspace(0.0, 2 * math.pi, DIRECTIONS, endpoint=False))
     # A ray may be half a step off the direction it is counted to, and meet edges that lie
     # along that direction; without them one ray in thirty would find no edge at the truth.
     grazing = math.sin(math.pi / DIRECTIONS)
-    for direction, toward in enumerate(turns):
-        facing = normals @ toward < grazing
-        if facing.any():
-            tree = cKDTree(points[facing])
-            signed = _distances(cells, tree, normals[facing], max_distance, cell, step)
-            table[direction] = signed.reshape(height, width)
+
+    def toward(turn: Array) -> NDArray[np.float32]:
+        facing = normals @ turn < grazing
+        if not facing.any():
+            return np.full((height, width), max_distance, dtype=np.float32)
+        tree = cKDTree(points[facing])
+        signed = _distances(cells, tree, normals[facing], max_distance, cell, step)
+        return signed.reshape(height, width).astype(np.float32)
+
+    # Not by the tree's own threads: they go on after an interruption, and read freed memory.
+    with ThreadPoolExecutor(THREADS) as threads:
+        table = np.stack(list(threads.map(toward, turns)))
     return EntryField(table, (float(low[0]), float(low[1])), cell, max_distance, resolution)
 
 
@@ -90,7 +98,7 @@ def _distances(
     cells: Array, tree: cKDTree, normals: Array, max_distance: float, cell: float, step: float
 ) -> Array:
     """Distance [m] of cells (c, 2) from edges given as points in a tree, with normals (p, 2)."""
-    _, index = tree.query(cells, distance_upper_bound=max_distance, workers=-1)
+    _, index = tree.query(cells, distance_upper_bound=max_distance)
     nearest = np.asarray(index)
     results = nearest < tree.n
     away = cells[results] - tree.data[nearest[results]]
