@@ -28,6 +28,8 @@ class Confirmation:
         self._put_off = False
         self._held = held
         """Whether the leader was confirmed before the doubt, and has not been lost since."""
+        self._replacements = 0
+        """How often another place became the leader since the last confirmation."""
 
     def doubt(self, scans: int) -> None:
         """Doubt the place; ``scans`` is the number of kept scans so far."""
@@ -45,11 +47,14 @@ class Confirmation:
         before, self._leader = self._leader, heaviest
         another = before is not None and not p.alike(before.pose, heaviest.pose)
         self._held &= not another
+        self._replacements += another
         return another
 
     def is_due(self, scans: int, local: LocalMap) -> bool:
         """Whether a search of the short map that begins now would confirm the place."""
-        fresh = local.whole or scans - self._doubted_at >= len(local)
+        # A shoe may look like the tape of another place. Further short maps rarely see the same one.
+        whole = local.whole and not self._replacements
+        fresh = whole or scans - self._doubted_at >= (1 + self._replacements) * len(local)
         return not (self.is_given or self._search_counts) and local.lacking == 0 and fresh
 
     def begin(self, scans: int, local: LocalMap) -> None:
@@ -66,6 +71,7 @@ class Confirmation:
         if self._search_counts:
             self.is_given = not rival or (self._put_off and self._held)
             self._put_off = not self.is_given
-            self._held |= self.is_given
+            if self.is_given:
+                self._held, self._replacements = True, 0
             self._doubted_at = scans if self._put_off else self._doubted_at
         self._search_counts = False

@@ -38,6 +38,11 @@ INDIFFERENT = 0.5
 """Smaller losses of log-likelihood do not count: a single ray makes as much. Such small differences
 come from where a fit ends, and they would add up."""
 
+ONE_THING, FORGIVEN = 6.0, 0.1
+"""Most log-weight that a confirmed place loses by one thing on the floor, and how much of that is
+given back with each scan. A shoe that looks like the tape of another place is seen in a dozen
+scans, but only once: it must not outweigh all that was seen before it."""
+
 STRAY = 0.05
 """Clusters below this share of a track's heaviest cluster are not separate places."""
 
@@ -58,6 +63,10 @@ class Track:
     """Relative to the heaviest track."""
     born: int = 0
     """Number of kept scans when it was found, or last came unstuck."""
+    confirmed: bool = False
+    """Whether it was the only likely place for long: then no single thing outweighs it."""
+    _left: float = ONE_THING
+    """Log-weight that it may still lose by the thing that is seen now, if it is confirmed."""
     _gains: tuple[float, ...] = ()
     """How much better the last scans fit where they were laid than at the track; only of successive
     scans that were laid far off."""
@@ -129,11 +138,16 @@ class Track:
 
         The errors of successive scans are correlated: a piece of tape that is seen badly stays so
         for a dozen pictures. So a scan counts little more than the mean of the scans before it, and
-        a steady difference counts in full after some scans.
+        a steady difference counts in full after some scans, or slowly if the place is confirmed.
         """
         counted = min(loss, self._mean_loss + STEADY, most)
         self._mean_loss += FORGETTING * (min(loss, most) - self._mean_loss)
-        self.log_weight -= counted if counted > INDIFFERENT else 0.0
+        if counted > INDIFFERENT:
+            if self.confirmed:
+                counted = min(counted, self._left)
+            self.log_weight -= counted
+            self._left -= counted
+        self._left = min(max(self._left, 0.0) + FORGIVEN, ONE_THING)
 
     def restart_if_stuck(self) -> bool:
         """Restart where the scans fit, if they have fitted far off, and better, for long enough.
