@@ -45,6 +45,22 @@ def test_a_place_that_was_never_doubted_needs_no_search() -> None:
     assert one.is_given and not one.is_due(100, filled(LocalMap.of(P), 6))
 
 
+def test_a_place_that_replaced_another_needs_a_further_short_map_for_each_time() -> None:
+    one = Confirmation()
+    places = [track_at(Pose2()), track_at(Pose2(0.5, 0, 0))]
+    assert [one.follow(places[i % 2], 1.0, P) for i in range(3)] == [False, True, True]
+    one.doubt(10)
+    one.lose()  # It does not count as a carried robot's either.
+    local = filled(LocalMap.of(P), 28)
+    assert not one.is_due(10 + 3 * P.map_scans - 1, local)
+    assert one.is_due(10 + 3 * P.map_scans, local)
+    one.begin(28, local)
+    one.end(28, rival=False)
+    assert one.is_given
+    one.doubt(40)
+    assert one.is_due(40 + P.map_scans, local)
+
+
 def test_only_a_search_of_scans_since_the_doubt_gives_it_back() -> None:
     one, local = Confirmation(), filled(LocalMap.of(P), 10)
     one.doubt(10)

@@ -98,6 +98,15 @@ def test_a_robot_with_worn_wheels_is_right_to_the_end() -> None:
     assert not misleading(claims).any()
 
 
+@pytest.mark.parametrize(("name", "seed"), [("stub", 9741), ("stub", 9749), ("tee", 9741)])
+def test_a_shoe_that_looks_like_tape_does_not_make_another_place_certain(
+    name: str, seed: int
+) -> None:
+    """It outweighed all that was seen before, and half a turn off was claimed for two seconds."""
+    claims = claims_of(name, "cluttered", "known", seed)
+    assert not misleading(claims).any()
+
+
 @pytest.mark.parametrize(("name", "seed"), [("square", 9000), ("generated-6001", 9000)])
 def test_a_floor_laid_out_two_percent_too_large_is_within_the_bound(name: str, seed: int) -> None:
     """Up to 41 % of pictures were misleading: the bound knew only the way to the next edge."""

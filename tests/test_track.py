@@ -9,7 +9,7 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
-from robot.localization.hypotheses.track import STUCK, Track
+from robot.localization.hypotheses.track import ONE_THING, STUCK, Track
 from robot.localization.parameters import HypothesisParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.rays import rays_of
@@ -117,3 +117,22 @@ def test_probabilities_are_given_as_logarithms_also_of_nothing() -> None:
     one = HypothesisParameters(kidnapped=1e-3, hopeless=1e-2)
     assert np.exp([one.log_kidnapped, one.log_hopeless]) == pytest.approx([1e-3, 1e-2])
     assert np.isfinite(replace(one, hopeless=0.0).log_hopeless)
+
+
+def test_no_single_thing_outweighs_a_confirmed_place() -> None:
+    tracks = track_at(TRUE), track_at(TRUE)
+    tracks[0].confirmed = True
+    for _ in range(30):  # A second of scans that fit another place better.
+        for track in tracks:
+            track.lose(3.0, 3.0)
+    confirmed, other = (track.log_weight for track in tracks)
+    assert other < -80
+    assert DEFAULTS.hypotheses.log_kidnapped < confirmed < -ONE_THING
+
+
+def test_a_confirmed_place_that_fits_worse_all_the_time_is_given_up() -> None:
+    track = track_at(TRUE)
+    track.confirmed = True
+    for _ in range(120):
+        track.lose(1.0, 3.0)
+    assert track.log_weight < DEFAULTS.hypotheses.log_hopeless
