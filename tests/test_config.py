@@ -156,3 +156,8 @@ def test_a_missing_file_is_named(tmp_path):
 def test_a_huge_file_is_refused_before_it_is_parsed(tmp_path):
     with pytest.raises(SettingError, match="is too long; valid are up to 1000000 characters"):
         load(tmp_path, "#" * 1_000_001)
+
+
+def test_a_number_of_thousands_of_hexadecimal_digits_is_refused(tmp_path):
+    with pytest.raises(SettingError, match="a number is too long"):
+        load(tmp_path, f"seed = 0x{'f' * 5000}")

@@ -137,7 +137,10 @@ def from_table(group: type[T], table: Mapping[str, Any]) -> T:
     """
     # Validate as JSON: its strict types are TOML's (tables, lists, an int for a float). JSON has no
     # dates, and no setting is a date: a date becomes null, which is refused.
-    text = json.dumps(table, default=lambda _: None)
+    try:
+        text = json.dumps(table, default=lambda _: None)
+    except ValueError as error:  # hexadecimal numbers may have thousands of digits
+        raise SettingError(f"a number is too long: {error}") from error
     try:
         result: T = _adapter(group).validate_json(text, strict=True, extra="forbid")
     except ValidationError as error:

@@ -29,7 +29,7 @@ NANOSECONDS_FROM = 1e16
 ENOUGH = 4
 """A comment with fewer names of quantities is not a header."""
 
-_UNIT = re.compile(r"\s*[\[(]([^\])]*)[\])]")
+_UNIT = re.compile(r"[\[(]([^\[\]()]*)[\])]")
 _SUFFIX = re.compile(r"_(ns|us|ms|s|sec|m|cm|mm)$")
 _STAMP = re.compile(r"(?:.*[._])?(?:t|time|stamp|timestamp)")
 _POSITION = re.compile(r"(?:(?:.*[._])?(?:p|t|pos|position|translation)(?:_\w+)?[._]?)?([xyz])")
