@@ -14,11 +14,20 @@ from pathlib import Path
 
 from app.console import say
 from app.interruption import Interrupted, deferred
+from app.lab.calibrate.options import add_calibrate
 from app.lab.evaluate_options import add_evaluate
 from app.lab.localize.options import add_localize
 from app.lab.sweep.options import add_sweep
 from app.lab.trajectories.trajectory import TrajectoryError
-from app.options import add_camera, add_condition, add_config, add_map, add_serial_port, config_from
+from app.options import (
+    add_camera,
+    add_condition,
+    add_config,
+    add_map,
+    add_profile,
+    add_serial_port,
+    config_from,
+)
 from app.page.access_options import add_access
 from app.recordings.options import add_record
 from app.ros2.export.options import add_export
@@ -69,6 +78,7 @@ def _parser() -> argparse.ArgumentParser:
     add_evaluate(commands)
     add_sweep(commands)
     add_localize(commands)
+    add_calibrate(commands)
     add_emulate_hat(commands)
     add_doctor(commands)
     add_export(commands)
@@ -114,6 +124,7 @@ def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> N
     )
     add_access(run)
     add_condition(run)
+    add_profile(run)
     add_config(run)
     _add_models(run)
     _add_start_pose(run)

@@ -11,7 +11,7 @@ from app.settings.conditions import apply_condition, condition_names
 from app.settings.config import Config, load_config
 from robot.settings import SettingError
 
-OPTIONS = ("robot", "host", "port", "seed", "sensor_model", "motion_model", "models")
+OPTIONS = ("robot", "profile", "host", "port", "seed", "sensor_model", "motion_model", "models")
 """Options that set the top-level settings of the same names."""
 
 START_OPTIONS = ("restore_pose", "pose_file")
@@ -45,6 +45,16 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
         default=argparse.SUPPRESS,
         help=f"what is worse than usual in a simulation{repeated}: {condition_names()} "
         "(default: default)",
+    )
+
+
+def add_profile(command: argparse.ArgumentParser) -> None:
+    """Add the option for the robot's profile."""
+    command.add_argument(
+        "--profile",
+        metavar="PROFILE.toml",
+        default=argparse.SUPPRESS,
+        help="what `brickpose calibrate` has measured of the robot (default: it is as described)",
     )
 
 

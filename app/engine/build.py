@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
+from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
@@ -78,7 +80,7 @@ def build_program(
     """
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
-    spec = RobotSpec.load()
+    spec = robot_spec(config)
     scanner = scanner or LineScanner(spec.floor_view, config.scanner)
     own = own_models(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
@@ -90,6 +92,16 @@ def build_program(
     if begin.complaint is not None:
         engine.note(begin.complaint)
     return Program(engine, robot, field, scanner, config, path, own.choice)
+
+
+def robot_spec(config: Config) -> RobotSpec:
+    """Return the robot's description, as its profile corrects it if the configuration names one.
+
+    Raises:
+        SpecError: the profile cannot be read, or is of another robot.
+    """
+    spec = RobotSpec.load()
+    return load_profile(Path(config.profile)).applied_to(spec) if config.profile else spec
 
 
 def build_engine(
@@ -189,7 +201,7 @@ def build_simulated(
 ) -> SimulatedRobot:
     """Build the simulated robot that the configuration names."""
     if config.robot == "sim":
-        true = draw(spec, config.sim.imperfections, rng)
+        true = draw(spec.as_drawn, config.sim.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.sim.physics)
         encoders = Encoders(spec, config.sim.imperfections, rng)
         seen = true.floor_view

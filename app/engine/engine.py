@@ -156,7 +156,7 @@ class Engine:
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
         controls.frame = reading.frame or controls.frame
-        seen = reading.frame or reading.scan
+        seen = _exposed(reading.frame, controls.robot.spec.picture_delay) or reading.scan
         if seen is not None:
             self._meter.frame(seen.stamp)
             self._measure(seen)
@@ -224,3 +224,8 @@ class Engine:
             record=problems.record,
             layers=controls.layers,
         )
+
+
+def _exposed(frame: Frame | None, delay: float) -> Frame | None:
+    """Return a picture with the stamp of its exposure, which it was stamped later than."""
+    return frame if frame is None or delay == 0 else Frame(frame.stamp - delay, frame.image)

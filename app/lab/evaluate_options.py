@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from app.interruption import interruptible
-from app.options import Commands, add_config, add_map
+from app.options import Commands, add_config, add_map, add_profile
 from app.settings.conditions import condition_names
 from robot.settings import SettingError
 
@@ -16,7 +16,7 @@ SIMULATED = ("map", "first_seed", "config", "workers", "cluster", "seeds", "worl
 RECORDED = ("recording", "truth", "body", "clock_offset")
 """Options valid with a recording."""
 VALID = {
-    ("experiment", False): (*SIMULATED, "laps", "offset"),
+    ("experiment", False): (*SIMULATED, "laps", "offset", "profile", "calibrate"),
     ("models", False): (*SIMULATED, "repeats"),
     ("experiment", True): RECORDED,
     ("models", True): (*RECORDED, "config"),
@@ -174,6 +174,13 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
         nargs=3,
         metavar=("DX", "DY", "DTHETA"),
         help="how far the told pose is off [m, m, rad] (default: -0.1 -0.1 0.3)",
+    )
+    add_profile(command)
+    command.add_argument(
+        "--calibrate",
+        type=float,
+        metavar="SECONDS",
+        help="each robot calibrates itself first, by a drive of so long",
     )
     command.add_argument(
         "--world",

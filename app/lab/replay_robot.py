@@ -12,9 +12,12 @@ from robot.interface import Reading, RobotError
 class ReplayRobot:
     """Satisfies ``Robot``; ignores wheel commands."""
 
-    def __init__(self, name: str, readings: Iterable[Reading]) -> None:
+    def __init__(
+        self, name: str, readings: Iterable[Reading], spec: RobotSpec | None = None
+    ) -> None:
+        """Replay readings of the described robot, or of one with another description."""
         self.name = name
-        self.spec = RobotSpec.load()
+        self.spec = spec or RobotSpec.load()
         self._readings = iter(readings)
 
     def read(self) -> Reading:

@@ -39,6 +39,10 @@ class RobotSpec:
     """Convex outline (k, 2) [m] of the robot seen from above, anticlockwise, not closed."""
     urdf: str = field(repr=False)
     """The description as text, with inertia filled in."""
+    picture_delay: float = 0.0
+    """How much later than its exposure a picture is stamped [s]."""
+    drawing: RobotSpec | None = field(default=None, repr=False)
+    """The description before a calibration corrected it; None if none did."""
 
     @classmethod
     def load(cls, path: Path = SPIKE) -> RobotSpec:
@@ -104,6 +108,11 @@ class RobotSpec:
         urdf = with_inertia(ElementTree.tostring(root, encoding="unicode"))
         outline = _outline(parse_xml(urdf), read_model(urdf))
         return replace(self, joints=joints, outline=outline, urdf=urdf)
+
+    @property
+    def as_drawn(self) -> RobotSpec:
+        """The robot as its URDF has it, without a calibration."""
+        return self.drawing or self
 
     @property
     def axle(self) -> tuple[int, int]:

@@ -138,6 +138,10 @@ class LineScan:
         return (answers / self.kernel).astype(np.float32)
 
 
+Judged = tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]
+"""What ``judge_pairs`` returns."""
+
+
 class LineScanner:
     """Finds tape in the pictures of one camera."""
 
@@ -172,25 +176,8 @@ class LineScanner:
         """
         picture = self._checked(frame.image)
         table, wanted, directions = self.table, self.settings, self._directions
-        pairs, met, noise, kernel, clear = find_edges(
-            picture,
-            table.places,
-            table.counts,
-            table.pixels,
-            self._apart,
-            wanted.kernel,
-            wanted.threshold,
-        )
-        chosen, verdicts, widths, lines = judge_pairs(
-            points_of(pairs, table.distances, directions),
-            met,
-            wanted.tape_width,
-            wanted.width_tolerance,
-            wanted.support,
-            wanted.straightness,
-            wanted.taper,
-            wanted.bend_radius,
-        )
+        pairs, noise, kernel, clear, judged = self._search(picture)
+        chosen, verdicts, widths, lines = judged
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, directions)
         if self._a_row > 0:
             unskew(
@@ -207,6 +194,44 @@ class LineScanner:
             )
         scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=clear)
         return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
+
+    def entries_and_exits(self, image: NDArray[np.uint8]) -> tuple[Array, float]:
+        """Return where each ray that counts enters and leaves tape (k, 2), and the picture's noise.
+
+        In samples along the ray, as measured: ``scan`` moves entries onto the line of their edge,
+        which is only right if the camera is as described. The noise is in grey levels.
+
+        Raises:
+            ValueError: as ``scan``.
+        """
+        pairs, noise, _, _, (chosen, verdicts, _, _) = self._search(self._checked(image))
+        chosen_pairs = pairs[np.arange(len(chosen)), chosen]
+        chosen_pairs[verdicts != Verdict.COUNTED] = np.nan
+        return chosen_pairs, noise
+
+    def _search(self, picture: NDArray[np.uint8]) -> tuple[Array, float, int, Array, Judged]:
+        """Return pairs, noise, kernel and clearness of ``find_edges``, and what is chosen."""
+        table, wanted = self.table, self.settings
+        pairs, met, noise, kernel, clear = find_edges(
+            picture,
+            table.places,
+            table.counts,
+            table.pixels,
+            self._apart,
+            wanted.kernel,
+            wanted.threshold,
+        )
+        judged = judge_pairs(
+            points_of(pairs, table.distances, self._directions),
+            met,
+            wanted.tape_width,
+            wanted.width_tolerance,
+            wanted.support,
+            wanted.straightness,
+            wanted.taper,
+            wanted.bend_radius,
+        )
+        return pairs, noise, kernel, clear, judged
 
     def pixels(self, positions: Array) -> Array:
         """Return the pixels (k, 2) of one position on each ray (k,) [samples]; nan stays nan."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from app.console import say
 from app.files import RESULTS, atomic_folder, write_json
-from app.lab.evaluation.experiment import Experiment, run
+from app.lab.evaluation.experiment import Experiment, Outcome, run
 from app.lab.evaluation.recorded import RUN, evaluate_recording
 from app.lab.evaluation.report.report import Evaluation, figure3, millimetres, report, seconds
 from app.lab.evaluation.results import condition_table, trajectory
@@ -43,12 +44,15 @@ def evaluate(experiment: Experiment, workers: Workers, folder: Path) -> dict[str
     """
     field = load_field(experiment.config.map, MAPS)
     with atomic_folder(folder) as new:
+        outcomes_by_world = run(experiment, workers)
         conditions = {
             (world, given): [getattr(outcome, given) for outcome in outcomes]
-            for world, outcomes in run(experiment, workers).items()
+            for world, outcomes in outcomes_by_world.items()
             for given in (WITHOUT, WITH)
         }
         results = results_of(experiment, conditions)
+        if experiment.calibrate is not None:
+            results["calibration"] = _calibrations(experiment, outcomes_by_world, new)
         evaluation = Evaluation(experiment, field, conditions, results)
         (new / "figure3.svg").write_text(figure3(evaluation), encoding="utf-8")
         (new / "report.html").write_text(report(evaluation), encoding="utf-8")
@@ -94,6 +98,23 @@ def results_of(
     }
 
 
+def _calibrations(
+    experiment: Experiment, outcomes: dict[str, list[Outcome]], folder: Path
+) -> dict[str, Any]:
+    """Write the robots' profiles; return what ``results.json`` says of the calibrations."""
+    failed: dict[str, dict[str, str]] = {}
+    for world, robots in outcomes.items():
+        failed[world] = {}
+        for seed, robot in zip(experiment.all_seeds, robots, strict=True):
+            place = folder / "runs" / _place(experiment, world, WITHOUT) / str(seed)
+            place.mkdir(parents=True, exist_ok=True)
+            if robot.profile is None:
+                failed[world][str(seed)] = robot.not_calibrated
+            else:
+                (place / "profile.toml").write_text(robot.profile.to_toml(), encoding="utf-8")
+    return {"seconds": experiment.calibrate, "not_calibrated": failed}
+
+
 def _place(experiment: Experiment, world: str, given: str) -> str:
     """Return a condition's folder under ``runs/``: for the first condition ``runs/`` itself."""
     if (world, given) == (experiment.worlds[0], WITHOUT):
@@ -130,6 +151,9 @@ def evaluate_command(given: Given) -> int:
         results = _experiment(given, folder)
         for condition in results["conditions"]:
             say(_line(condition))
+        for world, failed in results.get("calibration", {}).get("not_calibrated", {}).items():
+            for seed, why in failed.items():
+                say(f"{world}, seed {seed} is not calibrated: {why}")
     say(f"the report is {folder / 'report.html'}")
     return 0
 
@@ -166,7 +190,10 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
     options: dict[str, Any] = {name: given[name] for name in named if name in given}
     if "offset" in given:
         options["offset"] = tuple(given["offset"])
-    experiment = Experiment(config_of(given), worlds_from_options(given), **options)
+    if "calibrate" in given:
+        options["calibrate"] = given["calibrate"]
+    config = replace(config_of(given), profile=given.get("profile", ""))
+    experiment = Experiment(config, worlds_from_options(given), **options)
     crew = workers_from_options(given)
     try:
         return evaluate(experiment, crew, folder)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine.build import build_program
+from app.engine.build import build_program, robot_spec
 from app.engine.engine import Engine
 from app.engine.localization import Localization
 from app.engine.problems import Problems
@@ -170,12 +170,12 @@ def _tick(snapshot: Snapshot) -> Tick:
 class RecordedScanner(LineScanner):
     """A scanner that looks up the recorded line scans of a drive."""
 
-    def __init__(self, drive: Drive, settings: LineScannerSettings) -> None:
-        super().__init__(RobotSpec.load().floor_view, settings)
+    def __init__(self, drive: Drive, spec: RobotSpec, settings: LineScannerSettings) -> None:
+        super().__init__(spec.floor_view, settings)
         self._scans = {
-            tick.reading.frame.stamp: tick.line_scan
+            tick.line_scan.scan.stamp: tick.line_scan
             for tick in drive.ticks
-            if tick.reading.frame is not None and tick.line_scan is not None
+            if tick.line_scan is not None
         }
 
     def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
@@ -205,11 +205,12 @@ def follow_drive(
     Raises:
         EvaluationError: one of the user's own models is broken.
     """
+    spec = robot_spec(config)
     program = build_program(
         _for_lab(config),
-        robot=ReplayRobot("The drive", (tick.reading for tick in drive.ticks)),
+        robot=ReplayRobot("The drive", (tick.reading for tick in drive.ticks), spec),
         field=believed or drive.field,
-        scanner=RecordedScanner(drive, config.scanner),
+        scanner=RecordedScanner(drive, spec, config.scanner),
         entries=entries,
     )
     engine = _silent(program.engine)

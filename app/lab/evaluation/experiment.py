@@ -6,17 +6,25 @@ the robot drives, so the filter follows one recorded drive twice.
 
 from __future__ import annotations
 
+import math
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from tqdm import tqdm
 
+from app.lab.calibrate.command import calibrate_by_driving
 from app.lab.evaluation.drives import Drive, EvaluationError, record
 from app.lab.evaluation.runs import Run, follow
 from app.lab.evaluation.worlds import in_world, require_world
 from app.lab.workers import Workers
-from app.settings.config import Config
+from app.settings.config import MAPS, Config
+from robot.calibration.adjustment import CalibrationError
+from robot.calibration.calibrate import SHORTEST_S
+from robot.calibration.profile import Profile
+from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.settings import SettingError
 
@@ -37,10 +45,16 @@ class Experiment:
     seeds: int = 12
     laps: int = 2
     offset: tuple[float, float, float] = OFFSET
+    calibrate: float | None = None
+    """Duration of the drive by which each robot calibrates itself first [s]; None: none does."""
 
     def __post_init__(self) -> None:
         for name in self.worlds:
             require_world(name)
+        if self.calibrate is not None and not self.calibrate >= SHORTEST_S:
+            raise SettingError(
+                f"--calibrate is {self.calibrate:g}; valid is {SHORTEST_S:g} s or more"
+            )
         for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
             if value < low:
                 raise SettingError(f"{name} is {value}; valid is {low} or more")
@@ -62,7 +76,13 @@ class Experiment:
     def jobs(self) -> list[Job]:
         """Return all drives: for each robot, one drive in each world."""
         return [
-            Job(replace(in_world(self.config, world), seed=seed), world, self.duration, self.offset)
+            Job(
+                replace(in_world(self.config, world), seed=seed),
+                world,
+                self.duration,
+                self.offset,
+                self.calibrate,
+            )
             for seed in self.all_seeds
             for world in self.worlds
         ]
@@ -76,6 +96,7 @@ class Job:
     world: str
     duration: float
     offset: tuple[float, float, float]
+    calibrate: float | None = None
 
 
 @dataclass(frozen=True)
@@ -86,14 +107,39 @@ class Outcome:
     """The run with a known start pose."""
     offset: Run = field(repr=False)
     """The run with a wrong start pose."""
+    profile: Profile | None = None
+    """What the robot has measured of itself."""
+    not_calibrated: str = ""
+    """Why it could not calibrate itself; empty if it could, or was not asked to."""
+
+
+PLACED_SD = (0.05, 0.05, math.radians(10))
+"""How exactly a robot that calibrates itself was put at its start (sd) [m, m, rad]."""
 
 
 def drive_and_follow(job: Job) -> Outcome:
-    """Do one job; equal jobs have exactly equal outcomes."""
-    drive = record(job.config, job.duration)
+    """Do one job; equal jobs have exactly equal outcomes, but for the date of a profile."""
+    if job.calibrate is None:
+        return _followed(job, job.config)
+    start = load_field(job.config.map, MAPS).start
+    error = np.random.default_rng(job.config.seed).normal(0.0, PLACED_SD)
+    given_start = Pose2(*(start.to_array() + error).tolist())
+    try:
+        profile = calibrate_by_driving(job.config, job.calibrate, given_start).profile
+    except CalibrationError as fault:
+        return replace(_followed(job, job.config), not_calibrated=str(fault))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "profile.toml"
+        path.write_text(profile.to_toml(), encoding="utf-8")
+        outcome = _followed(job, replace(job.config, profile=str(path)))
+    return replace(outcome, profile=profile)
+
+
+def _followed(job: Job, config: Config) -> Outcome:
+    drive = record(config, job.duration)
     return Outcome(
-        follow(drive, job.config, drive.ticks[0].truth, KNOWN),
-        follow_from_offset(drive, job.config, job.offset),
+        follow(drive, config, drive.ticks[0].truth, KNOWN),
+        follow_from_offset(drive, config, job.offset),
     )
 
 

@@ -52,7 +52,7 @@ class Confirmation:
 
     def is_due(self, scans: int, local: LocalMap) -> bool:
         """Whether a search of the short map that begins now would confirm the place."""
-        # A shoe may look like the tape of another place. Further short maps rarely see the same one.
+        # A shoe may look like the tape of another place; further short maps rarely see it again.
         whole = local.whole and not self._replacements
         fresh = whole or scans - self._doubted_at >= (1 + self._replacements) * len(local)
         return not (self.is_given or self._search_counts) and local.lacking == 0 and fresh

@@ -1,0 +1,1 @@
+"""``brickpose calibrate``: measures the robot that was built."""

@@ -1,0 +1,195 @@
+"""``brickpose calibrate drive``: measures a robot by a drive, and writes its profile."""
+
+from __future__ import annotations
+
+import math
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.console import say
+from app.engine.build import build_program
+from app.engine.program import Program
+from app.files import atomic_file
+from app.messages.commands import DriveCommand, PauseCommand
+from app.options import config_from
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from app.settings.config import Config
+from robot.calibration.adjustment import CalibrationError, Solution
+from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate
+from robot.calibration.drive_log import DriveRecorder
+from robot.calibration.profile import Profile
+from robot.calibration.programme import velocity
+from robot.calibration.unknowns import ROBOT, UNKNOWNS
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.interface import Reading, RobotError
+from robot.settings import SettingError
+
+SECONDS, LONGEST_S = 60.0, 600.0
+"""Usual and longest duration of a drive [s]."""
+START_COVARIANCE = np.diag(np.square([0.05, 0.05, math.radians(10)]))
+"""How well people can put a robot where they say [m, m, rad]."""
+OUT = Path("profile.toml")
+Report = Callable[[float, Solution], None]
+LIVE_ONLY = ("robot", "condition", "seed", "serial_port", "camera")
+"""Options that have no effect with a recording."""
+
+
+@dataclass(frozen=True)
+class CalibratedRobot:
+    """A drive that was adjusted."""
+
+    spec: RobotSpec
+    calibration: Calibration
+    source: str
+    """What it was measured from."""
+
+    @property
+    def profile(self) -> Profile:
+        """The profile to be written."""
+        values, sd = self.calibration.values[:ROBOT], self.calibration.sd[:ROBOT]
+        return Profile(self.spec.name, datetime.now(UTC), self.source, values, sd)
+
+
+def calibrate_drive(given: dict[str, Any]) -> int:
+    """Run the command with its options by name; return 0.
+
+    Raises:
+        CalibrationError: the drive does not tell what the robot is like; nothing is written then.
+        SettingError, FieldError, RecordingError, OSError: says what cannot be used.
+    """
+    seconds = given.pop("seconds", SECONDS)
+    if not SHORTEST_S <= seconds <= LONGEST_S:
+        raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
+    out, start = given.pop("out", OUT), given.pop("start", None)
+    pose = None if start is None else Pose2(*start)
+    recording = given.pop("recording", None)
+    report = _show if sys.stderr.isatty() else _silent
+    if recording is None:
+        config = config_from(Namespace(**given))
+        result = calibrate_by_driving(config, seconds, pose, report)
+    else:
+        for name in LIVE_ONLY:
+            if name in given:
+                option = "--" + name.replace("_", "-")
+                raise SettingError(f"{option} has no effect with a recording")
+        result = calibrate_recording(recording, given.get("map"), seconds, pose, report)
+    for line in lines_of(result.calibration):
+        say(line)
+    with atomic_file(out) as new:
+        new.write_text(result.profile.to_toml(), encoding="utf-8")
+    say(f"the profile is {out}; use it by: brickpose run --profile {out}")
+    return 0
+
+
+def _silent(seconds: float, solution: Solution) -> None:
+    """Show nothing: the output is no terminal."""
+
+
+def _show(seconds: float, solution: Solution) -> None:
+    sys.stderr.write(f"\radjusted {seconds:.0f} s ")
+    sys.stderr.flush()
+
+
+def calibrate_by_driving(
+    config: Config, seconds: float, start: Pose2 | None, report: Report = _silent
+) -> CalibratedRobot:
+    """Let a robot drive the calibration's programme, and adjust the drive.
+
+    Raises:
+        CalibrationError: the robot has a fault, or the drive does not tell what it is like.
+    """
+    # A profile from before would hide what is measured.
+    config = replace(config, profile="")
+    program = build_program(config)
+    recorder = DriveRecorder(program.robot.spec, config.scanner)
+    try:
+        for reading in _driven(program, seconds):
+            recorder.add(reading)
+    finally:
+        program.robot.close()
+    source = f"{seconds:g} s of driving on {program.field.name}"
+    return _adjusted(recorder, program.robot.spec, program.field, start, source, report)
+
+
+def _driven(program: Program, seconds: float) -> Iterator[Reading]:
+    """Yield the readings of a robot that drives the programme."""
+    engine = program.engine
+    engine.commands.put(PauseCommand(type="pause"))
+    began: float | None = None
+    while True:
+        reading = engine.step().reading
+        began = reading.stamp if began is None else began
+        elapsed = reading.stamp - began
+        if reading.faults:
+            raise CalibrationError(f"the robot stopped: {reading.faults[0]}")
+        if elapsed >= seconds:
+            return
+        yield reading
+        wanted = velocity(elapsed)
+        engine.commands.put(DriveCommand(type="drive", v=wanted.v, omega=wanted.omega))
+
+
+def calibrate_recording(
+    path: Path, map_name: str | None, seconds: float, start: Pose2 | None, report: Report = _silent
+) -> CalibratedRobot:
+    """Adjust the beginning of a recorded drive.
+
+    Raises:
+        RecordingError: the file cannot be used.
+        CalibrationError: the drive does not tell what the robot is like.
+    """
+    program = open_replay(path, ReplayOptions(map=map_name))
+    recorder = DriveRecorder(program.robot.spec.as_drawn, program.config.scanner)
+    first: float | None = None
+    try:
+        while True:
+            reading = program.robot.read()
+            first = reading.stamp if first is None else first
+            if reading.stamp - first >= seconds:
+                break
+            recorder.add(reading)
+    except RobotError:
+        pass  # the recording is over
+    finally:
+        program.robot.close()
+    source = f"the recording {path.name} on {program.field.name}"
+    return _adjusted(recorder, program.robot.spec, program.field, start, source, report)
+
+
+def _adjusted(
+    recorder: DriveRecorder,
+    spec: RobotSpec,
+    field: Field,
+    start: Pose2 | None,
+    source: str,
+    report: Report,
+) -> CalibratedRobot:
+    if field.tape_width is None:
+        raise CalibrationError(f"the field {field.name} is not of tape")
+    begin = start or field.start
+    result = calibrate(recorder.log, spec, field, begin, START_COVARIANCE, report)
+    return CalibratedRobot(spec, result, source)
+
+
+def lines_of(calibration: Calibration) -> list[str]:
+    """Return what was found, a line each unknown, for people."""
+    lines = [f"{'measured':<18}{'difference':>11}{'95 %':>10}"]
+    for place, unknown in enumerate(UNKNOWNS[: ROBOT + 1]):
+        value, sd = (unknown.scale * item[place] for item in (calibration.values, calibration.sd))
+        note = (
+            "  not learnt: this drive does not tell"
+            if unknown.name in calibration.not_learnt
+            else ""
+        )
+        lines.append(f"{unknown.name:<18}{value:>+11.3f}{1.96 * sd:>10.3f} {unknown.unit}{note}")
+    lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    return lines

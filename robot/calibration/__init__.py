@@ -1,0 +1,1 @@
+"""Calibration: what the built robot is like, measured by driving it over a known field."""

@@ -1,0 +1,124 @@
+"""A robot's profile: what calibrations have measured of one robot, as a TOML file."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from robot.calibration.unknowns import NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
+from robot.description.spec import RobotSpec
+from robot.description.urdf import SpecError
+from robot.geometry import Array
+
+LONGEST = 1_000_000
+"""Longest file [bytes]."""
+SOLVER_UNITS = {"degree": "rad", "mm": "m", "ms": "s", "%": "relative"}
+"""Units in the file, by those in which people read the numbers."""
+MOST_SD = 10.0
+"""Values farther off than this many standard deviations of a robot built by hand are refused."""
+
+
+@dataclass(frozen=True)
+class Profile:
+    """How one robot differs from its description."""
+
+    robot: str
+    """Name of the robot in its description."""
+    made: datetime
+    source: str
+    """What it was measured from."""
+    values: Array = field(repr=False)
+    """(11,) differences from the description, in the order of ``UNKNOWNS``."""
+    sd: Array = field(repr=False)
+    """(11,) their standard deviations."""
+
+    def applied_to(self, spec: RobotSpec) -> RobotSpec:
+        """Return the description of the built robot.
+
+        Raises:
+            SpecError: the profile is of another robot.
+        """
+        if spec.name != self.robot:
+            raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
+        return Differences(self.values).applied_to(spec)
+
+    def to_toml(self) -> str:
+        """Return the content of the file."""
+        lines = [
+            f"robot = {_quoted(self.robot)}",
+            f"made = {self.made.astimezone(UTC).isoformat(timespec='seconds')}",
+            f"source = {_quoted(self.source)}",
+        ]
+        for unknown, value, sd in zip(UNKNOWNS[:ROBOT], self.values, self.sd, strict=True):
+            lines += [
+                "",
+                f"[{unknown.name}]  # {unknown.scale * value:.3f} "
+                f"+- {1.96 * unknown.scale * sd:.3f} {unknown.unit} (95 %)",
+                f"value = {float(value)!r}  # {SOLVER_UNITS[unknown.unit]}",
+                f"sd = {float(sd)!r}",
+            ]
+        return "\n".join(lines) + "\n"
+
+
+def load_profile(path: Path) -> Profile:
+    """Read a profile.
+
+    Raises:
+        SpecError: the file cannot be read, or a value is missing or impossible; names it.
+    """
+    try:
+        content = path.read_bytes()
+        if len(content) > LONGEST:
+            raise SpecError(f"{path} is too long; valid are up to {LONGEST} bytes")
+        return profile_of(tomllib.loads(content.decode("utf-8")))
+    except OSError as error:
+        raise SpecError(f"{path} cannot be read: {error.strerror}") from error
+    except SpecError as error:
+        raise SpecError(f"{path}: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise SpecError(f"{path} is no TOML: {error}") from error
+
+
+def profile_of(content: dict[str, Any]) -> Profile:
+    """Return the profile of the tables of a TOML file.
+
+    Raises:
+        SpecError: a value is missing, unknown or impossible; names it and what is valid.
+    """
+    for name in content:
+        if name not in ("robot", "made", "source", *NAMES[:ROBOT]):
+            raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
+    robot, made = content.get("robot"), content.get("made")
+    if not isinstance(robot, str):
+        raise SpecError("robot is missing: the name of the robot, a text")
+    if not isinstance(made, datetime):
+        raise SpecError("made is missing: when it was measured, a date with time")
+    values, sd = np.zeros(ROBOT), np.zeros(ROBOT)
+    for place, name in enumerate(NAMES[:ROBOT]):
+        table = content.get(name)
+        if not isinstance(table, dict):
+            raise SpecError(f"[{name}] is missing: a table with value and sd")
+        most = MOST_SD * PRIORS[place]
+        values[place] = _number(table, name, "value", -most, most)
+        sd[place] = _number(table, name, "sd", 0.0, most)
+    return Profile(robot, made, str(content.get("source", "")), values, sd)
+
+
+def _number(table: dict[str, Any], name: str, key: str, low: float, high: float) -> float:
+    value = table.get(key)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise SpecError(f"{name}.{key} is {value!r}; valid is a number")
+    if not (math.isfinite(value) and low <= value <= high):
+        raise SpecError(f"{name}.{key} is {value:g}; valid is {low:g} to {high:g}")
+    return float(value)
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'

@@ -1,0 +1,254 @@
+"""Where the floor is that a pixel saw, and which edge of the field it is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from robot.calibration.drive_log import DriveLog
+from robot.calibration.unknowns import COUNT, FOCAL, LENS, ROTATION, SHIFT, TAPE, Differences
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Array
+
+PIXEL_SD = 0.16
+"""Standard deviation of an edge's place in the picture [px]: twice that of one ray in a clear
+picture, as neighbouring rays see the same piece of tape, with the same error."""
+FLOOR_SD = 0.00012
+"""Standard deviation of the tape's edge on the floor [m]."""
+END = 0.03
+"""Edges are not measured nearer to their ends than this [m], as corners round them off."""
+GRAZING = 0.15
+"""Sine of the least angle between a ray and an edge that it measures."""
+FARTHEST = 5.0
+"""Floor points farther than this are none [m]: the camera looks at the horizon."""
+
+
+@dataclass(frozen=True)
+class FloorPoints:
+    """The floor points that the pixels of some pictures saw."""
+
+    points: Array = field(repr=False)
+    """(k, 2 r, 2) in the robot's frame at the picture's stamp [m]."""
+    by_camera: Array = field(repr=False)
+    """(k, 2 r, 2, 7) their derivatives by the camera's rotation, shift and focal length."""
+    by_pixel: Array = field(repr=False)
+    """(k, 2 r, 2, 2) their derivatives by the pixel [m/px]."""
+
+    def part(self, first: int, last: int) -> FloorPoints:
+        """Return the floor points of some pictures."""
+        some = slice(first, last)
+        return FloorPoints(self.points[some], self.by_camera[some], self.by_pixel[some])
+
+
+@dataclass(frozen=True)
+class Misses:
+    """How far the seen edges lie off those of the field, and the derivatives of that."""
+
+    residuals: Array = field(repr=False)
+    """(n,) signed distances in standard deviations; positive on the light side."""
+    picture: NDArray[np.int64] = field(repr=False)
+    """(n,) of which picture."""
+    by_pose: Array = field(repr=False)
+    """(n, 3) by the picture's pose."""
+    by_unknowns: Array = field(repr=False)
+    """(n, 15) by the unknowns."""
+    metres: Array = field(repr=False)
+    """(n,) the same distances [m]."""
+    pixels: Array = field(repr=False)
+    """(k, 2 r, 2) the same distances in the picture, across the edge [px]; 0 without an edge."""
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """The tape edges that the camera saw during a drive."""
+
+    pixels: Array = field(repr=False)
+    """(k, 2 r, 2) where rays enter tape, then where they leave it [px]; nan without tape."""
+    late: Array = field(repr=False)
+    """(k, 2 r) when a pixel was exposed, after the picture's stamp [s]."""
+    rows: Array = field(repr=False)
+    """(k, 2 r, 3) powers 0 to 2 of a pixel's row, from -1 (top) to 1."""
+    spec: RobotSpec
+    edges: Array = field(repr=False)
+    normals: Array = field(repr=False)
+
+    @classmethod
+    def of(cls, log: DriveLog, spec: RobotSpec, taped: Field) -> Sightings:
+        """Return the sightings of a drive on a field."""
+        lens = spec.lens
+        half = (lens.height - 1) / 2
+        down = log.pixels[:, :, 1] - half
+        late = lens.readout / max(1, lens.height - 1) * down
+        rows = (down / half)[:, :, None] ** np.arange(3)
+        return cls(log.pixels, late, rows, spec, taped.edges, taped.normals)
+
+    def part(self, first: int, last: int) -> Sightings:
+        """Return the sightings of some pictures."""
+        some = slice(first, last)
+        return replace(self, pixels=self.pixels[some], late=self.late[some], rows=self.rows[some])
+
+    def floor_points(
+        self, values: Array, twists: Array, errors: Array | None = None
+    ) -> FloorPoints:
+        """Return where the floor is that the pixels saw.
+
+        Args:
+            values: (15,) differences from the description.
+            twists: (k, 2) the robot's velocity at each picture [m/s, rad/s].
+            errors: (k, 2 r, 2) how far pixels lie off their edges in the picture, as far as that is
+                known [px]. The derivatives are those at the edges. At the pixels they would be
+                correlated with the errors, and the whole world would be found too small.
+        """
+        pose = Differences(values).robot_from_camera(self.spec)
+        turn, place = pose[:3, :3], pose[:3, 3]
+        seen = np.isfinite(self.pixels[:, :, 0])
+        pixels = self.pixels[seen]
+        down = self._rays(pixels, values[FOCAL]) @ turn.T
+        points = place[:2] - place[2] * down[:, :2] / down[:, 2:]
+        good = (down[:, 2] < -1e-6) & (np.abs(points).max(axis=1) < FARTHEST)
+        points[~good] = np.nan
+        by_camera, by_pixel = self._derivatives(
+            pixels if errors is None else pixels - errors[seen], values[FOCAL], turn, place[2]
+        )
+        # In the frame at the stamp, a row exposed later saw the floor from where the robot was.
+        v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
+        late = self.late[seen]
+        moved = np.zeros((len(pixels), 2, 2))
+        moved[:, 0, 0] = moved[:, 1, 1] = 1
+        moved[:, 0, 1], moved[:, 1, 0] = -late * omega, late * omega
+        points = np.einsum("nij,nj->ni", moved, points)
+        points[:, 0] += late * v
+        return FloorPoints(
+            _spread(points, seen), _spread(moved @ by_camera, seen), _spread(moved @ by_pixel, seen)
+        )
+
+    def _derivatives(
+        self, pixels: Array, focal: float, turn: Array, height: float
+    ) -> tuple[Array, Array]:
+        """Return derivatives of floor points: (n, 2, 7) by the camera, (n, 2, 2) by the pixel."""
+        small, apart = 1e-5, 0.5
+        rays = self._rays(pixels, focal)
+        changes = [
+            (self._rays(pixels, focal + small) - rays) / small,
+            *(
+                (self._rays(pixels + step, focal) - self._rays(pixels - step, focal)) / (2 * apart)
+                for step in apart * np.eye(2)
+            ),
+        ]
+        down = rays @ turn.T
+        about_axes = np.cross(np.eye(3)[:, None, :], down)
+        turned = np.concatenate([about_axes, np.stack(changes) @ turn.T])
+        q, depth = down[:, :2], down[:, 2:]
+        slopes = -height * (turned[..., :2] / depth - q * turned[..., 2:] / depth**2)
+        by_camera = np.empty((len(pixels), 2, 7))
+        by_camera[:, :, ROTATION] = slopes[:3].transpose(1, 2, 0)
+        by_camera[:, :, 3:5] = np.eye(2)
+        by_camera[:, :, 5] = -q / depth
+        by_camera[:, :, 6] = slopes[3]
+        return by_camera, slopes[4:].transpose(1, 2, 0)
+
+    def _rays(self, pixels: Array, focal: float) -> Array:
+        """Return the viewing directions (n, 3) of pixels with a longer lens."""
+        # It sees at a pixel what the described one sees nearer to the centre.
+        centre = self.spec.lens.matrix[:2, 2]
+        return self.spec.lens.unproject(centre + (pixels - centre) / (1 + focal))
+
+
+def _spread(values: Array, seen: NDArray[np.bool_]) -> Array:
+    full = np.full((*seen.shape, *values.shape[1:]), np.nan)
+    full[seen] = values
+    return full
+
+
+def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gate: float) -> Misses:
+    """Return how far the edges that were seen lie off the field's.
+
+    Args:
+        seen: the edges that were seen.
+        floor: where they are in the robot's frame.
+        poses: (k, 3) of the robot in the map [m, m, rad].
+        values: (15,) the unknowns.
+        gate: edges farther off than this do not count [m].
+    """
+    shape, rays = floor.points.shape[:2], floor.points.shape[1] // 2
+    c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    px, py = floor.points[..., 0], floor.points[..., 1]
+    turned = np.stack([c * px - s * py, s * px + c * py], axis=-1)
+    toward_tape = turned / np.maximum(np.hypot(px, py), 1e-9)[..., None]
+    toward_tape[:, rays:] *= -1
+    ends = (poses[:, None, :2] + turned).reshape(-1, 2)
+    edge = nearest_edges(
+        ends, np.ascontiguousarray(toward_tape.reshape(-1, 2)), seen.edges, seen.normals, gate, END
+    )
+    matched = np.flatnonzero(edge >= 0)
+    edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
+    normal, around = seen.normals[edge], turned.reshape(-1, 2)[matched]
+    c, s = c[picture, 0], s[picture, 0]
+    # The normal in the robot's frame.
+    across = np.column_stack(
+        [c * normal[:, 0] + s * normal[:, 1], -s * normal[:, 0] + c * normal[:, 1]]
+    )
+    by_pixel = np.einsum("ni,nip->np", across, floor.by_pixel.reshape(-1, 2, 2)[matched])
+    a_pixel = np.hypot(*by_pixel.T)
+    by_unknowns = np.zeros((len(matched), COUNT))
+    by_unknowns[:, : SHIFT.stop + 1] = np.einsum(
+        "ni,nip->np", across, floor.by_camera.reshape(-1, 2, 7)[matched]
+    )
+    # Tape that is wider than drawn ends farther out; where it begins is drawn.
+    by_unknowns[:, TAPE] = np.where(leaves, -1.0, 0.0)
+    by_unknowns[:, LENS] = -seen.rows.reshape(-1, 3)[matched] * by_pixel[:, 1:]
+    metres = (normal * (ends[matched] - seen.edges[edge, :2])).sum(axis=1)
+    metres += by_unknowns[:, TAPE] * values[TAPE] + by_unknowns[:, LENS] @ values[LENS]
+    by_pose = np.column_stack([normal, normal[:, 1] * around[:, 0] - normal[:, 0] * around[:, 1]])
+    pixels = np.zeros((len(ends), 2))
+    pixels[matched] = (metres / a_pixel**2)[:, None] * by_pixel
+    sd = np.hypot(PIXEL_SD * a_pixel, FLOOR_SD)
+    return Misses(
+        metres / sd,
+        picture,
+        by_pose / sd[:, None],
+        by_unknowns / sd[:, None],
+        metres,
+        pixels.reshape(*shape, 2),
+    )
+
+
+@njit(cache=True, nogil=True)
+def nearest_edges(
+    points: Array, toward_tape: Array, edges: Array, normals: Array, gate: float, end: float
+) -> NDArray[np.int64]:
+    """Return the edge (n,) that each ray met, by where it did; -1 if none is near.
+
+    Args:
+        points: (n, 2) where the rays met edges, in the map [m]; nan gives -1.
+        toward_tape: (n, 2) directions of the rays in the map, reversed where they leave tape.
+        edges: (m, 4) [m].
+        normals: (m, 2) toward the light side.
+        gate: largest distance from an edge [m].
+        end: an edge does not count nearer to its ends than this [m].
+    """
+    result = np.full(len(points), -1)
+    for i in range(len(points)):
+        x, y = points[i]
+        if not math.isfinite(x):
+            continue
+        best = gate
+        for j in range(len(edges)):
+            nx, ny = normals[j]
+            if nx * toward_tape[i, 0] + ny * toward_tape[i, 1] > -GRAZING:
+                continue
+            dx, dy = x - edges[j, 0], y - edges[j, 1]
+            away = abs(nx * dx + ny * dy)
+            if away >= best:
+                continue
+            ex, ey = edges[j, 2] - edges[j, 0], edges[j, 3] - edges[j, 1]
+            length = math.hypot(ex, ey)
+            margin = min(end, 0.25 * length)
+            if margin <= (ex * dx + ey * dy) / length <= length - margin:
+                best, result[i] = away, j
+    return result

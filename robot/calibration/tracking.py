@@ -1,0 +1,92 @@
+"""Follows a drive picture by picture, for the adjustment to begin near the true path.
+
+An extended Kalman filter (Probabilistic Robotics, Table 3.3): the wheels predict the pose, and the
+edges that were seen are laid on those of the field.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from robot.calibration.adjustment import STEP_SD, State
+from robot.calibration.sightings import FloorPoints, Sightings, misses
+from robot.calibration.wheel_motion import WheelMotion
+from robot.geometry import Array
+
+FIRST_GATE, GATE, LEAST_GATE = 0.25, 0.10, 0.015
+"""Edges farther off than this do not count [m]: in the first picture, at most in later ones, and if
+the pose is known exactly."""
+AHEAD = 0.3
+"""How far ahead most edges are seen [m]."""
+DOUBT = 5.0
+"""Edges count as if they were so many times less exact: the camera is not known yet."""
+NEAR = 0.02
+"""Edges much farther off than this count less [m]."""
+STEPS = 6
+
+
+def follow_path(
+    state: State, covariance: Array, seen: Sightings, motion: WheelMotion, *, first: bool
+) -> State:
+    """Return a state with the poses of all pictures of a window.
+
+    Args:
+        state: what is known; its poses are those of the first pictures.
+        covariance: of the last of these poses (3, 3) [m, m, rad].
+        seen: the window's sightings.
+        motion: the window's wheels.
+        first: whether the state's only pose is the start as told.
+    """
+    known, total = len(state.poses), len(motion.stamps)
+    slip = np.vstack([state.slip, np.zeros((total - known, 2))])
+    steps, _ = motion.steps(state.values, slip[:-1])
+    floor = seen.floor_points(state.values, motion.twists(state.values))
+    poses = np.vstack([state.poses, np.zeros((total - known, 3))])
+    for k in range(0 if first else known, total):
+        widest, pose = FIRST_GATE, poses[0]
+        if k > 0:
+            widest = GATE
+            pose, covariance = _predicted(poses[k - 1], covariance, steps[k - 1])
+        gate = min(widest, LEAST_GATE + 3 * _reach(covariance))
+        place = seen.part(k, k + 1), floor.part(k, k + 1)
+        poses[k], covariance = _laid(pose, covariance, *place, state.values, gate)
+    return replace(state, poses=poses, slip=slip)
+
+
+def _reach(covariance: Array) -> float:
+    """Return the standard deviation of where an edge is seen, by a pose's covariance [m]."""
+    return float(np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2]))
+
+
+def _predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Array]:
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+    moved = turn @ step
+    by_pose = np.eye(3)
+    by_pose[:2, 2] = -moved[1], moved[0]
+    # Wheels of unknown size: one that is larger than the other turns the robot as it rolls.
+    sd = 0.08 * np.abs(step) + STEP_SD + np.array([0.0, 0.0, 0.3 * abs(step[0])])
+    noise = turn @ np.diag(sd**2) @ turn.T
+    return pose + moved, by_pose @ covariance @ by_pose.T + noise
+
+
+def _laid(
+    pose: Array, covariance: Array, seen: Sightings, floor: FloorPoints, values: Array, gate: float
+) -> tuple[Array, Array]:
+    """Lay the edges of one picture on the field's; return the pose and its covariance."""
+    information = np.linalg.inv(covariance)
+    result = pose.copy()
+    for _ in range(STEPS):
+        offsets = misses(seen, floor, result[None], values, gate)
+        weight = 1 / (1 + (offsets.metres / NEAR) ** 2) / DOUBT**2
+        weighted = offsets.by_pose * weight[:, None]
+        left = information + weighted.T @ offsets.by_pose
+        right = information @ (pose - result) - weighted.T @ offsets.residuals
+        step = np.linalg.solve(left, right)
+        result = result + step
+        if np.abs(step).max() < 1e-4:
+            break
+    remaining = np.asarray(np.linalg.inv(left), np.float64)
+    return result, remaining

@@ -1,0 +1,126 @@
+"""How the robot moved between pictures, by the turns of its wheels."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.calibration.drive_log import DriveLog
+from robot.calibration.unknowns import DELAY, LEFT, RIGHT, SEPARATION
+from robot.description.spec import RobotSpec
+from robot.geometry import Array
+
+STEP_S = 0.025
+"""Longest time within which the wheels' speeds count as constant [s]."""
+
+BY_LEFT, BY_RIGHT, BY_SEPARATION, BY_DELAY = range(4)
+"""Columns of the derivatives."""
+
+KERNEL = np.array([1, 4, 6, 4, 1]) / 16
+"""Smooths the encoders' steps. Between two raw samples, interpolation averages the steps, and at a
+sample it does not: so a delay would fit best that puts the pictures between the samples, 4 ms off.
+After smoothing, both are nearly alike."""
+
+SMALL = 1e-6
+"""Change of a number for a derivative by differences; of the delay it is in seconds."""
+
+
+@dataclass(frozen=True)
+class WheelMotion:
+    """The wheels of one drive."""
+
+    stamps: Array = field(repr=False)
+    """(k,) stamps of the pictures [s]."""
+    wheel_stamps: Array = field(repr=False)
+    wheel_angles: Array = field(repr=False)
+    """(t, 2) left, right [rad]."""
+    radii: tuple[float, float]
+    """Left and right, as described [m]."""
+    separation: float
+    """As described [m]."""
+
+    @classmethod
+    def of(cls, log: DriveLog, spec: RobotSpec) -> WheelMotion:
+        """Return the motion of a drive, with the wheels' dimensions of a description."""
+        left, right = (spec.joints[place].radius for place in spec.axle)
+        angles = _smooth(log.wheel_angles)
+        return cls(log.stamps, log.wheel_stamps, angles, (left, right), spec.track)
+
+    def steps(self, values: Array, slip: Array) -> tuple[Array, Array]:
+        """Return how the robot moved from each picture to the next, and the derivatives.
+
+        A wheel rolls ``radius (1 + difference - slip)`` for each radian. Slip is subtracted, not
+        multiplied: otherwise larger radii would make the same slip look smaller.
+
+        Args:
+            values: (11,) differences from the description.
+            slip: (k - 1, 2) share of its way that each wheel slips.
+
+        Returns:
+            (k - 1, 3) poses of the next picture in the frame of the last one [m, m, rad]; (k - 1,
+            3, 4) their derivatives by the left and right wheel's relative radius, the relative
+            separation and the delay.
+        """
+        left, right = values[LEFT] - slip[:, 0], values[RIGHT] - slip[:, 1]
+        turns = self._turns(values[DELAY])
+        moved = self._moved(turns, left, right, values[SEPARATION])
+        derivatives = np.empty((*moved.shape, 4))
+        derivatives[:, :, BY_LEFT] = self._moved(turns, left + SMALL, right, values[SEPARATION])
+        derivatives[:, :, BY_RIGHT] = self._moved(turns, left, right + SMALL, values[SEPARATION])
+        derivatives[:, :, BY_SEPARATION] = self._moved(
+            turns, left, right, values[SEPARATION] + SMALL
+        )
+        # Encoders count in steps: the difference over a millisecond would be one of steps.
+        apart = 0.02
+        late = self._moved(self._turns(values[DELAY] + apart / 2), left, right, values[SEPARATION])
+        soon = self._moved(self._turns(values[DELAY] - apart / 2), left, right, values[SEPARATION])
+        derivatives[:, :, :3] = (derivatives[:, :, :3] - moved[:, :, None]) / SMALL
+        derivatives[:, :, BY_DELAY] = (late - soon) / apart
+        return moved, derivatives
+
+    def twists(self, values: Array) -> Array:
+        """Return the robot's velocity (k, 2) at each picture [m/s, rad/s]."""
+        around = 0.02
+        middle = self.stamps - values[DELAY]
+        angles = [self._angles(middle + half) for half in (-around, around)]
+        rolled = (angles[1] - angles[0]) / (2 * around) * np.array(self.radii)
+        left, right = rolled.T
+        track = self.separation * (1 + values[SEPARATION])
+        return np.column_stack([(left + right) / 2, (right - left) / track])
+
+    def _angles(self, stamps: Array) -> Array:
+        return np.stack(
+            [np.interp(stamps, self.wheel_stamps, angle) for angle in self.wheel_angles.T], axis=-1
+        )
+
+    def _turns(self, delay: float) -> Array:
+        """Return how far the wheels turned (k - 1, n, 2) [rad] in n parts of each interval."""
+        times = self.stamps - delay
+        parts = max(1, math.ceil(float(np.diff(times).max(initial=0.0)) / STEP_S))
+        parts = min(parts, 100)
+        within = np.linspace(0.0, 1.0, parts + 1)
+        cuts = times[:-1, None] + np.diff(times)[:, None] * within
+        return np.diff(self._angles(cuts), axis=1)
+
+    def _moved(self, turns: Array, left: Array, right: Array, separation: float) -> Array:
+        rolled_left = turns[:, :, 0] * (self.radii[0] * (1 + left))[:, None]
+        rolled_right = turns[:, :, 1] * (self.radii[1] * (1 + right))[:, None]
+        way = (rolled_left + rolled_right) / 2
+        turn = (rolled_right - rolled_left) / (self.separation * (1 + separation))
+        heading = np.cumsum(turn, axis=1) - turn / 2
+        chord = way * np.sinc(turn / (2 * np.pi))
+        return np.column_stack(
+            [
+                (chord * np.cos(heading)).sum(axis=1),
+                (chord * np.sin(heading)).sum(axis=1),
+                turn.sum(axis=1),
+            ]
+        )
+
+
+def _smooth(angles: Array) -> Array:
+    reach = len(KERNEL) // 2
+    padded = np.pad(angles, ((reach, reach), (0, 0)), mode="edge")
+    return np.stack([np.convolve(wheel, KERNEL, mode="valid") for wheel in padded.T], axis=-1)

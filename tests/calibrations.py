@@ -1,0 +1,55 @@
+"""Drives of simulated robots that calibrate themselves."""
+
+from functools import cache
+
+import numpy as np
+
+from app.engine.build import Streams, build_simulated, load_field
+from app.settings.conditions import apply_condition
+from app.settings.config import MAPS, Config
+from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.calibration.programme import velocity
+from robot.calibration.unknowns import COUNT, Differences
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.geometry import Array, Pose2
+from sim.imperfections import draw
+from sim.simulated import no_wait
+
+SPEC = RobotSpec.load()
+SQUARE = load_field("square", MAPS)
+START_COVARIANCE = np.diag(np.square([0.05, 0.05, 0.17]))
+
+
+@cache
+def driven(world: str, seed: int, seconds: float) -> tuple[DriveLog, Array, Array]:
+    """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
+    config = apply_condition(Config(robot="sim"), world)
+    true = draw(SPEC, config.sim.imperfections, Streams.of(seed).robot)
+    robot = build_simulated(config, SPEC, SQUARE, Streams.of(seed).robot, no_wait)
+    recorder, drive = DriveRecorder(SPEC, config.scanner), DifferentialDrive(SPEC)
+    truths = []
+    try:
+        while not truths or truths[-1][0] < seconds:
+            reading = robot.read()
+            recorder.add(reading)
+            assert reading.truth is not None
+            truths.append((reading.stamp, *reading.truth.to_array()))
+            robot.write(drive.wheels(velocity(reading.stamp)))
+    finally:
+        robot.close()
+    values = np.zeros(COUNT)
+    delay = config.sim.camera.stamp_error
+    differences = Differences.between(SPEC, true, delay).values
+    values[: len(differences)] = differences
+    log, path = recorder.log, np.array(truths)
+    path[:, 3] = np.unwrap(path[:, 3])
+    exposed = log.stamps - delay
+    poses = [np.interp(exposed, path[:, 0], column) for column in path.T[1:]]
+    return log, values, np.column_stack(poses)
+
+
+def placed(seed: int) -> Pose2:
+    """Where somebody says that the robot is: off by some centimetres and degrees."""
+    error = np.random.default_rng(seed).normal(0.0, (0.03, 0.03, 0.1))
+    return Pose2(*(SQUARE.start.to_array() + error).tolist())

@@ -1,0 +1,195 @@
+"""A robot that was built by hand is known after a minute of driving."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from calibrations import SPEC, SQUARE, START_COVARIANCE, driven, placed
+
+from robot.calibration.adjustment import Adjustment, CalibrationError, State, Weights
+from robot.calibration.calibrate import Calibration, calibrate
+from robot.calibration.drive_log import DriveLog
+from robot.calibration.sightings import Misses, Sightings, misses
+from robot.calibration.unknowns import COUNT, NAMES, ROBOT, UNKNOWNS, Differences
+from robot.calibration.wheel_motion import WheelMotion
+from robot.geometry import Array, Pose2
+
+HAND_BUILT, SEED = "hand-built", 530
+
+
+@pytest.fixture(scope="module")
+def calibrated() -> tuple[Calibration, Array, Array]:
+    log, true, path = driven(HAND_BUILT, SEED, 40.0)
+    return calibrate(log, SPEC, SQUARE, placed(SEED), START_COVARIANCE), true, path
+
+
+def test_the_true_values_lie_in_the_intervals(calibrated) -> None:
+    calibration, true, _ = calibrated
+    errors = np.abs(calibration.values - true)[:ROBOT] / calibration.sd[:ROBOT]
+    assert errors.max() < 4.0
+    assert np.median(errors) < 1.5
+
+
+@pytest.mark.parametrize(
+    ("name", "most"),
+    [
+        ("camera_pitch", 0.02),
+        ("camera_roll", 0.08),
+        ("camera_yaw", 0.06),
+        ("camera_x", 0.5),
+        ("camera_y", 1.5),
+        ("camera_z", 0.3),
+        ("focal_length", 0.1),
+        ("picture_delay", 2.5),
+        ("tape_width", 0.05),
+    ],
+)
+def test_what_decides_where_the_robot_is_becomes_known(calibrated, name: str, most: float) -> None:
+    calibration, true, _ = calibrated
+    place = NAMES.index(name)
+    error = UNKNOWNS[place].scale * abs(calibration.values[place] - true[place])
+    assert error < most, UNKNOWNS[place].unit
+
+
+def test_its_path_is_found_too(calibrated) -> None:
+    calibration, _, path = calibrated
+    poses = calibration.solution.state.poses
+    seen = np.bincount(calibration.solution.misses.picture, minlength=len(poses)) > 20
+    assert seen.mean() > 0.9
+    assert np.sqrt(np.mean(((poses - path)[seen, :2] ** 2).sum(axis=1))) < 0.0015
+
+
+def test_a_robot_as_described_stays_so() -> None:
+    log, true, _ = driven("default", 531, 20.0)
+    calibration = calibrate(log, SPEC, SQUARE, placed(531), START_COVARIANCE)
+    assert (np.abs(calibration.values - true) < 4 * calibration.sd)[:ROBOT].all()
+
+
+def altered(log: DriveLog, **fields: Array) -> DriveLog:
+    return DriveLog(**{**vars(log), **fields})
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda log: log.until(20), "too short"),
+        (lambda log: altered(log, pixels=np.full_like(log.pixels, np.nan)), "shows tape"),
+        (lambda log: altered(log, wheel_angles=0 * log.wheel_angles), "stood still"),
+        (lambda log: altered(log, wheel_angles=log.wheel_angles[:, [1, 1]]), "turned 0 degrees"),
+        (
+            lambda log: altered(log, wheel_angles=log.wheel_angles[:, [0, 0]] * (1, -1)),
+            "the robot drove 0.0 m",
+        ),
+    ],
+)
+def test_a_drive_that_tells_nothing_is_refused(change, words: str) -> None:
+    log, _, _ = driven(HAND_BUILT, SEED, 40.0)
+    with pytest.raises(CalibrationError, match=words):
+        calibrate(change(log), SPEC, SQUARE, placed(SEED), START_COVARIANCE)
+
+
+def of_drive(count: int) -> tuple[Sightings, WheelMotion, Array, Array]:
+    log, true, path = driven(HAND_BUILT, SEED, 40.0)
+    part = log.until(count)
+    return Sightings.of(part, SPEC, SQUARE), WheelMotion.of(part, SPEC), true, path[:count]
+
+
+def missed(seen: Sightings, motion: WheelMotion, values: Array, path: Array) -> Misses:
+    floor = seen.floor_points(values, motion.twists(values))
+    return misses(seen, floor, path, values, 0.05)
+
+
+def test_at_the_truth_edges_lie_where_they_should() -> None:
+    found = missed(*of_drive(200))
+    assert len(found.residuals) > 8000
+    assert abs(np.mean(found.metres)) < 0.0001
+    assert 0.3 < np.std(found.residuals) < 0.8  # twice the noise of one ray is assumed
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if "radius" not in name])
+def test_derivatives_of_sightings_are_those_of_small_differences(name: str) -> None:
+    seen, motion, true, path = of_drive(40)
+    place, small = NAMES.index(name), 1e-5
+    # Where the robot stands, the wheels tell nothing of a picture's rows.
+    motion = WheelMotion(
+        motion.stamps, motion.wheel_stamps, 0 * motion.wheel_angles, motion.radii, motion.separation
+    )
+    true = np.where(np.arange(COUNT) < 3, 0.0, true)  # rotation vectors add up only near zero
+    now = missed(seen, motion, true, path)
+    either = [missed(seen, motion, true + sign * small * np.eye(COUNT)[place], path)
+              for sign in (1, -1)]  # fmt: skip
+    if not all(np.array_equal(item.picture, now.picture) for item in either):
+        pytest.skip("an edge came or went")
+    slopes = (either[0].metres - either[1].metres) / (2 * small)
+    sd = now.metres / now.residuals
+    assert slopes == pytest.approx(now.by_unknowns[:, place] * sd, abs=2e-3)
+
+
+def test_derivatives_of_steps_are_those_of_small_differences() -> None:
+    seen, motion, true, path = of_drive(100)
+    adjustment = Adjustment(seen, motion, path[0], START_COVARIANCE)
+    slip = np.random.default_rng(0).normal(0, 0.03, (len(path), 2))
+    state = State(true, path, slip)
+    error, own, following, robot = adjustment._step_errors(state)
+    small = 1e-6
+    for column in range(3):
+        poses = path.copy()
+        poses[::2, column] += small
+        change = (adjustment._step_errors(State(true, poses, slip))[0] - error) / small
+        expected = np.where(
+            (np.arange(len(error)) % 2 == 0)[:, None], own[:, :, column], following[:, :, column]
+        )
+        assert change == pytest.approx(expected, rel=1e-3, abs=1e-2)
+    for wheel in range(2):
+        slips = slip.copy()
+        slips[:, wheel] += small
+        change = (adjustment._step_errors(State(true, path, slips))[0] - error) / small
+        assert change == pytest.approx(own[:, :, 3 + wheel], rel=1e-3, abs=1e-2)
+    for name in ("left_radius", "right_radius", "wheel_separation"):
+        place = NAMES.index(name)
+        values = true + small * np.eye(COUNT)[place]
+        change = (adjustment._step_errors(State(values, path, slip))[0] - error) / small
+        assert change == pytest.approx(robot[:, :, place], rel=1e-3, abs=1e-2)
+
+
+def test_banded_equations_are_solved_as_full_ones_are() -> None:
+    seen, motion, true, path = of_drive(12)
+    adjustment = Adjustment(seen, motion, path[0], START_COVARIANCE)
+    equations = adjustment._equations(State(true, path, np.zeros((12, 2))), Weights(), None)
+    size = 12 * 5
+    full = np.zeros((size + COUNT, size + COUNT))
+    for k in range(12):
+        here = slice(5 * k, 5 * k + 5)
+        full[here, here] = equations._own[k]
+        full[here, size:] = equations._shared[k]
+        full[size:, here] = equations._shared[k].T
+        if k < 11:
+            after = slice(5 * k + 5, 5 * k + 10)
+            full[here, after] = equations._next[k]
+            full[after, here] = equations._next[k].T
+    full[size:, size:] = equations._robot
+    right = np.concatenate([equations._right.reshape(-1), equations._robot_right])
+    expected = np.linalg.solve(full, right)
+    step, robot, covariance, pose_covariance = equations.solve()
+    assert step.reshape(-1) == pytest.approx(expected[:size], rel=1e-5, abs=1e-9)
+    assert robot == pytest.approx(expected[size:], rel=1e-5, abs=1e-9)
+    inverse = np.linalg.inv(full)
+    assert covariance == pytest.approx(inverse[size:, size:], rel=1e-4, abs=1e-12)
+    assert pose_covariance == pytest.approx(inverse[55:58, 55:58], rel=1e-4, abs=1e-12)
+
+
+def test_differences_are_applied_and_found_again() -> None:
+    values = np.array([0.01, -0.02, 0.005, 0.002, -0.003, 0.001, 0.02, 0.04, 0.01, -0.02, 0.03])
+    built = Differences(values).applied_to(SPEC)
+    assert built.picture_delay == 0.04
+    assert built.as_drawn is SPEC
+    again = Differences.between(SPEC, built, built.picture_delay).values
+    assert again == pytest.approx(values, abs=1e-12)
+
+
+def test_the_start_may_be_told_wrong_by_centimetres_and_degrees() -> None:
+    log, true, _ = driven(HAND_BUILT, SEED, 40.0)
+    calibration = calibrate(
+        log.until(150), SPEC, SQUARE, Pose2(0.07, -0.06, -0.2), START_COVARIANCE
+    )
+    assert abs(calibration.values[1] - true[1]) < 0.001
