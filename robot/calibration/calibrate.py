@@ -31,7 +31,6 @@ from robot.calibration.unknowns import (
     PRIORS,
     RIGHT,
     ROBOT,
-    ROTATION,
     SEPARATION,
     UNKNOWNS,
     index_of,
@@ -153,7 +152,7 @@ def _check_fit(log: DriveLog, solution: Solution) -> None:
     if share < LEAST_SEEN or residual_sd(solution.misses) > FAR_OFF:
         raise CalibrationError(
             f"{100 * share:.0f} % of the edges that were seen lie on the field's: the robot did "
-            "not start where it was given_pose, or this is another field"
+            "not start where it was told, or this is another field"
         )
 
 
@@ -176,12 +175,12 @@ def _weights(window: float) -> list[Weights]:
     """Return how much is believed in the adjustments of a window [s], one after the other.
 
     In short windows the wheels and the place of the camera are stiff: with all free, a drive of two
-    seconds is explained best by a robot of twice the size.
+    seconds is explained best by a robot of twice the size, or by one that looks aside.
     """
     free = np.ones(COUNT)
     if window < 3:
         turned = 0.1 * free
-        turned[ROTATION] = 1.0
+        turned[index_of(["camera_roll", "camera_pitch"])] = 1.0
         return [
             Weights(0.01 * free, gate=0.25, doubt=100.0),
             Weights(turned, gate=0.15, doubt=30.0),
