@@ -50,7 +50,7 @@ def test_a_place_that_replaced_another_needs_a_further_short_map_for_each_time()
     places = [track_at(Pose2()), track_at(Pose2(0.5, 0, 0))]
     assert [one.follow(places[i % 2], 1.0, P) for i in range(3)] == [False, True, True]
     one.doubt(10)
-    one.lose()  # It does not count as a carried robot's either.
+    one.lose([])  # The place was doubtful before, so this is no carried robot.
     local = filled(LocalMap.of(P), 28)
     assert not one.is_due(10 + 3 * P.map_scans - 1, local)
     assert one.is_due(10 + 3 * P.map_scans, local)
@@ -59,6 +59,23 @@ def test_a_place_that_replaced_another_needs_a_further_short_map_for_each_time()
     assert one.is_given
     one.doubt(40)
     assert one.is_due(40 + P.map_scans, local)
+
+
+@pytest.mark.parametrize(
+    ("weight", "another", "confirmed"),
+    [(1.0, False, True), (1.0, True, False), (LEADING, False, False)],
+)
+def test_only_who_leads_for_long_is_confirmed(
+    weight: float, another: bool, confirmed: bool
+) -> None:
+    one, track = Confirmation(), track_at(Pose2())
+    one.note(track, weight, another)
+    assert track.confirmed == confirmed
+    one.lose([track])
+    assert not track.confirmed
+    one.doubt(10)
+    one.note(track, 1.0, another=False)
+    assert not track.confirmed
 
 
 def test_only_a_search_of_scans_since_the_doubt_gives_it_back() -> None:
@@ -102,7 +119,7 @@ def test_a_rival_puts_off_a_new_place_until_it_is_told_apart(change: str) -> Non
     one.follow(track_at(Pose2()), 1.0, P)
     one.doubt(0)
     if change == "lost":
-        one.lose()
+        one.lose([])
     if change == "another leads":
         assert one.follow(track_at(Pose2(0.3, 0, 0)), 1.0, P)
     for scans in (10, 17, 24):
@@ -129,7 +146,7 @@ def test_it_notices_when_another_place_leads() -> None:
     assert not one.follow(beside, 1.0, P)
     assert not one.follow(other, LEADING, P)
     assert one.follow(other, 1.0, P)
-    one.lose()
+    one.lose([])
     assert not one.follow(first, 1.0, P)
 
 

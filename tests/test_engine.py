@@ -2,6 +2,7 @@
 
 import threading
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import get_args
 
 import numpy as np
@@ -13,6 +14,9 @@ from app.engine.commands import MOST_WAITING, RULES, check
 from app.engine.mailboxes.backlog import MOST_TAKEN
 from app.messages.commands import Command, PauseCommand, PingCommand, ShowCommand, StopCommand
 from app.settings.config import Config
+from robot.calibration.profile import Profile
+from robot.calibration.unknowns import NAMES, ROBOT
+from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometrySettings
 from robot.errors import CommandError
 from robot.geometry import Pose2
@@ -219,3 +223,14 @@ def test_a_pause_does_not_keep_what_was_claimed():
 
 def test_every_command_has_a_rule():
     assert set(RULES) == set(get_args(get_args(Command)[0]))
+
+
+def test_a_profile_s_delay_is_taken_off_a_picture_s_stamp(tmp_path):
+    delayed = np.zeros(ROBOT)
+    delayed[NAMES.index("picture_delay")] = 0.03
+    spec = RobotSpec.load()
+    profile = Profile(spec.name, datetime.now(UTC), "a test", delayed, np.full(ROBOT, 1e-3))
+    (tmp_path / "profile.toml").write_text(profile.to_toml())
+    shown = run(kinematic(profile=str(tmp_path / "profile.toml")), 1.0, drive(v=0.15))
+    pictures = [(s.frame.stamp, s.line_scan.scan.stamp) for s in shown if s.line_scan is not None]
+    assert {round(stamp - exposed, 6) for stamp, exposed in pictures} == {0.03}

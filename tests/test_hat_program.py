@@ -89,5 +89,5 @@ def test_the_paper_s_recovery_through_the_serial_line():
     pytest.importorskip("pybullet")
     found = drive(seed=100, watched=6.0)
     assert found.seconds < 4.0
-    assert found.error < 0.01
+    assert found.error < 0.002
     assert found.error < found.odometry_error

@@ -51,6 +51,11 @@ COMMANDS = {
     "record": (MODULE, ["record", "{server}", "--out", "{tmp}/out"], 3.0),
     "doctor": (SCRIPT, ["doctor"], 2.0),
     "export": (MODULE, ["export", "ros2", "{tmp}/out"], 2.0),
+    "calibrate": (
+        MODULE,
+        ["calibrate", "drive", "--seconds", "20", "--out", "{tmp}/profile.toml"],
+        4.0,
+    ),
     "bench": (MODULE, ["bench", "loop"], 6.0),
 }  # fmt: skip
 """How each command is started, and how long it may run before the signal [s]."""

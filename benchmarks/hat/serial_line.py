@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 from websockets.sync.connection import Connection
 
 from app.lab.evaluation.convergence import time_to_converge
@@ -37,6 +38,9 @@ SETTLED_S = 2.0
 """Time after the wrong pose before errors count [s]."""
 
 RENEW_S = 0.2
+
+NEAR_S = 0.1
+"""How far the offset from the motions may be from the one of the least error [s]."""
 
 POSES = ((1, 2, 3), (4, 5, 6))
 """Columns of the estimate and of the odometry in the recorded telemetry."""
@@ -121,22 +125,44 @@ def _pose(pose: dict[str, float]) -> list[float]:
 
 
 def _judged(truth: Array, reports: Array) -> Drive:
-    """Compare with the clock offset from both motions, as the programs have no common clock."""
-    late = reports[reports[:, 0] > reports[0, 0] + SETTLED_S]
-    true = _planar(truth)
-    offset = estimate_clock_offset(true, _planar(late)).seconds
-    estimate, odometry = (_planar(reports[:, [0, *columns]]).shifted(offset) for columns in POSES)
-    where, known = at(true, estimate.stamps)
-    estimate, odometry = estimate.selected(known), odometry.selected(known)
-    apart = estimate.poses - where.poses
+    """Compare at the clock offset of the least error, as the programs have no common clock.
+
+    Both are in the map's frame and are not aligned: on one circle of the figure-eight, a turned
+    path fits as well as a later one. The offset may hide up to the error along the path.
+    """
+    true, estimate = _planar(truth), _planar(reports[:, [0, *POSES[0]]])
+    late = _planar(reports[reports[:, 0] > reports[0, 0] + SETTLED_S])
+    near = estimate_clock_offset(true, late).seconds
+
+    def error(offset: float) -> float:
+        return ate_rmse(*_paired(true, late.shifted(offset)))
+
+    offset = float(minimize_scalar(error, bounds=(near - NEAR_S, near + NEAR_S)).x)
+    where, matched = _paired(true, estimate.shifted(offset))
+    apart = matched.poses - where.poses
     seconds = time_to_converge(
         where.stamps, np.hypot(apart[:, 0], apart[:, 1]), np.array(wrap_angle(apart[:, 2]))
     )
-    settled = where.stamps > where.stamps[0] + SETTLED_S
-    errors = [
-        ate_rmse(where.selected(settled), track.selected(settled)) for track in (estimate, odometry)
-    ]
-    return Drive(seconds, *errors)
+    odometry = _planar(reports[:, [0, *POSES[1]]])
+    settled = estimate.stamps[0] + offset + SETTLED_S
+    return Drive(
+        seconds,
+        _error_after(settled, true, estimate.shifted(offset)),
+        _error_after(settled, true, odometry.shifted(offset)),
+    )
+
+
+def _error_after(stamp: float, truth: Trajectory, estimate: Trajectory) -> float:
+    """Return the root mean square distance [m] after a time."""
+    where, matched = _paired(truth, estimate)
+    later = where.stamps > stamp
+    return ate_rmse(where.selected(later), matched.selected(later))
+
+
+def _paired(truth: Trajectory, estimate: Trajectory) -> tuple[Trajectory, Trajectory]:
+    """Return the truth at the estimate's stamps, and the estimate where the truth is known."""
+    where, known = at(truth, estimate.stamps)
+    return where, estimate.selected(known)
 
 
 def _planar(rows: Array) -> Trajectory:

@@ -1,9 +1,7 @@
 """Adjusts the path of a drive and the robot's unknowns together, by least squares.
 
-Each picture has five unknowns of its own: the robot's pose, and the slip of both wheels until the
-next picture. They are tied to those of the next picture only, so their normal equations are banded.
-The robot's unknowns are in all pictures; they are solved for first (Schur complement; Triggs et al.
-2000, section 6.1). Its inverse is their covariance.
+Gauss-Newton: the errors of edges, wheels and priors are written as normal equations
+(``normal_equations``), and each solution is the next state.
 """
 
 from __future__ import annotations
@@ -12,9 +10,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.spatial.transform import Rotation
 
+from robot.calibration.normal_equations import CAUCHY, STATE, Equations
 from robot.calibration.sightings import Misses, Sightings, misses
 from robot.calibration.unknowns import (
     COUNT,
@@ -35,10 +33,6 @@ from robot.calibration.wheel_motion import (
 from robot.errors import BrickPoseError
 from robot.geometry import Array, wrap_angle
 
-STATE = 5
-"""Unknowns of a picture: x, y, theta, left slip, right slip."""
-BAND = 2 * STATE - 1
-
 STEP_SD = np.array([0.00018, 0.00006, 0.0022])
 """Standard deviation of the motion between two pictures by the wheels, slip apart: the encoders
 count in degrees [m, m, rad]."""
@@ -48,14 +42,12 @@ STILL = 0.03
 """The solution is found if no unknown changes by more than this share of its deviation."""
 TYPICAL_SD = 0.0002
 """Standard deviation of most edges on the floor [m]."""
+MEDIAN_OF_NORMAL = 0.6745
+"""Median of the absolute value of a standard normal number."""
 UNSETTLED = (
     "no robot and no path explain the drive: the robot did not start where it was told, it was "
     "moved by hand, or this is another field"
 )
-CAUCHY = 3.0
-"""Distance from which on an edge counts less, in standard deviations."""
-SLIP_SD, SLIP_TIME = 0.04, 1.0
-"""Standard deviation of a wheel's slip, and the time over which it forgets what it was [s]."""
 
 
 class CalibrationError(BrickPoseError, ValueError):
@@ -92,11 +84,10 @@ class Solution:
 
     state: State
     covariance: Array = field(repr=False)
-    """(15, 11) of the unknowns."""
+    """(15, 15) of the unknowns."""
     pose_covariance: Array = field(repr=False)
     """(3, 3) of the last pose, with the unknowns' share."""
     misses: Misses = field(repr=False)
-    cost: float
 
 
 class Adjustment:
@@ -142,7 +133,7 @@ class Adjustment:
             # An edge at the border of the gate may come and go for ever.
             if still or abs(before.cost - equations.cost) < 1e-4 * equations.cost:
                 break
-        return Solution(state, covariance, pose_covariance, equations.misses, equations.cost)
+        return Solution(state, covariance, pose_covariance, equations.misses)
 
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
@@ -197,119 +188,6 @@ class Adjustment:
         return error, by_before, by_after, robot
 
 
-class Equations:
-    """Normal equations: a chain of pictures, each also tied to the robot's unknowns."""
-
-    def __init__(self, count: int) -> None:
-        self._own = np.zeros((count, STATE, STATE))
-        self._next = np.zeros((count, STATE, STATE))
-        """From each picture (rows) to the next one (columns)."""
-        self._shared = np.zeros((count, STATE, COUNT))
-        self._robot = np.zeros((COUNT, COUNT))
-        self._right = np.zeros((count, STATE))
-        self._robot_right = np.zeros(COUNT)
-        self.cost = 0.0
-        self.misses: Misses
-
-    def add_sightings(self, seen: Misses, doubt: float) -> None:
-        """Add the edges that were seen, with Cauchy's weights and a factor of their deviations."""
-        self.misses = seen
-        squares = (seen.residuals / (CAUCHY * doubt)) ** 2
-        self.cost += float(CAUCHY**2 * np.log1p(squares).sum())
-        root = (1 / np.sqrt(1 + squares) / doubt)[:, None]
-        robot, residuals = root * seen.by_unknowns, root * seen.residuals[:, None]
-        rows = np.concatenate([root * seen.by_pose, robot, residuals], axis=1)
-        # All products of a picture's rows at once; the pictures' rows follow each other.
-        starts = np.searchsorted(seen.picture, np.arange(len(self._own) + 1))
-        for k in np.flatnonzero(np.diff(starts)):
-            part = rows[starts[k] : starts[k + 1]]
-            products = part.T @ part
-            self._own[k, :3, :3] += products[:3, :3]
-            self._shared[k, :3] += products[:3, 3:-1]
-            self._right[k, :3] -= products[:3, -1]
-        self._robot += robot.T @ robot
-        self._robot_right -= robot.T @ residuals[:, 0]
-
-    def add_pairs(self, error: Array, own: Array, following: Array, robot: Array) -> None:
-        """Add what ties pictures to the next ones.
-
-        Args:
-            error: (k - 1, m) in standard deviations.
-            own: (k - 1, m, 5) its derivatives by a picture's own unknowns.
-            following: (k - 1, m, 5) by those of the next picture.
-            robot: (k - 1, m, 15) by the robot's unknowns.
-        """
-        self.cost += float((error**2).sum())
-        self._own[:-1] += own.transpose(0, 2, 1) @ own
-        self._own[1:] += following.transpose(0, 2, 1) @ following
-        self._next[:-1] += own.transpose(0, 2, 1) @ following
-        self._shared[:-1] += own.transpose(0, 2, 1) @ robot
-        self._shared[1:] += following.transpose(0, 2, 1) @ robot
-        self._right[:-1] -= np.einsum("nij,ni->nj", own, error)
-        self._right[1:] -= np.einsum("nij,ni->nj", following, error)
-        flat = robot.reshape(-1, COUNT)
-        self._robot += flat.T @ flat
-        self._robot_right -= flat.T @ error.reshape(-1)
-
-    def add_slip(self, slip: Array, stamps: Array) -> None:
-        """Add that slip changes slowly, and is small (a first-order process)."""
-        kept = np.exp(-np.diff(stamps) / SLIP_TIME)
-        sd = SLIP_SD * np.sqrt(1 - kept**2)
-        error = (slip[1:] - kept[:, None] * slip[:-1]) / sd[:, None]
-        own = np.zeros((len(error), 2, STATE))
-        following = np.zeros((len(error), 2, STATE))
-        for wheel in range(2):
-            own[:, wheel, 3 + wheel] = -kept / sd
-            following[:, wheel, 3 + wheel] = 1 / sd
-        self.add_pairs(error, own, following, np.zeros((len(error), 2, COUNT)))
-        self._own[0, [3, 4], [3, 4]] += 1 / SLIP_SD**2
-        self._right[0, 3:] -= slip[0] / SLIP_SD**2
-        self.cost += float((slip[0] ** 2).sum()) / SLIP_SD**2
-
-    def add_start(self, pose: Array, given_pose: Array, information: Array) -> None:
-        """Add the pose (3,) that was told for the first picture."""
-        difference = pose - given_pose
-        difference[2] = wrap_angle(float(difference[2]))
-        self._own[0, :3, :3] += information
-        self._right[0, :3] -= information @ difference
-        self.cost += float(difference @ information @ difference)
-
-    def add_prior(self, values: Array, sd: Array) -> None:
-        """Add that the robot is much as described."""
-        self._robot[np.diag_indices(COUNT)] += 1 / sd**2
-        self._robot_right -= values / sd**2
-        self.cost += float(((values / sd) ** 2).sum())
-
-    def solve(self) -> tuple[Array, Array, Array, Array]:
-        """Return the steps (k, 5) and (15,), the latter's covariance, and the last pose's."""
-        count = len(self._own)
-        size = count * STATE
-        band = np.zeros((BAND + 1, size))
-        for row in range(STATE):
-            for column in range(row + 1):
-                band[row - column, column::STATE] = self._own[:, row, column]
-            for column in range(STATE):
-                # Entry (next row, this column), below the diagonal.
-                below = row + STATE - column
-                band[below, column : size - STATE : STATE] = self._next[:-1, column, row]
-        factor = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
-        shared = self._shared.reshape(size, COUNT)
-        both = np.column_stack([shared, self._right.reshape(size)])
-        solved = cho_solve_banded((factor, True), both, check_finite=False)
-        schur = self._robot - shared.T @ solved[:, :-1]
-        covariance = np.asarray(np.linalg.inv((schur + schur.T) / 2), np.float64)
-        robot = covariance @ (self._robot_right - shared.T @ solved[:, -1])
-        own = solved[:, -1] - solved[:, :-1] @ robot
-        last = np.zeros((size, 3))
-        last[size - STATE : size - STATE + 3] = np.eye(3)
-        own_last = cho_solve_banded((factor, True), last, check_finite=False)[
-            size - STATE : size - STATE + 3
-        ]
-        by_robot = solved[size - STATE : size - STATE + 3, :-1]
-        pose_covariance = own_last + by_robot @ covariance @ by_robot.T
-        return own.reshape(count, STATE), robot, covariance, pose_covariance
-
-
 def _moved(state: State, step: Array, shared: Array) -> State:
     values = state.values + shared
     turned = Rotation.from_rotvec(shared[ROTATION]) * Rotation.from_rotvec(state.values[ROTATION])
@@ -321,4 +199,8 @@ def _moved(state: State, step: Array, shared: Array) -> State:
 
 def residual_sd(seen: Misses) -> float:
     """Return the robust standard deviation of the misses, in those that were expected."""
-    return float(np.median(np.abs(seen.residuals)) / 0.6745) if len(seen.residuals) else math.nan
+    return (
+        float(np.median(np.abs(seen.residuals)) / MEDIAN_OF_NORMAL)
+        if len(seen.residuals)
+        else math.nan
+    )

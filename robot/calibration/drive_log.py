@@ -32,8 +32,6 @@ class DriveLog:
     """(k,) stamps of the pictures [s]."""
     pixels: Array = field(repr=False)
     """(k, 2 r, 2) where rays enter tape, then where they leave it [px]; nan without tape."""
-    noise: Array = field(repr=False)
-    """(k,) noise of the pictures [grey levels]."""
     wheel_stamps: Array = field(repr=False)
     """(t,) [s]"""
     wheel_angles: Array = field(repr=False)
@@ -41,22 +39,16 @@ class DriveLog:
 
     def until(self, count: int) -> DriveLog:
         """Return the drive with its first pictures only."""
-        return replace(
-            self,
-            stamps=self.stamps[:count],
-            pixels=self.pixels[:count],
-            noise=self.noise[:count],
-        )
+        return replace(self, stamps=self.stamps[:count], pixels=self.pixels[:count])
 
 
 class DriveRecorder:
     """Collects the log of a drive, reading by reading."""
 
     def __init__(self, spec: RobotSpec, settings: LineScannerSettings) -> None:
-        self._spec = spec
         self._scanner = LineScanner(spec.floor_view, replace(settings, **LOOSE))
         self._left_right = list(spec.axle)
-        self._pictures: list[tuple[float, Array, float]] = []
+        self._pictures: list[tuple[float, Array]] = []
         self._wheels: list[tuple[float, Array]] = []
 
     def add(self, reading: Reading) -> None:
@@ -67,16 +59,17 @@ class DriveRecorder:
             return
         if self._pictures and frame.stamp - self._pictures[-1][0] < PERIOD_S - 1e-6:
             return
-        edges, noise = self._scanner.entries_and_exits(frame.image)
+        edges = self._scanner.entries_and_exits(frame.image)
         sides = [self._scanner.pixels(side)[EVERY // 2 :: EVERY] for side in edges.T]
-        self._pictures.append((frame.stamp, np.concatenate(sides), noise))
+        self._pictures.append((frame.stamp, np.concatenate(sides)))
 
     @property
     def log(self) -> DriveLog:
         """All that was added so far."""
-        stamps, pixels, noise = zip(*self._pictures, strict=True)
-        wheel_stamps, angles = zip(*self._wheels, strict=True)
+        rays = len(range(EVERY // 2, self._scanner.settings.rays, EVERY))
         return DriveLog(
-            np.array(stamps), np.array(pixels), np.array(noise), np.array(wheel_stamps),
-            np.array(angles),
-        )  # fmt: skip
+            np.array([stamp for stamp, _ in self._pictures]),
+            np.array([pixels for _, pixels in self._pictures]).reshape(-1, 2 * rays, 2),
+            np.array([stamp for stamp, _ in self._wheels]),
+            np.array([angles for _, angles in self._wheels]).reshape(-1, 2),
+        )

@@ -24,7 +24,11 @@ sample it does not: so a delay would fit best that puts the pictures between the
 After smoothing, both are nearly alike."""
 
 SMALL = 1e-6
-"""Change of a number for a derivative by differences; of the delay it is in seconds."""
+"""Change of a relative dimension for a derivative by differences."""
+APART_S = 0.02
+"""Time between the angles of a difference [s]: over a millisecond it would be of encoder steps."""
+MOST_PARTS = 100
+"""Most parts of the time between two pictures: for a camera that stalled for seconds."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +59,7 @@ class WheelMotion:
         multiplied: otherwise larger radii would make the same slip look smaller.
 
         Args:
-            values: (11,) differences from the description.
+            values: (15,) differences from the description.
             slip: (k - 1, 2) share of its way that each wheel slips.
 
         Returns:
@@ -72,20 +76,19 @@ class WheelMotion:
         derivatives[:, :, BY_SEPARATION] = self._moved(
             turns, left, right, values[SEPARATION] + SMALL
         )
-        # Encoders count in steps: the difference over a millisecond would be one of steps.
-        apart = 0.02
-        late = self._moved(self._turns(values[DELAY] + apart / 2), left, right, values[SEPARATION])
-        soon = self._moved(self._turns(values[DELAY] - apart / 2), left, right, values[SEPARATION])
+        late, soon = (
+            self._moved(self._turns(values[DELAY] + half), left, right, values[SEPARATION])
+            for half in (APART_S / 2, -APART_S / 2)
+        )
         derivatives[:, :, :3] = (derivatives[:, :, :3] - moved[:, :, None]) / SMALL
-        derivatives[:, :, BY_DELAY] = (late - soon) / apart
+        derivatives[:, :, BY_DELAY] = (late - soon) / APART_S
         return moved, derivatives
 
     def twists(self, values: Array) -> Array:
         """Return the robot's velocity (k, 2) at each picture [m/s, rad/s]."""
-        around = 0.02
         middle = self.stamps - values[DELAY]
-        angles = [self._angles(middle + half) for half in (-around, around)]
-        rolled = (angles[1] - angles[0]) / (2 * around) * np.array(self.radii)
+        angles = [self._angles(middle + half) for half in (-APART_S, APART_S)]
+        rolled = (angles[1] - angles[0]) / (2 * APART_S) * np.array(self.radii)
         left, right = rolled.T
         track = self.separation * (1 + values[SEPARATION])
         return np.column_stack([(left + right) / 2, (right - left) / track])
@@ -98,8 +101,8 @@ class WheelMotion:
     def _turns(self, delay: float) -> Array:
         """Return how far the wheels turned (k - 1, n, 2) [rad] in n parts of each interval."""
         times = self.stamps - delay
-        parts = max(1, math.ceil(float(np.diff(times).max(initial=0.0)) / STEP_S))
-        parts = min(parts, 100)
+        longest = float(np.diff(times).max(initial=0.0))
+        parts = min(max(1, math.ceil(longest / STEP_S)), MOST_PARTS)
         within = np.linspace(0.0, 1.0, parts + 1)
         cuts = times[:-1, None] + np.diff(times)[:, None] * within
         return np.diff(self._angles(cuts), axis=1)

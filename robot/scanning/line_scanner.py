@@ -195,19 +195,19 @@ class LineScanner:
         scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=clear)
         return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
 
-    def entries_and_exits(self, image: NDArray[np.uint8]) -> tuple[Array, float]:
-        """Return where each ray that counts enters and leaves tape (k, 2), and the picture's noise.
+    def entries_and_exits(self, image: NDArray[np.uint8]) -> Array:
+        """Return where each ray that counts enters and leaves tape (k, 2) [samples]; else nan.
 
-        In samples along the ray, as measured: ``scan`` moves entries onto the line of their edge,
-        which is only right if the camera is as described. The noise is in grey levels.
+        They are as measured: ``scan`` moves entries onto the line of their edge, which is only
+        right if the camera is as described.
 
         Raises:
             ValueError: as ``scan``.
         """
-        pairs, noise, _, _, (chosen, verdicts, _, _) = self._search(self._checked(image))
+        pairs, _, _, _, (chosen, verdicts, _, _) = self._search(self._checked(image))
         chosen_pairs = pairs[np.arange(len(chosen)), chosen]
         chosen_pairs[verdicts != Verdict.COUNTED] = np.nan
-        return chosen_pairs, noise
+        return chosen_pairs
 
     def _search(self, picture: NDArray[np.uint8]) -> tuple[Array, float, int, Array, Judged]:
         """Return pairs, noise, kernel and clearness of ``find_edges``, and what is chosen."""

@@ -192,7 +192,9 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
         options["offset"] = tuple(given["offset"])
     if "calibrate" in given:
         options["calibrate"] = given["calibrate"]
-    config = replace(config_of(given), profile=given.get("profile", ""))
+    config = config_of(given)
+    if "profile" in given:
+        config = replace(config, profile=given["profile"])
     experiment = Experiment(config, worlds_from_options(given), **options)
     crew = workers_from_options(given)
     try:

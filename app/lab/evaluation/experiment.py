@@ -55,6 +55,8 @@ class Experiment:
             raise SettingError(
                 f"--calibrate is {self.calibrate:g}; valid is {SHORTEST_S:g} s or more"
             )
+        if self.calibrate is not None and self.config.profile:
+            raise SettingError("a profile has no effect with --calibrate; valid is one of them")
         for name, value, low in (("seeds", self.seeds, 1), ("laps", self.laps, 1)):
             if value < low:
                 raise SettingError(f"{name} is {value}; valid is {low} or more")

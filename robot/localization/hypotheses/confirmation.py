@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
@@ -36,8 +38,10 @@ class Confirmation:
         self.is_given, self._doubted_at = False, scans
         self._search_counts = self._put_off = False
 
-    def lose(self) -> None:
+    def lose(self, tracks: Sequence[Track]) -> None:
         """Forget the leader, as the place is lost: the next leader does not replace another."""
+        for track in tracks:
+            track.confirmed = False
         self._leader, self._held = None, False
 
     def follow(self, heaviest: Track, weight: float, p: HypothesisParameters) -> bool:
@@ -49,6 +53,10 @@ class Confirmation:
         self._held &= not another
         self._replacements += another
         return another
+
+    def note(self, heaviest: Track, weight: float, another: bool) -> None:
+        """Note on the heaviest track that it is confirmed, unless it has just become the leader."""
+        heaviest.confirmed |= self.is_given and weight > LEADING and not another
 
     def is_due(self, scans: int, local: LocalMap) -> bool:
         """Whether a search of the short map that begins now would confirm the place."""

@@ -15,7 +15,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.hypotheses.candidate_weights import equal_tracks, has_rival, weigh_places
-from robot.localization.hypotheses.confirmation import LEADING, Confirmation
+from robot.localization.hypotheses.confirmation import Confirmation
 from robot.localization.hypotheses.images import missing_images
 from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
@@ -220,14 +220,12 @@ class MultiHypothesisFilter:
         for track, weight in zip(self._tracks, weights, strict=True):
             track.filter.share = max(weight, LEAST_SHARE)
         another = self._confirmation.follow(self._tracks[0], weights[0], self.setup.hypotheses)
-        if self._confirmation.is_given and weights[0] > LEADING and not self._priors:
-            self._tracks[0].confirmed = True
+        if not self._priors:  # A given start is not confirmed by being given.
+            self._confirmation.note(self._tracks[0], weights[0], another)
         if self._elsewhere.suspected or another:
             self._confirmation.doubt(self._scans)
         if lost_now:
-            self._confirmation.lose()
-            for track in self._tracks:
-                track.confirmed = False
+            self._confirmation.lose(self._tracks)
             self._restart_search(self._elsewhere.doubts)
         elif another:
             self._restart_search(self._scans - self._tracks[0].born)
