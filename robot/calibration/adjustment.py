@@ -28,6 +28,7 @@ from robot.calibration.wheel_motion import (
     BY_LEFT,
     BY_RIGHT,
     BY_SEPARATION,
+    BY_SLIP,
     WheelMotion,
 )
 from robot.errors import BrickPoseError
@@ -58,8 +59,10 @@ class CalibrationError(BrickPoseError, ValueError):
 class Weights:
     """How much to believe while the unknowns are still far off."""
 
-    stiffness: Array = field(default_factory=lambda: np.ones(COUNT), repr=False)
-    """(15,) factors of the standard deviations of the priors."""
+    mean: Array = field(default_factory=lambda: np.zeros(COUNT), repr=False)
+    """(15,) what the unknowns are, before the drive is looked at."""
+    sd: Array = field(default_factory=PRIORS.copy, repr=False)
+    """(15,) and their standard deviations."""
     gate: float = 0.02
     """Edges farther off than this do not count [m]."""
     doubt: float = 1.0
@@ -75,7 +78,7 @@ class State:
     poses: Array
     """(k, 3) in the map at each picture [m, m, rad]."""
     slip: Array
-    """(k, 2) of the left and right wheel, until the next picture."""
+    """(k, 2) of the left and right wheel, until the next picture (see ``WheelMotion.steps``)."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,10 @@ class Solution:
     pose_covariance: Array = field(repr=False)
     """(3, 3) of the last pose, with the unknowns' share."""
     misses: Misses = field(repr=False)
+    cost: float
+    """Sum of the squared errors, robust, in standard deviations."""
+    share: float
+    """Of the edges that were seen, those that lie near the field's."""
 
 
 class Adjustment:
@@ -98,6 +105,7 @@ class Adjustment:
     ) -> None:
         """Prepare it; the start (3,) is where the robot was at the first picture, as told."""
         self._seen = seen
+        self._count = int(np.isfinite(seen.pixels[:, :, 0]).sum())
         self._motion = motion
         self._start = start
         self._start_information = np.asarray(np.linalg.inv(start_covariance), np.float64)
@@ -133,7 +141,8 @@ class Adjustment:
             # An edge at the border of the gate may come and go for ever.
             if still or abs(before.cost - equations.cost) < 1e-4 * equations.cost:
                 break
-        return Solution(state, covariance, pose_covariance, equations.misses)
+        share = len(equations.misses.residuals) / max(1, self._count)
+        return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
 
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
@@ -141,13 +150,13 @@ class Adjustment:
         seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
-        lost = int(np.isfinite(self._seen.pixels[:, :, 0]).sum()) - len(seen.residuals)
+        lost = self._count - len(seen.residuals)
         at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
         equations.cost += lost * CAUCHY**2 * math.log1p(at_gate**2)
         equations.add_pairs(*self._step_errors(state))
         equations.add_slip(state.slip, self._motion.stamps)
         equations.add_start(state.poses[0], self._start, self._start_information)
-        equations.add_prior(state.values, PRIORS * weights.stiffness)
+        equations.add_prior(state.values - weights.mean, weights.sd)
         return equations
 
     def _step_errors(self, state: State) -> tuple[Array, Array, Array, Array]:
@@ -184,7 +193,7 @@ class Adjustment:
         by_before[:, 0, 2], by_before[:, 1, 2] = local[:, 1], -local[:, 0]
         by_after /= sd[:, None]
         by_before /= sd[:, None]
-        by_before[:, :, 3:] = -by_wheels[:, :, [BY_LEFT, BY_RIGHT]]
+        by_before[:, :, 3:] = by_wheels[:, :, BY_SLIP]
         return error, by_before, by_after, robot
 
 

@@ -16,6 +16,7 @@ STEP_S = 0.025
 """Longest time within which the wheels' speeds count as constant [s]."""
 
 BY_LEFT, BY_RIGHT, BY_SEPARATION, BY_DELAY = range(4)
+BY_SLIP = slice(4, 6)
 """Columns of the derivatives."""
 
 KERNEL = np.array([1, 4, 6, 4, 1]) / 16
@@ -55,32 +56,35 @@ class WheelMotion:
     def steps(self, values: Array, slip: Array) -> tuple[Array, Array]:
         """Return how the robot moved from each picture to the next, and the derivatives.
 
-        A wheel rolls ``radius (1 + difference - slip)`` for each radian. Slip is subtracted, not
-        multiplied: otherwise larger radii would make the same slip look smaller.
+        Slip shortens each wheel's way by a share of the mean way (root of the mean square) of both
+        wheels as described, and the turn by the difference over the separation as described. So its
+        size does not depend on the unknowns: if it did, a smaller robot, or one with larger wheels,
+        would explain the same slip better.
 
         Args:
             values: (15,) differences from the description.
-            slip: (k - 1, 2) share of its way that each wheel slips.
+            slip: (k - 1, 2) share of the mean way that each wheel slips.
 
         Returns:
             (k - 1, 3) poses of the next picture in the frame of the last one [m, m, rad]; (k - 1,
-            3, 4) their derivatives by the left and right wheel's relative radius, the relative
-            separation and the delay.
+            3, 6) their derivatives by the left and right wheel's relative radius, the relative
+            separation, the delay, and the slip of both wheels.
         """
-        left, right = values[LEFT] - slip[:, 0], values[RIGHT] - slip[:, 1]
         turns = self._turns(values[DELAY])
-        moved = self._moved(turns, left, right, values[SEPARATION])
-        derivatives = np.empty((*moved.shape, 4))
-        derivatives[:, :, BY_LEFT] = self._moved(turns, left + SMALL, right, values[SEPARATION])
-        derivatives[:, :, BY_RIGHT] = self._moved(turns, left, right + SMALL, values[SEPARATION])
-        derivatives[:, :, BY_SEPARATION] = self._moved(
-            turns, left, right, values[SEPARATION] + SMALL
-        )
+        sizes = values[[LEFT, RIGHT, SEPARATION]]
+        moved = self._moved(turns, sizes, slip)
+        derivatives = np.empty((*moved.shape, 6))
+        for column, change in enumerate(SMALL * np.eye(3)):
+            derivatives[:, :, column] = self._moved(turns, sizes + change, slip) - moved
+        for wheel, change in enumerate(SMALL * np.eye(2)):
+            derivatives[:, :, BY_SLIP.start + wheel] = (
+                self._moved(turns, sizes, slip + change) - moved
+            )
+        derivatives /= SMALL
         late, soon = (
-            self._moved(self._turns(values[DELAY] + half), left, right, values[SEPARATION])
+            self._moved(self._turns(values[DELAY] + half), sizes, slip)
             for half in (APART_S / 2, -APART_S / 2)
         )
-        derivatives[:, :, :3] = (derivatives[:, :, :3] - moved[:, :, None]) / SMALL
         derivatives[:, :, BY_DELAY] = (late - soon) / APART_S
         return moved, derivatives
 
@@ -107,11 +111,16 @@ class WheelMotion:
         cuts = times[:-1, None] + np.diff(times)[:, None] * within
         return np.diff(self._angles(cuts), axis=1)
 
-    def _moved(self, turns: Array, left: Array, right: Array, separation: float) -> Array:
-        rolled_left = turns[:, :, 0] * (self.radii[0] * (1 + left))[:, None]
-        rolled_right = turns[:, :, 1] * (self.radii[1] * (1 + right))[:, None]
-        way = (rolled_left + rolled_right) / 2
+    def _moved(self, turns: Array, sizes: Array, slip: Array) -> Array:
+        left, right, separation = sizes
+        rolled_left, rolled_right = (turns * np.array(self.radii)).transpose(2, 0, 1)
+        both = np.sqrt((rolled_left**2 + rolled_right**2) / 2)
+        lost_left = np.sign(rolled_left) * both * slip[:, :1]
+        lost_right = np.sign(rolled_right) * both * slip[:, 1:]
+        rolled_left, rolled_right = rolled_left * (1 + left), rolled_right * (1 + right)
+        way = (rolled_left + rolled_right - lost_left - lost_right) / 2
         turn = (rolled_right - rolled_left) / (self.separation * (1 + separation))
+        turn -= (lost_right - lost_left) / self.separation
         heading = np.cumsum(turn, axis=1) - turn / 2
         chord = way * np.sinc(turn / (2 * np.pi))
         return np.column_stack(
