@@ -41,6 +41,8 @@ PARTS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 """Parts of a step that are tried, until one lowers the cost."""
 STILL = 0.03
 """The solution is found if no unknown changes by more than this share of its deviation."""
+SAME_COST = 0.1
+"""... or if the cost changes by less: that is a third of a standard deviation of one unknown."""
 TYPICAL_SD = 0.0002
 """Standard deviation of most edges on the floor [m]."""
 MEDIAN_OF_NORMAL = 0.6745
@@ -121,7 +123,9 @@ class Adjustment:
         Raises:
             CalibrationError: the errors grow without end.
         """
-        equations = self._equations(state, weights, None)
+        # The pixels' errors are known when edges were matched; without, even one step leads astray.
+        unsure = self._equations(state, weights, None)
+        equations = self._equations(state, weights, unsure.misses.pixels)
         for _ in range(most):
             try:
                 step, shared, covariance, pose_covariance = equations.solve()
@@ -139,7 +143,7 @@ class Adjustment:
             state = moved
             still = (np.abs(shared) / np.sqrt(np.diag(covariance))).max() < STILL
             # An edge at the border of the gate may come and go for ever.
-            if still or abs(before.cost - equations.cost) < 1e-4 * equations.cost:
+            if still or abs(before.cost - equations.cost) < SAME_COST:
                 break
         share = len(equations.misses.residuals) / max(1, self._count)
         return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
@@ -172,18 +176,15 @@ class Adjustment:
         local = np.column_stack([c * dx + s * dy, -s * dx + c * dy])
         error = np.column_stack([local, after[:, 2] - before[:, 2]]) - steps
         error[:, 2] = wrap_angle(error[:, 2])
-        # The encoders' noise is of angles: on the floor it grows with the wheels. If it were
-        # constant on the floor, a smaller world would always fit better.
-        left, right, wider = state.values[[LEFT, RIGHT, SEPARATION]]
-        larger = 1 + (left + right) / 2
-        sd = STEP_SD * larger * np.array([1, 1, 1 / (1 + wider)])
+        by_wheels = -(by_wheels + self._motion.by_errors(state.values, error))
+        # The encoders' noise is of angles: on the floor it grows with the wheels.
+        larger = 1 + state.values[[LEFT, RIGHT]].mean()
+        sd = STEP_SD * (larger, larger, 1)
         error /= sd
-        by_wheels = -by_wheels / sd[:, None]
+        by_wheels /= sd[:, None]
         robot = np.zeros((len(steps), 3, COUNT))
         robot[:, :, [LEFT, RIGHT]] = by_wheels[:, :, [BY_LEFT, BY_RIGHT]]
-        robot[:, :, [LEFT, RIGHT]] -= (error / (2 * larger))[:, :, None]
         robot[:, :, SEPARATION] = by_wheels[:, :, BY_SEPARATION]
-        robot[:, 2, SEPARATION] += error[:, 2] / (1 + wider)
         robot[:, :, DELAY] = by_wheels[:, :, BY_DELAY]
         by_after = np.zeros((len(steps), 3, STATE))
         by_after[:, 0, 0], by_after[:, 0, 1] = c, s

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -93,6 +94,11 @@ def _check_fit(path: DrivePath) -> None:
         raise CalibrationError(
             f"{100 * path.solution.share:.0f} % of the edges that were seen lie on the field's: "
             "the robot was moved by hand, or this is another field"
+        )
+    if not math.isnan(path.lost_at):
+        raise CalibrationError(
+            f"the path is lost after {path.lost_at:.0f} s: the robot was moved by hand, or saw no "
+            "tape for long; valid is a shorter drive"
         )
 
 

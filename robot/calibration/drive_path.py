@@ -7,9 +7,11 @@ followed a little farther with what is known by then, and all of it is adjusted 
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.calibration.adjustment import (
     Adjustment,
@@ -22,13 +24,14 @@ from robot.calibration.adjustment import (
 from robot.calibration.camera_from_tape import Guess, camera_from_tape
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
-from robot.calibration.start_poses import SECONDS, alike, start_poses
+from robot.calibration.start_poses import SECONDS, alike, entry_table, start_poses
 from robot.calibration.tracking import follow_path
 from robot.calibration.unknowns import COUNT, DELAY, LEFT, PRIORS, RIGHT, SEPARATION, index_of
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
+from robot.localization.models.entry_field import EntryField
 
 WINDOWS = (2.0, 3.5, 6.0, 10.0, 16.0, 26.0, 42.0, 70.0, 120.0, 200.0, 350.0, 600.0)
 """Lengths of the drive's beginning that are adjusted one after the other [s]."""
@@ -39,6 +42,13 @@ CLEARLY = 40.0
 LEAST_SEEN, FAR_OFF = 0.7, 3.0
 """A path fits if at least this share of the edges that were seen lies on the field's, and they lie
 at most so many times as far off as was expected."""
+TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
+"""A path is lost where less than this share lies on the field's of the edges that so many pictures
+saw, if these are enough."""
+MOST_SLIP = 0.3
+"""... or where a wheel had to slip more than this: seven standard deviations."""
+ALL_FREE_S = 12.0
+"""In windows longer than this, nothing is stiff [s]."""
 
 
 class Drive:
@@ -59,6 +69,17 @@ class Drive:
         twists = WheelMotion.of(self._log, self._spec).twists(np.zeros(COUNT))
         return camera_from_tape(self._seen, twists, self.field.tape_width)
 
+    @property
+    def edge_counts(self) -> NDArray[np.int64]:
+        """(k,) how many edges each picture saw."""
+        counts: NDArray[np.int64] = np.isfinite(self._log.pixels[:, :, 0]).sum(axis=1)
+        return counts
+
+    @cached_property
+    def entries(self) -> EntryField:
+        """The field, for edges to be laid on."""
+        return entry_table(self.field)
+
     def window(self, count: int) -> tuple[Sightings, WheelMotion]:
         """Return the first pictures, and the wheels between them."""
         return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
@@ -69,7 +90,7 @@ class Drive:
         values = self.guess.values
         steps, _ = motion.steps(values, np.zeros((len(motion.stamps) - 1, 2)))
         floor = seen.floor_points(values, motion.twists(values))
-        return start_poses(floor, steps, self.field, given_pose)
+        return start_poses(floor, steps, self.field, self.entries, given_pose)
 
 
 class DrivePath:
@@ -106,6 +127,20 @@ class DrivePath:
         """Whether the edges that were seen lie on the field's."""
         return self.solution.share >= LEAST_SEEN and residual_sd(self.solution.misses) <= FAR_OFF
 
+    @property
+    def lost_at(self) -> float:
+        """When the path seems to be wrong first [s]; nan if it never does.
+
+        That is where most edges lie off the field's, or the wheels had to slip too much.
+        """
+        state = self.solution.state
+        seen = self._drive.edge_counts[: len(state.poses)]
+        lying = np.bincount(self.solution.misses.picture, minlength=len(seen))
+        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (seen, lying)]
+        lost = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        lost |= np.abs(state.slip).max(axis=1) > MOST_SLIP
+        return float(self._drive.stamps[np.argmax(lost)]) if lost.any() else math.nan
+
     def grow(self, window: float) -> None:
         """Follow the drive to a time after its first picture [s], and adjust all of it.
 
@@ -114,7 +149,9 @@ class DrivePath:
         """
         first = self._adjustment is None
         part, motion = self._drive.window(int(np.searchsorted(self._drive.stamps, window)))
-        state = follow_path(self._state, self._covariance, part, motion, first=first)
+        state = follow_path(
+            self._state, self._covariance, part, motion, self._drive.entries, first=first
+        )
         self._adjustment = Adjustment(part, motion, self._start, self._start_covariance)
         for weights in _weights(window, self._drive.guess):
             self.solution = self._adjustment.solve(state, weights)
@@ -160,8 +197,8 @@ def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
     ]
     if rivals:
         raise CalibrationError(
-            f"the drive may have begun at {_told(best.start)} and at {_told(rivals[0].start)}, and "
-            f"not at {_told(start)}, as told; valid is a start within some centimetres"
+            f"the drive may have begun at {_text(best.start)} and at {_text(rivals[0].start)}, and "
+            f"not at {_text(start)}, as told; valid is a start within some centimetres"
         )
     return best
 
@@ -170,7 +207,7 @@ def _is_clearly_better(a: DrivePath, b: DrivePath) -> bool:
     return a.solution.cost + CLEARLY < b.solution.cost
 
 
-def _told(pose: Pose2) -> str:
+def _text(pose: Pose2) -> str:
     return f"({pose.x:.2f} m, {pose.y:.2f} m, {np.degrees(pose.theta):.0f} degrees)"
 
 
@@ -207,7 +244,7 @@ def _weights(window: float, guess: Guess) -> list[Weights]:
             _guessed(guess, free, gate=0.06, doubt=8.0),
             _guessed(guess, free, gate=0.03, doubt=2.0),
         ]
-    if window < 12:
+    if window < ALL_FREE_S:
         return [_guessed(guess, free, gate=0.06, doubt=4.0), Weights(gate=0.03)]
     return [Weights()]
 

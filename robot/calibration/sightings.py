@@ -95,13 +95,13 @@ class Sightings:
 
     def part(self, first: int, last: int) -> Sightings:
         """Return the sightings of some pictures."""
-        return self._of(slice(first, last))
+        return self._part_of(slice(first, last))
 
     def every(self, step: int) -> Sightings:
         """Return the sightings of every so many pictures."""
-        return self._of(slice(None, None, step))
+        return self._part_of(slice(None, None, step))
 
-    def _of(self, some: slice) -> Sightings:
+    def _part_of(self, some: slice) -> Sightings:
         return replace(self, pixels=self.pixels[some], late=self.late[some], rows=self.rows[some])
 
     def floor_points(

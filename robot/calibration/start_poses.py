@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.calibration.sightings import FloorPoints
 from robot.fields.field import Field
@@ -24,11 +25,23 @@ the table's cells [m]."""
 MOST_MINIMA, MOST_STARTS = 60, 5
 APART, TURNED = 0.08, math.radians(12)
 """Poses nearer to each other than this are one [m, rad]."""
+NEAR_STEP, NEAR_TURN = 0.03, math.radians(4)
+"""Largest steps of the poses that are tried near a pose [m, rad]."""
+EDGE_WEIGHT, WORST = 0.2, 0.35
+"""Weight of an edge's cost beside what the wheels tell: neighbours see the same; and the largest
+mean cost of edges that are laid on the field."""
 WORSE = 0.12
 """Share of the edges by whose cost a start may be worse than the best."""
 
 
-def start_poses(floor: FloorPoints, steps: Array, taped: Field, given_pose: Pose2) -> list[Pose2]:
+def entry_table(taped: Field) -> EntryField:
+    """Return the table in which edges are laid on a field."""
+    return EntryField.build(taped, resolution=CELL, max_distance=FARTHEST)
+
+
+def start_poses(
+    floor: FloorPoints, steps: Array, taped: Field, entries: EntryField, given_pose: Pose2
+) -> list[Pose2]:
     """Return where the drive may have begun, the likeliest pose first.
 
     Of poses that look alike, as the field is symmetric, only the one nearest the given pose is
@@ -38,12 +51,12 @@ def start_poses(floor: FloorPoints, steps: Array, taped: Field, given_pose: Pose
         floor: the edges that the first pictures saw.
         steps: (k - 1, 3) how the robot moved from each picture to the next [m, m, rad].
         taped: the field.
+        entries: of ``entry_table``.
         given_pose: where the robot was, as told.
     """
-    ends = _ends(floor, steps)
+    ends = edge_ends(floor, steps)
     if not len(ends):
         return []
-    entries = EntryField.build(taped, resolution=CELL, max_distance=FARTHEST)
     grid = CoarseGrid.over(taped.drive_area, STEP, TURN)
     costs = np.empty(grid.shape, np.float32)
     grid.score(slice(None), ends, entries, BLUR, costs)
@@ -71,8 +84,13 @@ def _away(a: Pose2, b: Pose2) -> float:
     return math.hypot(a.distance_to(b) / APART, a.turn_to(b) / TURNED)
 
 
-def _ends(floor: FloorPoints, steps: Array) -> Array:
-    """Return where rays entered tape, and their directions (n, 3), seen from the first pose."""
+def edge_ends(floor: FloorPoints, steps: Array) -> Array:
+    """Return where rays entered tape [m], and their directions [rad] (n, 3), from the first pose.
+
+    Args:
+        floor: the edges that some pictures saw.
+        steps: (k - 1, 3) how the robot moved from each picture to the next [m, m, rad].
+    """
     rays = floor.points.shape[1] // 2
     pose, ends = Pose2(), []
     for picture, points in enumerate(floor.points[:, :rays]):
@@ -83,3 +101,33 @@ def _ends(floor: FloorPoints, steps: Array) -> Array:
         ends.append(np.column_stack([pose.apply(seen), directions]))
     every = np.concatenate(ends) if ends else np.empty((0, 3))
     return np.ascontiguousarray(every[:: max(1, len(every) // MOST_EDGES)])
+
+
+def pose_near(pose: Array, covariance: Array, ends: Array, entries: EntryField) -> Array | None:
+    """Return the pose (3,) near a pose at which the edges fit best; None if they fit nowhere.
+
+    Args:
+        pose: (3,) where the robot probably is [m, m, rad].
+        covariance: (3, 3) of that.
+        ends: (n, 3) of ``edge_ends``.
+        entries: of ``entry_table``.
+    """
+    reach = 3 * np.sqrt(np.diag(covariance))
+    counts = np.ceil(reach / (NEAR_STEP, NEAR_STEP, NEAR_TURN)).astype(int)
+    steps = reach / counts
+    information = np.linalg.inv(covariance)
+    best = pose
+    for halving in range(3):
+        lattice = best + _lattice(steps / 2**halving, counts if halving == 0 else np.ones(3, int))
+        away = lattice - pose
+        unlikely = 0.5 * np.einsum("ni,ij,nj->n", away, information, away)
+        costs = costs_at(lattice, ends, entries, BLUR)
+        cheapest = int(np.argmin(unlikely + EDGE_WEIGHT * costs))
+        best = lattice[cheapest]
+    return best if costs[cheapest] < WORST * len(ends) else None
+
+
+def _lattice(steps: Array, counts: NDArray[np.int64]) -> Array:
+    """Return the points (n, 3) around the origin that are so many steps away, or fewer."""
+    axes = [step * np.arange(-count, count + 1) for step, count in zip(steps, counts, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)

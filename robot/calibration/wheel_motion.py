@@ -26,8 +26,11 @@ After smoothing, both are nearly alike."""
 
 SMALL = 1e-6
 """Change of a relative dimension for a derivative by differences."""
-APART_S = 0.02
-"""Time between the angles of a difference [s]: over a millisecond it would be of encoder steps."""
+TWIST_S = 0.04
+"""Time over which the robot's velocity is measured [s]."""
+DELAY_S = 0.3
+"""Time over which the change of velocity is measured that tells the delay [s]. Over a shorter time
+it is of the encoders' noise, which would seem to tell the delay to a millisecond at any speed."""
 MOST_PARTS = 100
 """Most parts of the time between two pictures: for a camera that stalled for seconds."""
 
@@ -83,16 +86,40 @@ class WheelMotion:
         derivatives /= SMALL
         late, soon = (
             self._moved(self._turns(values[DELAY] + half), sizes, slip)
-            for half in (APART_S / 2, -APART_S / 2)
+            for half in (DELAY_S / 2, -DELAY_S / 2)
         )
-        derivatives[:, :, BY_DELAY] = (late - soon) / APART_S
+        derivatives[:, :, BY_DELAY] = (late - soon) / DELAY_S
         return moved, derivatives
+
+    def by_errors(self, values: Array, errors: Array) -> Array:
+        """Return what the derivatives of steps lack, as the encoders measured with errors.
+
+        Derivatives are taken at how the robot moved, not at how the wheels seemed to: else the
+        noise of a robot that drives straight would tell the separation.
+
+        Args:
+            values: (15,) differences from the description.
+            errors: (k - 1, 3) of the steps, true less measured [m, m, rad].
+
+        Returns:
+            (k - 1, 3, 6) to be added to those of ``steps``.
+        """
+        left, right, separation = values[[LEFT, RIGHT, SEPARATION]]
+        track = self.separation * (1 + separation)
+        way, turn = errors[:, 0], errors[:, 2]
+        by_left = (way - turn * track / 2) / (1 + left)
+        by_right = (way + turn * track / 2) / (1 + right)
+        result = np.zeros((len(errors), 3, 6))
+        result[:, 0, BY_LEFT], result[:, 2, BY_LEFT] = by_left / 2, -by_left / track
+        result[:, 0, BY_RIGHT], result[:, 2, BY_RIGHT] = by_right / 2, by_right / track
+        result[:, 2, BY_SEPARATION] = -turn / (1 + separation)
+        return result
 
     def twists(self, values: Array) -> Array:
         """Return the robot's velocity (k, 2) at each picture [m/s, rad/s]."""
         middle = self.stamps - values[DELAY]
-        angles = [self._angles(middle + half) for half in (-APART_S, APART_S)]
-        rolled = (angles[1] - angles[0]) / (2 * APART_S) * np.array(self.radii)
+        angles = [self._angles(middle + half) for half in (-TWIST_S / 2, TWIST_S / 2)]
+        rolled = (angles[1] - angles[0]) / TWIST_S * np.array(self.radii)
         left, right = rolled.T
         track = self.separation * (1 + values[SEPARATION])
         return np.column_stack([(left + right) / 2, (right - left) / track])
@@ -117,8 +144,9 @@ class WheelMotion:
         both = np.sqrt((rolled_left**2 + rolled_right**2) / 2)
         lost_left = np.sign(rolled_left) * both * slip[:, :1]
         lost_right = np.sign(rolled_right) * both * slip[:, 1:]
+        lost = (lost_left + lost_right) / 2 * (1 + (left + right) / 2)
         rolled_left, rolled_right = rolled_left * (1 + left), rolled_right * (1 + right)
-        way = (rolled_left + rolled_right - lost_left - lost_right) / 2
+        way = (rolled_left + rolled_right) / 2 - lost
         turn = (rolled_right - rolled_left) / (self.separation * (1 + separation))
         turn -= (lost_right - lost_left) / self.separation
         heading = np.cumsum(turn, axis=1) - turn / 2
