@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import pytest
 from dds_rig import own_domain, rig_and_peer, stamped
+from pseudo_terminals import FDS
 
 from app.ros2.dds import child as child_module
 from app.ros2.dds import route as route_module
@@ -96,6 +97,35 @@ def test_a_process_that_fails_says_how(monkeypatch, code, words):
     with pytest.raises(ChildError, match=f"the DDS process: {words}"):
         failing.wait_until_ready()
     failing.close()
+
+
+@pytest.mark.parametrize(
+    "code, words",
+    [
+        ("raise SystemExit", "it ended"),
+        (NONSENSE + "s.sendall(b'\\xff' * 100)", "it sent a message of 4294967295 bytes"),
+    ],
+    ids=["silently", "with nonsense"],
+)
+def test_a_process_that_ends_before_its_plan_says_how_and_leaves_no_socket(
+    monkeypatch, code, words
+):
+    with_code(monkeypatch, code)
+    before = set(FDS.iterdir())
+    failing = started()
+    failing.process.wait(ENDS_S)
+    with pytest.raises(ChildError, match=f"the DDS process: {words}"):
+        failing.wait_until_ready()
+    failing.close()
+    assert set(FDS.iterdir()) <= before
+
+
+def test_a_process_that_cannot_be_started_leaves_no_socket(monkeypatch, tmp_path):
+    monkeypatch.setattr(child_module, "COMMAND", (str(tmp_path / "none"),))
+    before = set(FDS.iterdir())
+    with pytest.raises(FileNotFoundError):
+        started()
+    assert set(FDS.iterdir()) <= before
 
 
 def test_a_process_that_takes_nothing_is_ended(monkeypatch):
