@@ -12,7 +12,7 @@ from serving import ask, serving, until
 from app.page.belief import alike
 from robot.localization.integrity import State
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 MINE = """
 import numpy as np

@@ -101,6 +101,14 @@ def test_the_nearest_pair_that_counts_is_chosen() -> None:
     assert (both == 1).all()
 
 
+def test_of_two_tapes_the_nearer_one_is_chosen() -> None:
+    entries, exits = stripe(21, at=0.3)
+    entries[:, 1], exits[:, 1] = (edge[:, 0] for edge in stripe(21, at=0.6, width=0.055))
+    chosen, verdicts, widths, _ = judge(entries, exits)
+    assert (chosen == 0).all() and (verdicts == Verdict.COUNTED).all()
+    assert widths == pytest.approx(0.05)
+
+
 def test_entries_of_another_line_lend_no_support() -> None:
     """Neighbours whose nearest pair is on another tape, far away."""
     entries, exits = stripe(21)
