@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from app.interruption import interruptible
 from app.options import Commands, add_camera, add_condition, add_config, add_map, add_serial_port
@@ -18,7 +19,8 @@ def add_calibrate(commands: Commands) -> None:
         description="Measure how the robot differs from its description.",
         allow_abbrev=False,
     )
-    kinds = command.add_subparsers(required=True, metavar="{drive}")
+    kinds = command.add_subparsers(required=True, metavar="{drive,lens}")
+    _add_lens(kinds)
     drive = kinds.add_parser(
         "drive",
         help="by driving over a known field",
@@ -64,6 +66,57 @@ def add_calibrate(commands: Commands) -> None:
 def _drive(parsed: argparse.Namespace) -> int:
     from app.lab.calibrate.command import calibrate_drive  # noqa: PLC0415
 
-    given = {name: value for name, value in vars(parsed).items() if name != "command"}
     with interruptible():
-        return calibrate_drive(given)
+        return calibrate_drive(_given(parsed))
+
+
+def _add_lens(kinds: Commands) -> None:
+    lens = kinds.add_parser(
+        "lens",
+        help="the lens, by pictures of a printed board",
+        description="Measure the lens by pictures of a printed chessboard or ChArUco board, from "
+        "many sides, in all parts of the picture. Pictures that are of no use are refused with the "
+        "reason. Writes a ROS camera_info file.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    lens.add_argument(
+        "pictures", nargs="+", type=Path, metavar="PICTURES", help="folders, or files"
+    )
+    add_board(lens)
+    lens.add_argument(
+        "--out", type=Path, metavar="CAMERA.yaml", help="the lens (default: camera.yaml)"
+    )
+    lens.set_defaults(command=_lens)
+
+
+def add_board(command: argparse.ArgumentParser) -> None:
+    """Add the options that say which board it is."""
+    command.add_argument(
+        "--type", choices=("chessboard", "charuco"), help="kind of board (default: chessboard)"
+    )
+    command.add_argument(
+        "--squares",
+        metavar="CxR",
+        help="its squares across and up; of a chessboard its inner corners will do, as ROS counts "
+        "them (default: 10x7)",
+    )
+    command.add_argument(
+        "--size", type=float, metavar="M", help="side of a square [m] (default: 0.025)"
+    )
+    command.add_argument(
+        "--marker", type=float, metavar="SHARE", help="markers by squares (charuco; default: 0.7)"
+    )
+    command.add_argument(
+        "--dictionary", metavar="NAME", help="which markers (charuco; default: 5x5_250)"
+    )
+
+
+def _lens(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.lens_command import calibrate_lens_command  # noqa: PLC0415
+
+    return calibrate_lens_command(_given(parsed))
+
+
+def _given(parsed: argparse.Namespace) -> dict[str, Any]:
+    return {name: value for name, value in vars(parsed).items() if name != "command"}
