@@ -19,8 +19,9 @@ def add_calibrate(commands: Commands) -> None:
         description="Measure how the robot differs from its description.",
         allow_abbrev=False,
     )
-    kinds = command.add_subparsers(required=True, metavar="{drive,lens}")
+    kinds = command.add_subparsers(required=True, metavar="{drive,lens,mounting}")
     _add_lens(kinds)
+    _add_mounting(kinds)
     drive = kinds.add_parser(
         "drive",
         help="by driving over a known field",
@@ -90,6 +91,59 @@ def _add_lens(kinds: Commands) -> None:
     lens.set_defaults(command=_lens)
 
 
+def _add_mounting(kinds: Commands) -> None:
+    mounting = kinds.add_parser(
+        "mounting",
+        help="how the camera is mounted, by one picture of the floor",
+        description="Measure roll, pitch, yaw, height and place of the camera, by one picture of a "
+        "printed board that lies on the floor, or of the tape of a known field. Writes them into "
+        "the robot's profile, of which all else is kept. Metres, radians.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    mounting.add_argument("picture", type=Path, metavar="PICTURE", help="taken by the robot")
+    add_board(mounting)
+    mounting.add_argument(
+        "--at",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "THETA"),
+        help="where the board lies: its lower right corner seen from the robot's axle, and where "
+        "the top of its page points (0: ahead)",
+    )
+    mounting.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        help="instead of a board, the tape of this field: best a corner of it",
+    )
+    mounting.add_argument(
+        "--start",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "THETA"),
+        help="where the robot stands on that field (default: the field's start)",
+    )
+    mounting.add_argument(
+        "--camera",
+        type=Path,
+        metavar="CAMERA.yaml",
+        help="the lens (default: that of the profile, else the described one)",
+    )
+    mounting.add_argument(
+        "--out",
+        type=Path,
+        metavar="PROFILE.toml",
+        help="the robot's profile, which may exist (default: profile.toml)",
+    )
+    mounting.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE.png",
+        help="the picture with the floor's grid (default: beside the profile)",
+    )
+    mounting.set_defaults(command=_mounting)
+
+
 def add_board(command: argparse.ArgumentParser) -> None:
     """Add the options that say which board it is."""
     command.add_argument(
@@ -116,6 +170,12 @@ def _lens(parsed: argparse.Namespace) -> int:
     from app.lab.calibrate.lens_command import calibrate_lens_command  # noqa: PLC0415
 
     return calibrate_lens_command(_given(parsed))
+
+
+def _mounting(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.mounting_command import calibrate_mounting  # noqa: PLC0415
+
+    return calibrate_mounting(_given(parsed))
 
 
 def _given(parsed: argparse.Namespace) -> dict[str, Any]:

@@ -126,12 +126,30 @@ def board_pose(lens: Lens, sighting: Sighting, board: Board) -> Array:
 
 def held_out_errors(lens: Lens, sighting: Sighting, board: Board, pose: Array) -> Array:
     """Return the errors (n, 2) [px] of a picture that the lens was not adjusted to."""
+    return fit_pose(lens, sighting, board, pose).errors
+
+
+@dataclass(frozen=True)
+class PoseFit:
+    """Where a board is, by one picture through a known lens."""
+
+    pose: Array
+    """(6,) rotation vector and place [m] of the board in the camera's frame."""
+    errors: Array = field(repr=False)
+    """(n, 2) how far the seen corners lie from the projected ones [px]."""
+    information: Array = field(repr=False)
+    """(6, 6) inverse covariance of the pose, for corners that scatter by a pixel."""
+
+
+def fit_pose(lens: Lens, sighting: Sighting, board: Board, pose: Array) -> PoseFit:
+    """Adjust the pose (6,) of a board to one picture, from a first guess."""
     values = np.concatenate([lens.matrix[[0, 1], [0, 1]], lens.matrix[:2, 2], lens.distortion])
     for _ in range(10):
         (part,) = _linearized(lens.model, values, pose[None], [sighting], board)
-        pose = pose + np.linalg.solve(part.by_pose.T @ part.by_pose, part.by_pose.T @ part.error)
+        information = part.by_pose.T @ part.by_pose
+        pose = pose + np.linalg.solve(information, part.by_pose.T @ part.error)
     (part,) = _linearized(lens.model, values, pose[None], [sighting], board)
-    return part.error.reshape(-1, 2)
+    return PoseFit(pose, part.error.reshape(-1, 2), part.by_pose.T @ part.by_pose)
 
 
 @dataclass(frozen=True, slots=True)

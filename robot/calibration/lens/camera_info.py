@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import yaml
 
 from robot.camera import Lens
 from robot.geometry import Array
@@ -50,6 +53,17 @@ def camera_info(lens: Lens, sd: Array | None = None, title: str = "") -> str:
         named = zip(parameters(lens), sd.tolist(), strict=True)
         lines += [f"  {name}: {value!r}" for name, value in named]
     return "\n".join(lines) + "\n"
+
+
+def parameter_sd(path: Path, lens: Lens) -> Array | None:
+    """Return the standard deviations (p,) in a lens's file; None if they are not in it."""
+    content = yaml.load(path.read_text(encoding="utf-8"), yaml.BaseLoader)
+    table = content.get("parameter_sd")
+    try:
+        values = np.array([float(table[name]) for name in parameters(lens)])
+    except (KeyError, TypeError, ValueError):
+        return None
+    return values if (np.isfinite(values) & (values >= 0)).all() else None
 
 
 def _matrix(key: str, values: Array) -> list[str]:

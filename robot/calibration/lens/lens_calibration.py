@@ -35,6 +35,8 @@ FOLDS = 5
 """The pictures are held out in so many parts."""
 WORSE = 1.02
 """A simpler model that errs by so little more is as good."""
+POOR_PX = 2.0
+"""A lens that is farther off in held-out pictures is none [px]."""
 FAR_OFF, FAR_OFF_PX = 3.0, 0.5
 """A picture is refused that errs so many times as much as usual, and by so much [px]."""
 MIRRORED = 0.7
@@ -115,8 +117,11 @@ def calibrate_lens(
 def choice(ratings: Sequence[Rating]) -> Rating:
     """Return the first that is as good as the best, within the noise of the comparison."""
     best = min(ratings, key=lambda rating: rating.rms)
-    if not math.isfinite(best.rms):
-        raise LensError("no lens fits the pictures: is the board flat, and are the squares right?")
+    if not best.rms < POOR_PX:
+        raise LensError(
+            f"no lens fits the pictures: in held-out ones corners lie {best.rms:.1f} px off; are "
+            "the squares as told, the board flat, and all pictures of one camera at one zoom?"
+        )
     for rating in ratings:
         more = rating.held_out - best.held_out
         error = float(np.std(more)) / math.sqrt(len(more)) if np.isfinite(more).all() else 0.0
@@ -186,7 +191,7 @@ def _ratings(seen: Sequence[Sighting], board: Board) -> list[Rating]:
             continue
         result.append(Rating(model, _held_out(fit, seen, board), fit))
     if not result:
-        raise LensError("no lens fits the pictures: is the board flat, and are the squares right?")
+        raise LensError("no lens fits the pictures: are the squares as told, and the board flat?")
     return result
 
 

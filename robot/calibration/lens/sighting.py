@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.calibration.lens.board import Board
+from robot.calibration.lens.corner_check import in_place
 from robot.errors import BrickPoseError
 from robot.geometry import Array
 
@@ -29,6 +30,8 @@ WIDEST_EDGE = 0.35
 BLURRED_PX = 6.0
 """Edges of sharp pictures are some 3 px wide; wider than this, the camera moved or is out of
 focus."""
+RIGHT = 0.8
+"""Share of the corners that must lie on one grid."""
 GOES_ON = 0.7
 """A saddle at least so strong, by those of the corners, is one more corner."""
 
@@ -75,6 +78,10 @@ def find_board(picture: Grey, board: Board) -> Sighting:
     size = picture.shape[1], picture.shape[0]
     find = _find_markers if board.kind == "charuco" else _find_chessboard
     ids, pixels = find(picture, board)
+    good = in_place(board.corners[ids, :2], pixels)
+    if good.sum() < max(LEAST_CORNERS, RIGHT * len(good)):
+        raise SightingError(f"{(~good).sum()} of {len(good)} corners do not lie on one grid")
+    ids, pixels = ids[good], pixels[good]
     seen = Sighting(ids, pixels, size)
     width, apart = _edge_width(picture, seen, board)
     if width > BLURRED_PX or width > WIDEST_EDGE * apart:
@@ -185,7 +192,23 @@ def _find_markers(picture: Grey, board: Board) -> tuple[NDArray[np.intp], Array]
     rows, columns = np.divmod(places, board.inner[0])
     if len(set(rows.tolist())) < 2 or len(set(columns.tolist())) < 2:
         raise SightingError("only one row of the board's corners is in sight")
-    return places, np.asarray(corners, np.float64).reshape(-1, 2)
+    return places, _refined_beside_markers(picture, board, places, np.asarray(corners))
+
+
+def _refined_beside_markers(
+    picture: Grey, board: Board, ids: NDArray[np.intp], corners: NDArray[np.float32]
+) -> Array:
+    """Search for the exact corners (k, 2), as far around as there is no marker."""
+    coarse = Sighting(ids, corners.reshape(-1, 2).astype(np.float64), (0, 0))
+    ends = [np.array(list(_pairs(coarse, board, step))) for step in (1, board.inner[0])]
+    apart = min(
+        (float(np.linalg.norm(np.diff(pair, axis=1), axis=-1).min()) for pair in ends if len(pair)),
+        default=0.0,
+    )
+    reach = int(np.clip(0.9 * (1 - board.marker) / 2 * apart, *REACH_PX))
+    given = corners.reshape(-1, 1, 2).astype(np.float32)
+    refined = cv2.cornerSubPix(picture, given, (reach, reach), (-1, -1), REFINE)
+    return np.asarray(refined, np.float64).reshape(-1, 2)
 
 
 def _why_no_markers(
