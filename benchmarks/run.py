@@ -24,6 +24,7 @@ from benchmarks import (
 from benchmarks import filter as particle_filter
 from benchmarks.hat import delay, driver, official_library, serial_line, wheels
 from benchmarks.lasers import laser, wean
+from benchmarks.pictures import lane
 from benchmarks.result import Result
 from benchmarks.topics import recording, ros2, routes
 from robot.settings import SettingError
@@ -34,6 +35,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "driver": driver.measure,
     "encoders": delay.measure,
     "filter": particle_filter.measure,
+    "lane": lane.measure,
     "laser": laser.measure,
     "loop": loop.measure,
     "live": live.measure,
@@ -53,7 +55,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
-LONG = ("crowd", "official_library", "ros2", "routes", "serial_line", "soak", "wean")
+LONG = ("crowd", "lane", "official_library", "ros2", "routes", "serial_line", "soak", "wean")
 """Benchmarks that take minutes each, most in processes of their own; they run only if named."""
 
 

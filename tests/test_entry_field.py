@@ -16,6 +16,7 @@ from robot.fields.floor_picture import FloorPicture
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.models.entry_field import DIRECTIONS, MOST_CELLS, EntryField
+from robot.scanning.tape import Tape
 
 MAPS = Path(__file__).parent.parent / "maps"
 FARTHEST = 0.15
@@ -27,7 +28,7 @@ def field_of(*areas: shapely.Geometry, turned: float = 0.0, half: float = 3.0) -
     edges = outline(shapely.union_all(areas)).reshape(-1, 2)
     side = round(2 * half * 20)
     floor = FloorPicture(np.full((side, side), 255, np.uint8), 0.05, (-half, -half, half, half))
-    return Field("test", floor, turn.apply(edges).reshape(-1, 4), 0.05, Pose2())
+    return Field("test", floor, turn.apply(edges).reshape(-1, 4), (Tape(0.05),), Pose2())
 
 
 WALL = shapely.box(0.475, -1.0, 0.525, 1.0)
@@ -121,7 +122,7 @@ def test_a_direction_in_which_nothing_can_be_met_is_far_from_everything() -> Non
     """Light on one side of a long edge only, seen from behind."""
     one_sided = field_of(WALL)
     edges = one_sided.edges[one_sided.normals[:, 0] < -0.9]
-    table = table_of(Field("one", one_sided.floor, edges, None, Pose2()))
+    table = table_of(Field("one", one_sided.floor, edges, (), Pose2()))
     assert (table.distances[DIRECTIONS // 2] == np.float32(FARTHEST)).all()
     assert (table.distances[0] < np.float32(FARTHEST)).any()
 

@@ -13,6 +13,7 @@ from robot.fields.floor_picture import Layer, paint
 from robot.fields.grid_field import field_from_grid
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
+from robot.scanning.tape import Tape
 
 MAPS = Path(__file__).parent.parent / "maps"
 EXTENT = (-0.5, -0.25, 0.5, 0.25)
@@ -21,7 +22,7 @@ BAR = shapely.box(-0.3, -0.05, 0.3, 0.05)
 
 def bar_field(start=Pose2(0.0, 0.2, 0.0), edges=None):
     floor = paint(EXTENT, [Layer(BAR, 30)])
-    return Field("bar", floor, outline(BAR) if edges is None else edges, 0.1, start)
+    return Field("bar", floor, outline(BAR) if edges is None else edges, (Tape(0.1),), start)
 
 
 def ring_field():
@@ -29,7 +30,7 @@ def ring_field():
     frame = shapely.box(-0.4, -0.2, 0.4, 0.2) - shapely.box(-0.35, -0.15, 0.35, 0.15)
     clutter = shapely.box(0.1, -0.1, 0.3, 0.1)
     floor = paint(EXTENT, [Layer(frame, 30), Layer(clutter, 60)])
-    return Field("ring", floor, outline(frame), 0.05, Pose2())
+    return Field("ring", floor, outline(frame), (Tape(0.05),), Pose2())
 
 
 def test_a_pose_off_the_field_is_refused_with_what_is_valid():
@@ -165,6 +166,6 @@ def test_a_drawing_that_is_all_tape_is_refused(tmp_path):
 
 def test_a_field_without_light_floor_says_so():
     floor = paint(EXTENT, [Layer(shapely.box(*EXTENT), 20)])
-    field = Field("night", floor, outline(BAR), 0.1, Pose2())
+    field = Field("night", floor, outline(BAR), (Tape(0.1),), Pose2())
     with pytest.raises(FieldError, match="no free floor"):
         field.free_poses(np.random.default_rng(0), 1)

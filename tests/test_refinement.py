@@ -73,7 +73,7 @@ def test_it_takes_away_the_luck_of_the_draws() -> None:
 
 
 def test_a_laser_measures_as_exactly_as_it_is_said_to_however_far() -> None:
-    walls = replace(STUB, tape_width=None)
+    walls = replace(STUB, tape=())
     setup = Setup.of(walls, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
     one = Refinement.of(setup)
     assert one is not None and one.matcher.sd == SD and one.matcher.slope == 0

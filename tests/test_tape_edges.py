@@ -33,7 +33,7 @@ def stripe(
 def judge(entries: Array, exits: Array) -> tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]:
     pairs = np.concatenate([entries, exits], axis=2)
     met = (2 * np.isfinite(entries[..., 0]).sum(axis=1)).astype(np.int32)
-    return judge_pairs(pairs, met, 0.05, 0.012, 0.04, 0.002, 0.006, 0.07)
+    return judge_pairs(pairs, met, np.array([0.05]), 0.012, 0.04, 0.002, 0.006, 0.07)
 
 
 @pytest.mark.parametrize("slant", [0.0, 0.5, -1.0])

@@ -21,8 +21,10 @@ from robot.interface import Frame
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.rays import rays_of
 from robot.scanning.line_scanner import LineScannerSettings
+from robot.scanning.tape import Tape
 
 WIDTH = 0.05
+TAPE = (Tape(WIDTH),)
 SUPPORT = LineScannerSettings().support
 
 
@@ -39,7 +41,7 @@ def ring(radius: float) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """Edges of a circle of tape, which parts lie outside, and which are seen."""
     line = shapely.Point(0, 0).buffer(radius, quad_segs=64).exterior
     edges = outline(line.buffer(WIDTH / 2, quad_segs=64))
-    sight = visibility(edges, WIDTH)
+    sight = visibility(edges, TAPE)
     outside = np.hypot(*middles(edges, sight).T) > radius
     return edges, outside, sight.seen
 
@@ -47,7 +49,7 @@ def ring(radius: float) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
 def test_edges_are_cut_into_equal_parts_of_some_millimetres() -> None:
     for name in ("stub", "town"):
         edges = load_field(name, MAPS).edges
-        sight = visibility(edges, WIDTH)
+        sight = visibility(edges, TAPE)
         counts = np.diff(sight.starts)
         assert len(sight.seen) == sight.starts[-1] and counts.min() >= 1
         assert (lengths(edges) / counts <= STEP + 1e-9).all()
@@ -89,13 +91,13 @@ def test_a_circle_of_tape_is_seen_unless_it_bends_too_tightly(
 
 
 def test_tape_of_another_width_is_not_seen() -> None:
-    assert not visibility(SQUARE.edges, 0.08).seen.any()
-    assert not visibility(SQUARE.edges, 0.03).seen.any()
+    assert not visibility(SQUARE.edges, (Tape(0.08),)).seen.any()
+    assert not visibility(SQUARE.edges, (Tape(0.03),)).seen.any()
 
 
 def test_where_only_straight_tape_counts_a_bend_is_blind() -> None:
     edges, _, seen = ring(0.1)
-    strict = visibility(edges, WIDTH, LineScannerSettings(bend_radius=1000.0, straightness=0.001))
+    strict = visibility(edges, TAPE, LineScannerSettings(bend_radius=1000.0, straightness=0.001))
     assert seen.all() and not strict.seen.any()
 
 

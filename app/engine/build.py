@@ -81,7 +81,7 @@ def build_program(
     config, _ = resolve_robot(config)
     field = field or load_field(config.map, MAPS)
     spec = robot_spec(config)
-    scanner = scanner or LineScanner(spec.floor_view, config.scanner)
+    scanner = scanner or LineScanner(spec.floor_view, config.scanner, field.tape)
     own = own_models(config, field)
     path = pose_path(config.start_pose.pose_file, config.robot, field)
     begin = start(config.start_pose, path, field)

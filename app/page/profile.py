@@ -47,21 +47,28 @@ def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessa
 
 def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:
     wanted = scanner.settings
+    darker, brighter = "dark", "bright"
+    if all(look.light for look in scanner.looks):
+        darker, brighter = brighter, darker
+    known = {width for look in scanner.looks for width in (*look.widths, *look.dashes[:, 0])}
+    widths = " or ".join(f"{width * 1e3:.0f}" for width in sorted(known))
     reasons = {
-        Verdict.COUNTED: f"Counted: a straight dark line, {width * 1e3:.1f} mm wide.",
+        Verdict.COUNTED: f"Counted: a straight {darker} line, {width * 1e3:.1f} mm wide.",
         Verdict.OUT_OF_SIGHT: "The camera does not see the floor along this ray.",
-        Verdict.NO_EDGE: "Nothing here gets dark and bright again.",
-        Verdict.NO_EXIT: "It gets dark, but where it gets bright again is out of the picture.",
+        Verdict.NO_EDGE: f"Nothing here gets {darker} and {brighter} again.",
+        Verdict.NO_EXIT: (
+            f"It gets {darker}, but where it gets {brighter} again is out of the picture."
+        ),
         Verdict.TOO_SHORT: (
-            f"A dark stripe, but its edge is seen on less than {wanted.support * 1e3:.0f} mm."
+            f"A {darker} stripe, but its edge is seen on less than {wanted.support * 1e3:.0f} mm."
         ),
         Verdict.NOT_STRAIGHT: (
-            "A dark patch whose edge is not straight: its points lie more than "
+            f"A {darker} patch whose edge is not straight: its points lie more than "
             f"{wanted.straightness * 1e3:.1f} mm off a line."
         ),
         Verdict.WRONG_WIDTH: (
-            f"A dark stripe, but {width * 1e3:.1f} mm wide; tape is "
-            f"{wanted.tape_width * 1e3:.0f} mm, give or take {wanted.width_tolerance * 1e3:.0f} mm."
+            f"A {darker} stripe, but {width * 1e3:.1f} mm wide; tape is "
+            f"{widths} mm, give or take {wanted.width_tolerance * 1e3:.0f} mm."
         ),
     }
     return reasons[verdict]

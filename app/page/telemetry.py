@@ -145,7 +145,7 @@ def field_message(program: Program) -> FieldMessage:
         initial_sd_theta=initial.initial_sd_theta,
         image_width=spec.lens.width,
         image_height=spec.lens.height,
-        tape_width=scanner.settings.tape_width,
+        tape_width=scanner.main_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
     )
 

@@ -12,6 +12,7 @@ from robot.description.spec import RobotSpec
 from robot.geometry import Array
 from robot.interface import Reading
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
+from robot.scanning.tape import BLACK_TAPE, Tape
 
 PERIOD_S = 0.1
 """Least time between two pictures that are used [s]: more of them tell hardly more."""
@@ -45,8 +46,14 @@ class DriveLog:
 class DriveRecorder:
     """Collects the log of a drive, reading by reading."""
 
-    def __init__(self, spec: RobotSpec, settings: LineScannerSettings) -> None:
-        self._scanner = LineScanner(spec.floor_view, replace(settings, **LOOSE))
+    def __init__(
+        self,
+        spec: RobotSpec,
+        settings: LineScannerSettings,
+        tape: tuple[Tape, ...] = (BLACK_TAPE,),
+    ) -> None:
+        """Record a robot on a field with some kinds of tape (``Field.tape``)."""
+        self._scanner = LineScanner(spec.floor_view, replace(settings, **LOOSE), tape)
         self._left_right = list(spec.axle)
         self._pictures: list[tuple[float, Array]] = []
         self._wheels: list[tuple[float, Array]] = []

@@ -1,7 +1,7 @@
-"""Edges of dark areas: straight segments with a dark side and a light side.
+"""Edges of tape: straight segments with tape on one side and floor on the other.
 
-Edges are arrays (n, 4) of x0, y0, x1, y1 [m]. From the first point to the second, the dark area is
-on the left. So the normal that points to the light side is (dy, -dx) / length.
+Edges are arrays (n, 4) of x0, y0, x1, y1 [m]. From the first point to the second, the tape (or a
+wall of a ROS map) is on the left. So the normal that points to the floor is (dy, -dx) / length.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def lengths(edges: Array) -> Array:
 
 
 def normals(edges: Array) -> Array:
-    """Return unit vectors (n, 2) across edges (n, 4), from the dark side to the light one."""
+    """Return unit vectors (n, 2) across edges (n, 4), from the tape to the floor."""
     across = np.column_stack([edges[:, 3] - edges[:, 1], edges[:, 0] - edges[:, 2]])
     return across / lengths(edges)[:, None]
 
@@ -50,7 +50,7 @@ def sample(edges: Array, step: float) -> tuple[Array, Array]:
 
 
 def outline(area: shapely.Geometry) -> Array:
-    """Return the edges (n, 4) around one or more polygons; the area itself is the dark side."""
+    """Return the edges (n, 4) around one or more polygons; the area itself is the tape."""
     rings = shapely.get_rings(shapely.orient_polygons(shapely.get_parts(area)))
     points, ring = shapely.get_coordinates(rings, return_index=True)
     if len(points) < 2:

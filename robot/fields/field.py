@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
@@ -19,14 +20,18 @@ from robot.fields.floor_picture import Extent, FloorPicture, coverage
 from robot.fields.grid_map import MAX_CELLS, OccupancyGrid
 from robot.fields.visibility import Visibility, visibility
 from robot.geometry import Array, Pose2
+from robot.scanning.tape import Tape
 
 __all__ = ["Field", "FieldError", "FloorPicture"]
 
 _LIGHT = 128
 """Grey level from which on floor counts as light."""
 
-_LEAST_LIGHT = 0.1
-"""Tape encloses nothing if less than this share of its bounding box is light floor."""
+CONTRAST = 64
+"""On a dark floor, what differs from it by this many grey levels is tape or clutter."""
+
+_LEAST_FREE = 0.1
+"""Tape encloses nothing if less than this share of its bounding box is free floor."""
 
 _MAX_SEARCH_CELLS = 1_000_000
 
@@ -37,14 +42,14 @@ class FieldError(BrickPoseError, ValueError):
 
 @dataclass(frozen=True)
 class Field:
-    """A floor with dark tape (or the occupied cells of a ROS map), and its edges."""
+    """A floor with tape, dark or light (or the occupied cells of a ROS map), and its edges."""
 
     name: str
     floor: FloorPicture
     edges: Array = field(repr=False)
-    """(n, 4) x0, y0, x1, y1 [m] in the map frame; the dark side is to the left (``edges``)."""
-    tape_width: float | None
-    """Width of the tape [m]; None if the field is not of tape."""
+    """(n, 4) x0, y0, x1, y1 [m] in the map frame; the tape is to the left (``edges``)."""
+    tape: tuple[Tape, ...]
+    """The kinds of tape, that of the largest area first; () if the field is not of tape."""
     start: Pose2
     """Start pose of the robot in the map frame."""
     grid: OccupancyGrid | None = field(default=None, repr=False)
@@ -59,8 +64,13 @@ class Field:
         self.require_inside(self.start)
 
     @property
+    def tape_width(self) -> float | None:
+        """Width of the first kind of tape [m]; None if the field is not of tape."""
+        return self.tape[0].width if self.tape else None
+
+    @property
     def normals(self) -> Array:
-        """Unit vectors (n, 2) across the edges, toward the light side."""
+        """Unit vectors (n, 2) across the edges, away from the tape."""
         return edge_geometry.normals(self.edges)
 
     @cached_property
@@ -81,7 +91,7 @@ class Field:
     @cached_property
     def visibility(self) -> Visibility:
         """Which parts of the edges the line scanner sees with its default settings."""
-        return visibility(self.edges, self.tape_width)
+        return visibility(self.edges, self.tape)
 
     @property
     def extent(self) -> Extent:
@@ -145,7 +155,8 @@ class Field:
     def free_poses(self, rng: np.random.Generator, count: int) -> Array:
         """Draw poses (count, 3) uniformly from the free floor, with any heading.
 
-        The free floor is the light floor within ``drive_area``, or the free cells of a ROS map.
+        The free floor is the light floor within ``drive_area``, or the free cells of a ROS map. On
+        a field with light tape, it is the floor of about the most frequent brightness.
         """
         origin, side, cells = self._free_cells
         chosen = cells[rng.integers(0, len(cells), count)] + rng.random((count, 2))
@@ -160,7 +171,7 @@ class Field:
         line.
         """
         box = self._tape_box
-        if self.grid is None and self._light_cells(box).free.mean() < _LEAST_LIGHT:
+        if self.grid is None and self._light_cells(box).free.mean() < _LEAST_FREE:
             return self.extent
         return box
 
@@ -181,7 +192,7 @@ class Field:
         return grid.origin, grid.resolution, free
 
     def _light_cells(self, box: Extent) -> OccupancyGrid:
-        """Return the light floor within a box, in cells of a few millimetres."""
+        """Return the free floor within a box, in cells of a few millimetres."""
         low = np.array(box[:2])
         size = np.array(box[2:]) - low
         side = max(self.floor.resolution, math.sqrt(size[0] * size[1] / _MAX_SEARCH_CELLS))
@@ -197,8 +208,15 @@ class Field:
             flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REPLICATE,
         )
-        cells = np.where(light >= _LIGHT, 0, 100).astype(np.int8)
+        cells = np.where(self._free_floor(light), 0, 100).astype(np.int8)
         return OccupancyGrid(cells, side, Pose2(float(low[0]), float(low[1])))
+
+    def _free_floor(self, levels: NDArray[Any]) -> NDArray[np.bool_]:
+        """Return where grey levels (h, w) of the floor are of floor without tape or clutter."""
+        if not any(kind.light for kind in self.tape):
+            return np.asarray(levels >= _LIGHT)
+        usual = int(np.bincount(self.floor.image.ravel()).argmax())
+        return np.asarray(np.abs(levels.astype(np.int16) - usual) < CONTRAST)
 
 
 STEP, TOLERANCE = 0.010, 0.008

@@ -36,7 +36,7 @@ def field_from_grid(grid: OccupancyGrid, name: str) -> Field:
         name=name,
         floor=_floor(grid),
         edges=grid.origin.apply(edges.reshape(-1, 2)).reshape(-1, 4),
-        tape_width=None,
+        tape=(),
         start=_roomiest(grid),
         grid=grid,
     )

@@ -3,10 +3,10 @@
 The drawing is in millimetres, scaled from its viewBox to its width and height (mm, cm, in, or
 without a unit: mm). Its own (0, 0) is the origin of the map; x points right and y **up**, while
 SVG's y points down. Every dark stroke (brightness below a half) is tape: the line, as wide as its
-stroke, with its caps and joins. All tape is united. Light paint over tape hides it.
+stroke, with its caps, joins and dashes. So is a light stroke on a dark floor (``drawn_tape``).
 
-Fills belong to the floor picture only. A light fill gives the floor its tone. A **dark fill is
-clutter**: the camera sees it, and the edge map does not contain it.
+Fills belong to the floor picture only. They give the floor its tone. On a light floor a **dark fill
+is clutter**: the camera sees it, and the edge map does not contain it.
 
 ``data-start="x y theta"`` (mm, mm, degrees; y up) on the ``<svg>`` is the start pose.
 """
@@ -14,9 +14,7 @@ clutter**: the camera sees it, and the edge map does not contain it.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +23,7 @@ import shapely
 from robot.fields.drawing.strokes import fill_area, stroke_area
 from robot.fields.drawing.svg_file import SvgError, SvgFile, check_svg, numbers, read_svg, shown
 from robot.fields.drawing.svg_shapes import Ink, Page, Shape, read_page
+from robot.fields.drawn_tape import Coat, DrawnTape, drawn_tape
 from robot.fields.edges import outline
 from robot.fields.field import Field, FieldError
 from robot.fields.floor_picture import Extent, Layer, paint
@@ -38,9 +37,6 @@ MERGED_M = 1e-5
 
 TAPE_MM = (1.0, 1000.0)
 """Narrowest and widest tape [mm]."""
-
-_DARK = 127.5
-"""Half the brightness of white."""
 
 
 def load_svg(path: Path) -> Field:
@@ -70,37 +66,19 @@ def field_of_drawing(text: str, name: str) -> Field:
 def _field(svg: SvgFile, name: str) -> Field:
     page = read_page(svg, TOLERANCE_MM)
     coats = list(_coats(page))
-    tape = _tape(coats)
+    tape = drawn_tape(coats)
+    _check_widths(tape)
     extent = _extent(svg, page)
     return Field(
         name=name,
         floor=paint(extent, [coat.layer for coat in coats]),
-        edges=outline(_within(tape, extent)),
-        tape_width=_tape_width(coats),
+        edges=outline(_within(tape.area, extent)),
+        tape=tape.kinds,
         start=_start(svg.start),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Coat:
-    """A stroke or a fill on the floor."""
-
-    layer: Layer
-    width: float | None = None
-    """Width of a stroke [m]; a fill has none."""
-
-    @property
-    def is_tape(self) -> bool:
-        layer = self.layer
-        on_paper = layer.grey * layer.alpha + 255 * (1 - layer.alpha)
-        return self.width is not None and on_paper < _DARK
-
-    @property
-    def hides_tape(self) -> bool:
-        return self.layer.grey * self.layer.alpha >= _DARK
-
-
-def _coats(page: Page) -> Iterator[_Coat]:
+def _coats(page: Page) -> Iterator[Coat]:
     """Yield what is painted, in order and in the map frame: each shape's fill, then its stroke."""
     for shape in page.shapes:
         if shape.scale == 0 or not shape.lines:
@@ -108,13 +86,13 @@ def _coats(page: Page) -> Iterator[_Coat]:
         place = _map_from_shape(shape, page.origin)
         if shape.fill:
             area = fill_area([line.points for line in shape.lines], shape.even_odd)
-            yield _Coat(_layer(area, place, shape.fill))
+            yield Coat(_layer(area, place, shape.fill))
         if shape.stroke:
             yield _stroke(shape, place, shape.stroke)
 
 
-def _stroke(shape: Shape, place: Array, ink: Ink) -> _Coat:
-    low, high = TAPE_MM
+def _stroke(shape: Shape, place: Array, ink: Ink) -> Coat:
+    _, high = TAPE_MM
     widest = shape.pen.width * shape.scale
     if widest > high:
         raise SvgError(f"a stroke is {widest:g} mm wide; valid is up to {high:g}")
@@ -124,10 +102,19 @@ def _stroke(shape: Shape, place: Array, ink: Ink) -> _Coat:
         area = shapely.union_all([stroke_area(line, shape.pen, tolerance) for line in shape.lines])
     except ValueError as error:
         raise SvgError(str(error)) from error
-    coat = _Coat(_layer(area, place, ink), width)
-    if coat.is_tape and width * 1000 < low:
-        raise SvgError(f"a dark stroke is {width * 1000:g} mm wide; valid is {low:g} to {high:g}")
-    return coat
+    # An odd number of lengths is taken twice, so each is a dash once.
+    pattern = shape.pen.dashes[:: 2 - len(shape.pen.dashes) % 2]
+    dash = max(pattern, default=0.0) * width / shape.pen.width if width else 0.0
+    return Coat(_layer(area, place, ink), width, dash)
+
+
+def _check_widths(tape: DrawnTape) -> None:
+    low, high = TAPE_MM
+    for kind in tape.kinds:
+        if kind.width * 1000 < low:
+            raise SvgError(
+                f"a stroke of tape is {kind.width * 1000:g} mm wide; valid is {low:g} to {high:g}"
+            )
 
 
 def _layer(area: shapely.Geometry, place: Array, ink: Ink) -> Layer:
@@ -143,20 +130,6 @@ def _map_from_shape(shape: Shape, origin: tuple[float, float]) -> Array:
     return place
 
 
-def _tape(coats: list[_Coat]) -> shapely.Geometry:
-    """Return the area of tape that is visible after all coats."""
-    tape: shapely.Geometry = shapely.Polygon()
-    fresh: list[shapely.Geometry] = []
-    for coat in coats:
-        if coat.is_tape:
-            fresh.append(coat.layer.area)
-        elif coat.hides_tape:
-            # Light paint hides only the tape that was painted before it.
-            tape = shapely.difference(shapely.union_all([tape, *fresh]), coat.layer.area)
-            fresh = []
-    return shapely.union_all([tape, *fresh])
-
-
 def _within(tape: shapely.Geometry, extent: Extent) -> shapely.Geometry:
     """Return the tape on the floor, its outlines without false corners.
 
@@ -168,17 +141,11 @@ def _within(tape: shapely.Geometry, extent: Extent) -> shapely.Geometry:
     snapped = shapely.set_precision(shapely.union_all(areas), 1e-9)
     tidy = shapely.simplify(shapely.normalize(snapped), MERGED_M)
     if shapely.area(tidy) < 1e-6:
-        raise SvgError("there is no tape: at least one dark stroke (brightness below half) is due")
+        raise SvgError(
+            "there is no tape: at least one dark stroke (brightness below half) is due, or a light "
+            "one on a dark fill"
+        )
     return tidy
-
-
-def _tape_width(coats: list[_Coat]) -> float:
-    """Return the width of the strokes that cover the largest area of floor [m]."""
-    covered: defaultdict[float, float] = defaultdict(float)
-    for coat in coats:
-        if coat.is_tape and coat.width is not None:
-            covered[round(coat.width, 7)] += float(shapely.area(coat.layer.area))
-    return max(covered, key=covered.__getitem__)
 
 
 def _extent(svg: SvgFile, page: Page) -> Extent:

@@ -9,6 +9,7 @@ blind: the scanner may see it from some poses and not from others.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -19,15 +20,17 @@ from robot.fields.edge_index import EdgeIndex, index_edges
 from robot.fields.edges import followers, lengths, sharp_ends
 from robot.fields.ray_casting import cast_toward
 from robot.geometry import Array
+from robot.scanning.dashed_edges import SPAN
 from robot.scanning.line_scanner import LineScannerSettings
-from robot.scanning.tape_edges import NEIGHBOURS, Verdict, judge_chain
+from robot.scanning.tape import Tape
+from robot.scanning.tape_edges import NEIGHBOURS, Limits, Verdict, judge_chain
 
 STEP = 0.005
 """Largest length of the parts in which an edge is judged [m]."""
 SPACING = 0.003
 """Distance of the pairs along the outline [m]."""
 ASIDE = 0.3
-"""Distance of the rays' start from the edge, on the light side [m]."""
+"""Distance of the rays' start from the edge, off the tape [m]."""
 BORDER = 0.010
 """Parts within this distance of a blind part are blind too, as rays also come from aside [m]."""
 
@@ -48,14 +51,14 @@ class Visibility(NamedTuple):
 
 
 def visibility(
-    edges: Array, tape_width: float | None, settings: LineScannerSettings | None = None
+    edges: Array, tape: tuple[Tape, ...], settings: LineScannerSettings | None = None
 ) -> Visibility:
-    """Return the visibility of edges (n, 4) around tape of a width [m].
+    """Return the visibility of edges (n, 4) around some kinds of tape.
 
-    Without a tape width, the edges are walls, and all of them are seen.
+    Without tape, the edges are walls, and all of them are seen.
     """
     ends = sharp_ends(edges)
-    if tape_width is None:
+    if not tape:
         return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_), 0.0)
     rules = settings or LineScannerSettings()
     parts = np.maximum(np.ceil(lengths(edges) / STEP - 1e-9), 1).astype(np.int64)
@@ -63,18 +66,30 @@ def visibility(
     after = followers(edges)
     before = np.full(len(edges), -1)
     before[after[after >= 0]] = np.flatnonzero(after >= 0)
-    limits = (
-        tape_width,
-        rules.width_tolerance,
-        rules.support,
-        rules.straightness,
-        rules.taper,
-        rules.bend_radius,
-    )
     inward = index_edges(np.ascontiguousarray(edges[:, [2, 3, 0, 1]]))
-    seen = _judge_parts(edges, starts, before, after, inward, limits)
+    seen = np.zeros(starts[-1], dtype=np.bool_)
+    for widths, support in _kinds(tape, rules.support):
+        limits = (
+            widths,
+            rules.width_tolerance,
+            support,
+            rules.straightness,
+            rules.taper,
+            rules.bend_radius,
+        )
+        seen |= _judge_parts(edges, starts, before, after, inward, limits)
     seen = _without_border(seen, starts, edges, before, after)
     return Visibility(ends, starts, seen, rules.support)
+
+
+def _kinds(tape: tuple[Tape, ...], support: float) -> Iterator[tuple[Array, float]]:
+    """Yield the widths of tape without gaps, then those of dashes, with the edge they need [m]."""
+    solid = sorted({kind.width for kind in tape if not kind.dash})
+    if solid:
+        yield np.array(solid), support
+    for kind in tape:
+        if kind.dash:
+            yield np.array([kind.width]), min(support, SPAN * kind.dash)
 
 
 @njit(cache=True, nogil=True)
@@ -84,7 +99,7 @@ def _judge_parts(
     before: NDArray[np.int64],
     after: NDArray[np.int64],
     inward: EdgeIndex,
-    limits: tuple[float, float, float, float, float, float],
+    limits: Limits,
 ) -> NDArray[np.bool_]:
     seen = np.zeros(starts[-1], dtype=np.bool_)
     chain = np.empty((2 * NEIGHBOURS + 1, 4))
@@ -94,7 +109,7 @@ def _judge_parts(
         x0, y0, x1, y1 = edges[edge]
         length = math.hypot(x1 - x0, y1 - y0)
         count = starts[edge + 1] - starts[edge]
-        # The light side is on the right in the direction of an edge.
+        # The floor is on the right in the direction of an edge.
         away_x, away_y = ASIDE * (y1 - y0) / length, -ASIDE * (x1 - x0) / length
         for part in range(count):
             along = (part + 0.5) / count * length
@@ -132,7 +147,7 @@ def _sample_outline(
         tx, ty = (x1 - x0) / length, (y1 - y0) / length
         position = NEIGHBOURS + way * count
         px, py = x0 + along * tx, y0 + along * ty
-        # The ray goes into the dark side, which is on the left.
+        # The ray goes into the tape, which is on the left.
         deep, _ = cast_toward(px - 1e-7 * ty, py + 1e-7 * tx, -ty, tx, inward, 1.0)
         chain[position, 0], chain[position, 1] = px - x, py - y
         chain[position, 2], chain[position, 3] = px - deep * ty - x, py + deep * tx - y

@@ -59,7 +59,7 @@ class Refinement:
         sensor = setup.parameters.sensor
         if not setup.filter.refine:
             return None
-        slope = 0.0 if setup.field.tape_width is None else SLOPE
+        slope = SLOPE if setup.field.tape else 0.0
         sd = sensor.sigma_hit * (NEAR_SHARE if slope else 1.0)
         gate = GATE * sensor.sigma_hit
         matcher = ScanMatcher(setup.field.edge_index, sensor.laser_max_range, sd, gate, slope)

@@ -83,5 +83,8 @@ class Setup:
 
 
 def _half(field: Field) -> float:
-    """Return half the tape's width [m]: with a larger residual, the tape's other edge is nearer."""
-    return math.inf if field.tape_width is None else field.tape_width / 2
+    """Return half the narrowest tape's width [m].
+
+    With a larger residual, the tape's other edge is nearer.
+    """
+    return min((kind.width for kind in field.tape), default=math.inf) / 2

@@ -1,5 +1,7 @@
 """Compiled search for edges along rays: where the floor gets darker, and where brighter again.
 
+For light tape it is the other way round, and the same search on the negative of the responses.
+
 A ray is first searched coarsely, at the pixels next to its samples. Only around a likely edge is
 the picture interpolated, to find the edge's position between the pixels.
 """
@@ -13,7 +15,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.scanning.picture_noise import clearness, kernel_for, noise_of
+from robot.scanning.picture_noise import (
+    CONTRAST,
+    LIGHT_CONTRAST,
+    clearness,
+    kernel_for,
+    noise_of,
+)
 
 PAIRS = 4
 """Largest number of pairs on one ray; farther pairs are left out."""
@@ -39,6 +47,7 @@ def find_edges(
     apart: int,
     kernel: int,
     threshold: float,
+    light: bool = False,
 ) -> tuple[Array, NDArray[np.int32], float, int, Array]:
     """Find entries and exits of dark stripes on each ray, between the pixels.
 
@@ -50,6 +59,7 @@ def find_edges(
         apart: number of samples to the next one that shares no pixel with the first.
         kernel: half width of the edge kernel in a picture without much noise [samples].
         threshold: weakest edge that counts in such a picture [grey levels].
+        light: whether light stripes are searched instead of dark ones.
 
     Returns:
         Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; the number of
@@ -61,6 +71,8 @@ def find_edges(
     noise = noise_of(grey, counts, apart)
     half, weakest = kernel_for(noise, kernel, threshold)
     answers = differences(grey, counts, half)
+    if light:
+        answers = -answers
     edges = np.full((len(counts), PAIRS, 2), np.nan)
     met = np.zeros(len(counts), dtype=np.int32)
     pairs = np.zeros((PAIRS, 2, 2), dtype=np.int32)
@@ -76,7 +88,13 @@ def find_edges(
                 room = (min(place, counts[ray] - 1 - place) + 1) / (kernel + REACH / PARTS)
                 scale = max(1.0, min(room, length / _sharp(half), SLANTED))
                 edges[ray, pair, side] = refine(flat, width, pixels[ray], place, kernel, scale)
-    return edges, met, noise, half, clearness(grey, counts, noise, half, weakest)
+    return (
+        edges,
+        met,
+        noise,
+        half,
+        clearness(grey, counts, noise, half, weakest, LIGHT_CONTRAST if light else CONTRAST),
+    )
 
 
 @njit(cache=True, nogil=True)

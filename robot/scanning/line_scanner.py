@@ -1,8 +1,9 @@
 """Line scanner: distances to floor tape from a camera picture, as if a laser had measured them.
 
 Rays around a point on the floor are looked up in the picture. A one-dimensional kernel finds where
-the picture gets darker and brighter along each ray. A dark stripe counts if it is as wide as the
-tape and lies on a line. The range is where the ray meets the line of the stripe's entry edge.
+the picture gets darker and brighter along each ray. A dark stripe (a light one, if the tape is
+light) counts if it is as wide as the tape and lies on a line. The range is where the ray meets the
+line of the stripe's entry edge.
 """
 
 from __future__ import annotations
@@ -19,82 +20,16 @@ from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scan import Scan
 from robot.scanning.along_rays import between, points_of, ranges_of, unskew
+from robot.scanning.dashed_edges import judge_dashes
 from robot.scanning.edge_search import differences, find_edges
+from robot.scanning.found_tape import FoundTape
+from robot.scanning.look import Look, looks, nearest_widths
 from robot.scanning.ray_table import RayTable
+from robot.scanning.settings import LineScannerSettings
+from robot.scanning.tape import BLACK_TAPE, Tape
 from robot.scanning.tape_edges import Verdict, judge_pairs
-from robot.settings import check_settings, setting
 
-
-@dataclass(frozen=True)
-class LineScannerSettings:
-    """How the picture is searched for tape."""
-
-    rays: int = setting(91, "Number of rays; fewer than three make no line", low=3, high=720)
-    field_of_view: float = setting(
-        math.radians(62),
-        "Angle between the outermost rays; with none, all see one point",
-        unit="rad",
-        low=0.01,
-        high=2 * math.pi,
-    )
-    centre_x: float = setting(
-        0.0, "Where the rays start, ahead of the robot's origin", unit="m", low=-1, high=1
-    )
-    range_max: float = setting(1.0, "How far rays are followed", unit="m", low=0.05, high=10)
-    step: float = setting(
-        1.5, "Distance of the samples along a ray in the picture", unit="px", low=0.25, high=4
-    )
-    kernel: int = setting(
-        2,
-        "Half width of the edge kernel; wider is calmer, narrower is finer; in noise it grows",
-        unit="samples",
-        low=1,
-        high=20,
-    )
-    threshold: float = setting(
-        25.0, "Weakest edge that counts, of 255 grey levels; more in noise", low=1, high=255
-    )
-    tape_width: float = setting(0.050, "Width of the tape", unit="m", low=0.005, high=0.5)
-    width_tolerance: float = setting(
-        0.012,
-        "How far the measured width may be off; no measurement is exact",
-        unit="m",
-        low=0.0005,
-        high=0.5,
-    )
-    support: float = setting(
-        0.040,
-        "Length of straight edge that must be seen around a hit; points farther apart than twice "
-        "this are not of one edge, so that with too little none has neighbours",
-        unit="m",
-        low=0.005,
-        high=1,
-    )
-    straightness: float = setting(
-        0.0020,
-        "How far an edge's points may lie off their line; no measurement is exact",
-        unit="m",
-        low=0.0002,
-        high=0.1,
-    )
-    taper: float = setting(
-        0.006,
-        "How much the width may change over that length; no measurement is exact",
-        unit="m",
-        low=0.0001,
-        high=0.5,
-    )
-
-    bend_radius: float = setting(
-        0.070,
-        "Tightest bend of an edge that is tape's; large, and only straight tape counts",
-        unit="m",
-        low=0.03,
-        high=1000,
-    )
-
-    def __post_init__(self) -> None:
-        check_settings(self)
+__all__ = ["LineScan", "LineScanner", "LineScannerSettings"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +42,9 @@ class LineScan:
     edges: Array = field(repr=False)
     """(k, 2) entry and exit of the judged pair [samples along the ray]; nan without a pair."""
     widths: Array = field(repr=False)
-    """(k,) width of the stripe across its line [m]; nan where no line was found."""
+    """(k,) width of the stripe across its line [m]; nan where no line was tape."""
+    tape_widths: Array = field(repr=False)
+    """(k,) width of the kind of tape that each reading is of [m]; nan where none counts."""
     noise: float
     """Measured standard deviation of the picture's noise [grey levels]."""
     kernel: int
@@ -116,14 +53,17 @@ class LineScan:
     """(h, w) the picture in grey, read-only."""
     table: RayTable = field(repr=False)
     """Where the rays run."""
+    main_width: float
+    """Width of the first kind of tape [m]."""
 
     @property
     def tape_width(self) -> float:
         """Median of the widths that counted [m]; nan if none did.
 
-        It shows the camera's health: a pitch error of half a degree changes 50 mm by 2 mm.
+        On a field of several widths, those of its first kind of tape count. It shows the camera's
+        health: a pitch error of half a degree changes 50 mm by 2 mm.
         """
-        counted = self.widths[self.verdicts == Verdict.COUNTED]
+        counted = self.widths[self.tape_widths == self.main_width]
         return float(np.median(counted)) if len(counted) else math.nan
 
     @property
@@ -138,14 +78,26 @@ class LineScan:
         return (answers / self.kernel).astype(np.float32)
 
 
-Judged = tuple[NDArray[np.int8], NDArray[np.int8], Array, Array]
-"""What ``judge_pairs`` returns."""
-
-
 class LineScanner:
     """Finds tape in the pictures of one camera."""
 
-    def __init__(self, view: FloorView, settings: LineScannerSettings) -> None:
+    def __init__(
+        self,
+        view: FloorView,
+        settings: LineScannerSettings,
+        tape: tuple[Tape, ...] = (BLACK_TAPE,),
+    ) -> None:
+        """Make a scanner.
+
+        Args:
+            view: the camera above the floor.
+            settings: how pictures are searched; they may overrule what the tape looks like.
+            tape: the kinds of tape on the field (``Field.tape``), the main one first.
+        """
+        self.looks = looks(settings.tape_brightness, settings.tape_width, tape)
+        """What is searched for."""
+        self.main_width = settings.tape_width or (tape or (BLACK_TAPE,))[0].width
+        """Width of the main kind of tape [m]."""
         half = settings.field_of_view / 2
         self.settings = settings
         self.view = view
@@ -176,9 +128,8 @@ class LineScanner:
         """
         picture = self._checked(frame.image)
         table, wanted, directions = self.table, self.settings, self._directions
-        pairs, noise, kernel, clear, judged = self._search(picture)
-        chosen, verdicts, widths, lines = judged
-        ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, directions)
+        tape = self._tape_in(picture)
+        ranges, edges, lines = tape.ranges, tape.edges, tape.lines
         if self._a_row > 0:
             unskew(
                 ranges,
@@ -192,8 +143,18 @@ class LineScanner:
                 twist.v,
                 twist.omega,
             )
-        scan = Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=clear)
-        return LineScan(scan, verdicts, edges, widths, noise, kernel, picture, table)
+        return LineScan(
+            Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=tape.clear),
+            tape.verdicts,
+            edges,
+            tape.widths,
+            nearest_widths(tape.widths, tape.verdicts == Verdict.COUNTED, self.looks),
+            tape.noise,
+            tape.kernel,
+            picture,
+            table,
+            self.main_width,
+        )
 
     def entries_and_exits(self, image: NDArray[np.uint8]) -> Array:
         """Return where each ray that counts enters and leaves tape (k, 2) [samples]; else nan.
@@ -204,13 +165,19 @@ class LineScanner:
         Raises:
             ValueError: as ``scan``.
         """
-        pairs, _, _, _, (chosen, verdicts, _, _) = self._search(self._checked(image))
-        chosen_pairs = pairs[np.arange(len(chosen)), chosen]
-        chosen_pairs[verdicts != Verdict.COUNTED] = np.nan
-        return chosen_pairs
+        tape = self._tape_in(self._checked(image), moved=False)
+        edges = tape.edges.copy()
+        edges[tape.verdicts != Verdict.COUNTED] = np.nan
+        return edges
 
-    def _search(self, picture: NDArray[np.uint8]) -> tuple[Array, float, int, Array, Judged]:
-        """Return pairs, noise, kernel and clearness of ``find_edges``, and what is chosen."""
+    def _tape_in(self, picture: NDArray[np.uint8], *, moved: bool = True) -> FoundTape:
+        """Return what is found; entries that count are moved to the line of their edge, or not."""
+        first, *others = [self._search(picture, look, moved) for look in self.looks]
+        for other in others:
+            first = first.nearer(other)
+        return first
+
+    def _search(self, picture: NDArray[np.uint8], look: Look, moved: bool) -> FoundTape:
         table, wanted = self.table, self.settings
         pairs, met, noise, kernel, clear = find_edges(
             picture,
@@ -220,18 +187,26 @@ class LineScanner:
             self._apart,
             wanted.kernel,
             wanted.threshold,
+            look.light,
         )
-        judged = judge_pairs(
-            points_of(pairs, table.distances, self._directions),
+        points = points_of(pairs, table.distances, self._directions)
+        chosen, verdicts, widths, lines = judge_pairs(
+            points,
             met,
-            wanted.tape_width,
+            look.widths,
             wanted.width_tolerance,
             wanted.support,
             wanted.straightness,
             wanted.taper,
             wanted.bend_radius,
         )
-        return pairs, noise, kernel, clear, judged
+        if len(look.dashes):
+            limits = (wanted.width_tolerance, wanted.straightness, wanted.taper)
+            judge_dashes(points, met, look.dashes, limits, chosen, verdicts, widths, lines)
+        ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, self._directions)
+        if not moved:
+            edges = pairs[np.arange(len(chosen)), chosen]
+        return FoundTape(edges, verdicts, widths, lines, ranges, noise, kernel, clear)
 
     def pixels(self, positions: Array) -> Array:
         """Return the pixels (k, 2) of one position on each ray (k,) [samples]; nan stays nan."""

@@ -18,6 +18,8 @@ _EVERY = 16
 
 CONTRAST = 0.83
 """How much darker tape is than the floor, as a share of the floor's brightness."""
+LIGHT_CONTRAST = 1 / (1 - CONTRAST) - 1
+"""The same for light tape: how much brighter it is than a floor as dark as tape."""
 EVEN_CHANCE, CHANCE_SD = 1.2, 0.8
 """How far above the threshold an edge must stand for half of the rays to return it, and the spread
 of this margin, in standard deviations of the kernel's response. Straightness and width, which are
@@ -67,7 +69,12 @@ def kernel_for(noise: float, kernel: int, threshold: float) -> tuple[int, float]
 
 @njit(cache=True, nogil=True)
 def clearness(
-    grey: NDArray[np.int16], counts: NDArray[np.int32], noise: float, half: int, threshold: float
+    grey: NDArray[np.int16],
+    counts: NDArray[np.int32],
+    noise: float,
+    half: int,
+    threshold: float,
+    contrast: float = CONTRAST,
 ) -> Array:
     """Return the probability (k,) that tape on a ray is found, by the ray's own brightness.
 
@@ -77,6 +84,7 @@ def clearness(
         noise: standard deviation of a grey level.
         half: half width of the edge kernel [samples].
         threshold: weakest edge that counts [grey levels].
+        contrast: how far the tape's brightness is from the floor's, as a share of the floor's.
     """
     sd = max(noise, 1.0) * math.sqrt(2 / half)
     clear = np.zeros(len(counts))
@@ -86,7 +94,7 @@ def clearness(
         total = 0
         for i in range(counts[ray]):
             total += grey[ray, i]
-        margin = (CONTRAST * total / counts[ray] - threshold) / sd
+        margin = (contrast * total / counts[ray] - threshold) / sd
         away = (margin - EVEN_CHANCE) / CHANCE_SD
         clear[ray] = 0.5 * (1 + math.erf(away / math.sqrt(2.0)))
     return clear

@@ -1,6 +1,6 @@
 """Compiled decision which edges belong to tape: those on a line or an arc, a tape's width apart.
 
-A pair is the entry, where a ray gets darker, and the next exit, where it gets brighter. A pair
+A pair is the entry, where a ray meets a stripe, and the next exit, where it leaves it. A pair
 counts under two conditions. The entries on neighbouring rays lie on a line, or on an arc that bends
 no tighter than tape does. The distance from entry to exit across it is the tape's width along the
 whole edge.
@@ -39,6 +39,10 @@ SIDE = 4
 """This many neighbours on each side are used even if fewer already span the support."""
 
 
+Limits = tuple[Array, float, float, float, float, float]
+"""Widths of tape (n,), width_tolerance, support, straightness, max_taper, bend_radius [m]."""
+
+
 class Verdict(IntEnum):
     """Why a ray counts or does not count."""
 
@@ -65,7 +69,7 @@ _WRONG_WIDTH = int(Verdict.WRONG_WIDTH)
 def judge_pairs(
     pairs: Array,
     met: NDArray[np.int32],
-    tape_width: float,
+    tape_widths: Array,
     width_tolerance: float,
     support: float,
     straightness: float,
@@ -77,7 +81,7 @@ def judge_pairs(
     Args:
         pairs: (k, p, 4) x and y [m] of entry and exit; nan after a ray's last pair.
         met: (k,) number of edges that each ray met, two for each pair; -1 if it is out of sight.
-        tape_width: [m].
+        tape_widths: (n,) of the kinds of tape [m].
         width_tolerance: how far the measured width may be off [m].
         support: length of edge [m] that must be seen on neighbouring rays.
         straightness: how far entries may lie off their common line or arc [m].
@@ -95,7 +99,7 @@ def judge_pairs(
     verdicts = np.full(rays, _NO_EDGE, dtype=np.int8)
     widths = np.full(rays, np.nan)
     curves = np.full((rays, 6), np.nan)
-    limits = (tape_width, width_tolerance, support, straightness, max_taper, bend_radius)
+    limits = (tape_widths, width_tolerance, support, straightness, max_taper, bend_radius)
     chain = np.empty((2 * NEIGHBOURS + 1, 4))
     curve = np.empty(6)
     for ray in range(rays):
@@ -123,6 +127,15 @@ def judge_pairs(
         else:
             lines[ray] = curves[ray, :3]
     return chosen, verdicts, widths, lines
+
+
+@njit(cache=True, nogil=True)
+def width_error(tape_widths: Array, across: float) -> float:
+    """Return how far a width is off the nearest of the widths of tape (n,) [m]; inf without any."""
+    error = np.inf
+    for i in range(len(tape_widths)):
+        error = min(error, abs(across - tape_widths[i]))
+    return error
 
 
 @njit(cache=True, nogil=True)
@@ -168,7 +181,7 @@ def judge_chain(
     chain: Array,
     left: int,
     right: int,
-    limits: tuple[float, float, float, float, float, float],
+    limits: Limits,
     curve: Array,
 ) -> tuple[int, float]:
     """Return the verdict of the pair in the middle of a chain, and its width [m].
@@ -181,11 +194,11 @@ def judge_chain(
         chain: (2 * NEIGHBOURS + 1, 4) pairs along an edge, the middle one at NEIGHBOURS.
         left: number of pairs before the middle.
         right: number of pairs after the middle.
-        limits: as in ``judge_pairs``: tape_width, width_tolerance, support, straightness,
+        limits: as in ``judge_pairs``: tape_widths, width_tolerance, support, straightness,
             most_taper, bend_radius [m].
         curve: (6,) the output.
     """
-    tape_width, width_tolerance, support, straightness, max_taper, _ = limits
+    tape_widths, width_tolerance, support, straightness, max_taper, _ = limits
     middle = NEIGHBOURS
     verdict, across = _TOO_SHORT, np.nan
     curve[:] = np.nan
@@ -209,7 +222,7 @@ def judge_chain(
         if straight:
             curve[2] += bow(chain, first, last, curve, middle)
             across = width(chain, middle, curve)
-            if abs(across - tape_width) <= width_tolerance:
+            if width_error(tape_widths, across) <= width_tolerance:
                 return _COUNTED, across
             verdict = _WRONG_WIDTH
             break
@@ -228,7 +241,7 @@ def _fit_bend(
     chain: Array,
     first: int,
     last: int,
-    limits: tuple[float, float, float, float, float, float],
+    limits: Limits,
     curve: Array,
 ) -> float:
     """Return the width [m] of tape whose entries lie on an arc; -1 if it is not such tape.
@@ -236,14 +249,14 @@ def _fit_bend(
     An arc fits more shapes than a line does, so its limits are ``STRICTER`` times tighter:
     otherwise cables and shoes would pass.
     """
-    tape_width, width_tolerance, _, straightness, max_taper, bend_radius = limits
+    tape_widths, width_tolerance, _, straightness, max_taper, bend_radius = limits
     fit_line(chain, first, last, curve)
     fit_arc(chain, first, last, curve)
     # Comparisons with nan are false, so nan is rejected here.
     if not (curve[3] <= straightness / STRICTER and abs(curve[5]) * bend_radius <= 1):
         return -1.0
     across = width(chain, NEIGHBOURS, curve)
-    if not abs(across - tape_width) <= width_tolerance / STRICTER:
+    if not width_error(tape_widths, across) <= width_tolerance / STRICTER:
         return -1.0
     return across if taper(chain, first, last, curve) <= max_taper else -1.0
 

@@ -110,7 +110,7 @@ def calibrate_by_driving(
     # A profile from before would hide what is measured.
     config = replace(config, profile="")
     program = build_program(config)
-    recorder = DriveRecorder(program.robot.spec, config.scanner)
+    recorder = DriveRecorder(program.robot.spec, config.scanner, program.field.tape)
     try:
         for reading in _driven(program, seconds):
             recorder.add(reading)
@@ -148,7 +148,8 @@ def calibrate_recording(
         CalibrationError: the drive does not tell what the robot is like.
     """
     program = open_replay(path, ReplayOptions(map=map_name))
-    recorder = DriveRecorder(program.robot.spec.as_drawn, program.config.scanner)
+    scanner = program.config.scanner
+    recorder = DriveRecorder(program.robot.spec.as_drawn, scanner, program.field.tape)
     first: float | None = None
     try:
         while True:

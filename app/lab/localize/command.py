@@ -14,6 +14,8 @@ from app.files import make_folder
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localize import Start, localize
 from app.lab.localize.localized import Localized
+from app.lab.localize.pictures.command import localize_pictures
+from app.lab.localize.pictures.sequence import is_folder_of_pictures
 from app.lab.localize.reading.bag import Bag, BagError
 from app.lab.localize.reading.mounting import find_layout
 from app.lab.localize.reading.pairing import CLOCKS, Measurement, Pairing
@@ -28,6 +30,10 @@ from robot.settings import SettingError
 def localize_command(parsed: argparse.Namespace) -> int:
     """Follow the robot and write the results."""
     _check(parsed)
+    if is_folder_of_pictures(parsed.bag):
+        _refuse(parsed, BAG_ONLY, "a folder of pictures")
+        return localize_pictures(parsed)
+    _refuse(parsed, PICTURES_ONLY, "a bag")
     settings = load_settings(parsed.filter_config)
     enabled = LaserMap.load(parsed.map)
     start = _start(parsed, settings, enabled)
@@ -54,6 +60,17 @@ def localize_command(parsed: argparse.Namespace) -> int:
         say(line)
     _tell(result, folder)
     return 0
+
+
+BAG_ONLY = ("scan_topic", "odom_topic", "laser_pose", "filter_config")
+PICTURES_ONLY = ("camera", "profile", "odometry", "stamps", "overlays", "config")
+"""Options that have an effect on one kind of recording only."""
+
+
+def _refuse(parsed: argparse.Namespace, names: tuple[str, ...], given: str) -> None:
+    for name in names:
+        if getattr(parsed, name) is not None:
+            raise SettingError(f"--{name.replace('_', '-')} has no effect with {given}")
 
 
 def _check(parsed: argparse.Namespace) -> None:

@@ -14,6 +14,10 @@ Without --initial-pose the robot may be anywhere on the map's free floor.
   brickpose localize office.bag --map office.yaml
   brickpose localize run_7/ --map office.yaml --initial-pose 3.2 -1.0 1.57 --out run_7_localized
 
+A folder of pictures with stamps, on a taped field (docs/pictures.md):
+
+  brickpose localize pictures/ --map town.svg --camera camera.yaml --odometry odometry.tum
+
 """
 
 
@@ -21,7 +25,7 @@ def add_localize(commands: Commands) -> None:
     """Add the command ``localize``."""
     command = commands.add_parser(
         "localize",
-        help="any laser robot's bag (ROS 1, ROS 2, MCAP) on a ROS map",
+        help="any laser robot's bag (ROS 1, ROS 2, MCAP) on a ROS map, or pictures on a field",
         description="Follow a robot with a laser through its bag, by LaserScan and Odometry (or "
         "tf), on a map of map_server. Writes its way as a TUM file, a picture and results.json.",
         epilog=EXAMPLE,
@@ -29,17 +33,21 @@ def add_localize(commands: Commands) -> None:
         allow_abbrev=False,
     )
     command.add_argument(
-        "bag", type=Path, metavar="BAG", help="a .bag, .mcap or .db3 file, or a ROS 2 bag's folder"
-    )
+        "bag", type=Path, metavar="BAG|PICTURES/",
+        help="a .bag, .mcap or .db3 file, a ROS 2 bag's folder, or a folder of pictures",
+    )  # fmt: skip
     command.add_argument(
-        "--map", type=Path, metavar="MAP.yaml", required=True, help="a map of map_server"
-    )
+        "--map", type=Path, metavar="MAP.yaml|FIELD.svg", required=True,
+        help="a map of map_server; for pictures a field",
+    )  # fmt: skip
     command.add_argument(
-        "--out", type=Path, metavar="DIR", default=None,
-        help="where the results go (default: localized/ and the bag's name)",
+        "--out", type=Path, metavar="DIR|FILE", default=None,
+        help="where the results go: a folder for a bag, a .tum file for pictures (default: "
+        "localized/ and the recording's name)",
     )  # fmt: skip
     _add_topics(command)
     _add_start(command)
+    _add_pictures(command)
     command.add_argument(
         "--filter-config", type=Path, metavar="FILE.toml", default=None,
         help="settings over those below",
@@ -68,6 +76,19 @@ def _add_topics(command: argparse.ArgumentParser) -> None:
         help="stamps: header, or log for when messages were recorded, if the robot's computers had "
         "different clocks (default: header)",
     )  # fmt: skip
+
+
+def _add_pictures(command: argparse.ArgumentParser) -> None:
+    group = command.add_argument_group("of a folder of pictures")
+    for name, metavar, words in (
+        ("camera", "CAMERA.yaml", "the camera's lens and mounting (default: the robot's own)"),
+        ("profile", "PROFILE.toml", "what `brickpose calibrate` has measured of the robot"),
+        ("odometry", "FILE.tum", "its motion (default: it goes on as it went)"),
+        ("stamps", "FILE", "a list of stamps and file names (default: the names tell the stamps)"),
+        ("overlays", "DIR", "write each picture with the edges that were found"),
+        ("config", "FILE.toml", "settings of scanner and filter (docs/configuration.md)"),
+    ):
+        group.add_argument(f"--{name}", type=Path, metavar=metavar, default=None, help=words)
 
 
 def _add_start(command: argparse.ArgumentParser) -> None:

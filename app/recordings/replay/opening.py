@@ -113,7 +113,7 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     begin = _Begin(
         config,
         field,
-        LineScanner(parts.spec.floor_view, config.scanner),
+        LineScanner(parts.spec.floor_view, config.scanner, field.tape),
         own,
         _start(config, parts, field, robot),
         robot,

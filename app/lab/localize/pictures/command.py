@@ -1,0 +1,108 @@
+"""Carries out ``brickpose localize`` with a folder of pictures."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+from app.console import say
+from app.lab.localize.localize import Start
+from app.lab.localize.pictures.follow import LocatedPictures, PictureRun
+from app.lab.localize.pictures.motion import RecordedOdometry
+from app.lab.localize.pictures.overlay import Overlays
+from app.lab.localize.pictures.sequence import SequenceError, read_sequence
+from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.files.tum import write_tum
+from app.lab.trajectories.trajectory import Trajectory
+from app.settings.config import MAPS, Config, load_config
+from robot.calibration.profile import load_profile
+from robot.description.camera_file import with_camera
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field, FieldError
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
+from robot.settings import SettingError
+
+
+def localize_pictures(parsed: argparse.Namespace) -> int:
+    """Follow the robot through the pictures and write its trajectory; return 0.
+
+    Raises:
+        SequenceError, PictureError: the pictures cannot be used.
+        SettingError, FieldError, SpecError, CameraError, TrajectoryError: another file or option
+            cannot be used.
+    """
+    config = load_config(parsed.config) if parsed.config else Config()
+    field = load_field(str(parsed.map), MAPS)
+    if not field.tape:
+        raise FieldError(f"the field {field.name} is not of tape; valid is a drawing (.svg)")
+    spec = _spec(parsed)
+    pictures = read_sequence(parsed.bag, parsed.stamps)
+    odometry = None
+    if parsed.odometry is not None:
+        odometry = RecordedOdometry(read_trajectory(parsed.odometry).without_repeats())
+    run = PictureRun(
+        spec,
+        field,
+        replace(config, seed=parsed.seed),
+        _start(parsed, field, config),
+        odometry,
+    )
+    overlays = None if parsed.overlays is None else Overlays(parsed.overlays, field)
+    run.follow(pictures, overlays.write if overlays else None)
+    out = parsed.out or Path("localized") / f"{parsed.bag.resolve().name}.tum"
+    _write(out, run.result, parsed.bag, field)
+    _tell(run.result, len(pictures), out)
+    return 0
+
+
+def _spec(parsed: argparse.Namespace) -> RobotSpec:
+    spec = RobotSpec.load()
+    if parsed.profile is not None:
+        spec = load_profile(parsed.profile).applied_to(spec)
+    return spec if parsed.camera is None else with_camera(spec, parsed.camera)
+
+
+def _start(parsed: argparse.Namespace, field: Field, config: Config) -> Start | None:
+    if parsed.initial_pose is None:
+        return None
+    pose = Pose2(*parsed.initial_pose)
+    try:
+        field.require_inside(pose)
+    except FieldError as error:
+        raise SettingError(f"--initial-pose {error}") from error
+    default = config.localization.filter
+    return Start(
+        pose,
+        parsed.sd_xy or default.initial_sd_xy,
+        parsed.sd_theta or default.initial_sd_theta,
+    )
+
+
+def _write(out: Path, result: LocatedPictures, folder: Path, field: Field) -> None:
+    if len(result.located) < 2:
+        raise SequenceError(
+            f"the robot was located in {len(result.located)} of the pictures of {folder}; a "
+            "trajectory needs 2"
+        )
+    trajectory = Trajectory.of_poses(
+        [item.exposed for item in result.located],
+        [item.pose.to_array() for item in result.located],
+    )
+    write_tum(out, trajectory, [f"{folder.name} on {field.name}, pose at the exposures"])
+
+
+def _tell(result: LocatedPictures, count: int, out: Path) -> None:
+    for kind, pictures in (
+        ("stale: it shows what the one before showed, but the robot has moved", result.stale),
+        ("left out: odometry tells nothing at its time", result.unmoved),
+        ("left out: no place is known", result.unknown),
+    ):
+        for picture in pictures:
+            say(f"{picture.name} is {kind}")
+    states = Counter(str(item.state) for item in result.located)
+    claimed = ", ".join(f"{number} {state}" for state, number in states.most_common())
+    say(f"{len(result.located)} of {count} pictures: {claimed}")
+    say(f"the trajectory is {out}")

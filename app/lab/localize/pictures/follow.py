@@ -1,0 +1,187 @@
+"""Follows a robot through its pictures on a taped field."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from app.engine.build import Streams, connect
+from app.engine.localization import Localization
+from app.lab.localize.localize import Start
+from app.lab.localize.pictures.motion import GuessedStep, Motion, SteadyMotion, twist_at
+from app.lab.localize.pictures.sequence import StampedPicture
+from app.lab.localize.pictures.standstill import is_stale
+from app.lab.replay_robot import ReplayRobot
+from app.settings.config import Config
+from robot.cameras.camera import Picture
+from robot.description.spec import RobotSpec
+from robot.driving.differential_drive import DifferentialDrive
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.interface import Frame, Reading, RobotError
+from robot.localization.integrity import State
+from robot.localization.models.motion_models import MotionModel
+from robot.scanning.line_scanner import LineScan, LineScanner
+
+
+@dataclass(frozen=True)
+class LocatedPicture:
+    """What is known after one picture."""
+
+    picture: StampedPicture
+    exposed: float
+    """When it was exposed: its stamp less the camera's delay [s]."""
+    pose: Pose2
+    """The robot's pose at that time, in the map."""
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad] of the last update."""
+    state: State
+    readings: int
+    """Number of rays that met tape."""
+
+
+@dataclass
+class LocatedPictures:
+    """What became of the pictures of a sequence."""
+
+    located: list[LocatedPicture] = field(default_factory=list)
+    stale: list[StampedPicture] = field(default_factory=list)
+    """Those that show what the one before them showed, although the robot has moved."""
+    unmoved: list[StampedPicture] = field(default_factory=list)
+    """Those at whose time odometry tells nothing."""
+    unknown: list[StampedPicture] = field(default_factory=list)
+    """Those after which the filter knew no place."""
+
+
+Show = Callable[[LocatedPicture, Picture, LineScan, LineScanner], None]
+"""Is given each picture that was used, and what the scanner found in it."""
+
+
+class PictureFollower(Localization):
+    """Scanner and filter of a robot whose steps are guessed where there is no odometry."""
+
+    def __init__(
+        self, spec: RobotSpec, field: Field, config: Config, start: Start | None, *, guessing: bool
+    ) -> None:
+        """Put the filter at a start in the map; by default at the field's own."""
+        self._guessing = guessing
+        super().__init__(
+            LineScanner(spec.floor_view, config.scanner, field.tape),
+            field,
+            config.localization,
+            Streams.of(config.seed).filter,
+        )
+        if start is None:
+            self.set_pose(field.start, None, None)
+        else:
+            self.set_pose(start.pose, start.sd_xy, start.sd_theta)
+
+    def _motion(self) -> MotionModel:
+        wanted = self.parameters.motion
+        if self._guessing:
+            return GuessedStep(wanted.stationary_sd_xy, wanted.stationary_sd_theta)
+        return super()._motion()
+
+
+class PictureRun:
+    """One run through the pictures of a sequence."""
+
+    def __init__(
+        self,
+        spec: RobotSpec,
+        field: Field,
+        config: Config,
+        start: Start | None = None,
+        odometry: Motion | None = None,
+    ) -> None:
+        """Prepare a run.
+
+        Args:
+            spec: the robot with its camera.
+            field: the taped field.
+            config: settings of scanner and filter, and the seed.
+            start: where the robot is at the first picture; by default at the field's start.
+            odometry: its motion; by default it is taken to go on as between the last two pictures.
+        """
+        self.result = LocatedPictures()
+        self._spec = spec
+        self._guess = SteadyMotion() if odometry is None else None
+        self._motion: Motion = odometry or self._guess or SteadyMotion()
+        self._follower = PictureFollower(spec, field, config, start, guessing=odometry is None)
+        self._config = config
+        self._now: tuple[StampedPicture, Picture, Pose2] | None = None
+        """The picture of the present step, and the odometry at its exposure."""
+
+    def follow(self, pictures: Sequence[StampedPicture], show: Show | None = None) -> None:
+        """Follow the robot; what is found is in ``result``.
+
+        Args:
+            pictures: by time.
+            show: is given each picture that was used.
+
+        Raises:
+            PictureError: a picture cannot be read, or its size is not that of the lens.
+        """
+        # A frame's stamp is that of its exposure here: no later reading is needed for the delay.
+        prompt = replace(self._spec, picture_delay=0.0)
+        robot = ReplayRobot("The sequence", self._readings(pictures), prompt)
+        engine = connect(self._config, robot, self._follower)
+        with contextlib.suppress(RobotError):  # the end of the pictures
+            while True:
+                self._follower.update_once()
+                engine.step()
+                self._keep(show)
+
+    def _readings(self, pictures: Sequence[StampedPicture]) -> Iterator[Reading]:
+        drive = DifferentialDrive(self._spec)
+        still = np.zeros(len(self._spec.joints))
+        for picture in pictures:
+            image = picture.read(self._spec.lens)
+            exposed = picture.stamp - self._spec.picture_delay
+            odometry = self._motion.at(exposed)
+            if odometry is None:
+                self.result.unmoved.append(picture)
+                continue
+            if self._is_stale(image, odometry):
+                self.result.stale.append(picture)
+                continue
+            self._now = picture, image, odometry
+            yield Reading(
+                exposed,
+                still,
+                drive.wheels(twist_at(self._motion, exposed)),
+                frame=Frame(exposed, image),
+                odom_from_robot=odometry,
+            )
+
+    def _is_stale(self, image: Picture, odometry: Pose2) -> bool:
+        if self._now is None:
+            return False
+        _, before, pose = self._now
+        moved = None if self._guess is not None else pose.inverse() @ odometry
+        return is_stale(before, image, moved, self._spec.floor_view)
+
+    def _keep(self, show: Show | None) -> None:
+        assert self._now is not None  # a step had a picture
+        picture, image, odometry = self._now
+        belief, line_scan = self._follower.belief, self._follower.line_scan
+        if belief is None or line_scan is None:
+            self.result.unknown.append(picture)
+            return
+        exposed, pose = line_scan.scan.stamp, belief.pose(odometry)
+        located = LocatedPicture(
+            picture,
+            exposed,
+            pose,
+            belief.estimate.hypotheses[0].covariance,
+            self._follower.integrity_at(odometry).state,
+            int(line_scan.scan.hit.sum()),
+        )
+        self.result.located.append(located)
+        if self._guess is not None:
+            self._guess.learn(exposed, pose)
+        if show is not None:
+            show(located, image, line_scan, self._follower.scanner)

@@ -1,0 +1,1 @@
+"""Benchmarks on pictures that real robots took."""
