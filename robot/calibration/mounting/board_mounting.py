@@ -23,6 +23,7 @@ from robot.camera import FloorView, Lens
 from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScanner, LineScannerSettings
+from robot.scanning.tape import BLACK_TAPE
 from robot.scanning.tape_edges import Verdict
 
 PLACED_SD = np.array([0.001, 0.001, math.radians(0.3)])
@@ -113,15 +114,16 @@ def check_scale(
     """
     without = _painted_over(picture, sighting)
     view = FloorView(lens, mounting.robot_from_camera)
-    wide = replace(settings, width_tolerance=0.3 * settings.tape_width)
+    true = settings.tape_width or BLACK_TAPE.width
+    wide = replace(settings, width_tolerance=0.3 * true)
     scan = LineScanner(view, wide).scan(Frame(0.0, without))
     if (scan.verdicts == Verdict.COUNTED).sum() < LEAST_RAYS:
         return None
-    share = scan.tape_width / settings.tape_width
+    share = scan.tape_width / true
     if abs(share - 1) > SCALE:
         raise MountingError(
             f"the tape seems {1e3 * scan.tape_width:.1f} mm wide where it is "
-            f"{1e3 * settings.tape_width:.1f} mm: the squares are not {1e3 * board.square:.2f} mm "
+            f"{1e3 * true:.1f} mm: the squares are not {1e3 * board.square:.2f} mm "
             f"but {1e3 * board.square / share:.2f} mm; measure them, and give --size "
             "(if they are right, the lens file is not this camera's)"
         )

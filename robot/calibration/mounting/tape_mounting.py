@@ -137,7 +137,7 @@ def _search(
     described: Array,
     settings: LineScannerSettings,
 ) -> _Edges:
-    scanner = LineScanner(FloorView(lens, described), replace(settings, **LOOSE))
+    scanner = LineScanner(FloorView(lens, described), replace(settings, **LOOSE), taped.tape)
     pairs = scanner.entries_and_exits(picture)
     pixels = np.concatenate([scanner.pixels(side) for side in pairs.T])
     leaving = np.arange(len(pixels)) >= len(pairs)
@@ -145,7 +145,7 @@ def _search(
     if seen.sum() < LEAST_EDGES:
         raise MountingError(
             f"{seen.sum()} edges of tape in sight; valid are {LEAST_EDGES} or more: tape of "
-            f"{1e3 * settings.tape_width:.0f} mm within a metre before the robot"
+            f"{1e3 * scanner.main_width:.0f} mm within a metre before the robot"
         )
     return _Edges(lens, pixels[seen], leaving[seen], taped, placed)
 
