@@ -113,6 +113,6 @@ def config_from(parsed: argparse.Namespace) -> Config:
 
 
 def config_of(given: dict[str, Any]) -> Config:
-    """Return the configuration of the file, if one is given, overridden by the option ``map``."""
+    """Return the configuration of the file, if one is given, overridden by map and profile."""
     config = load_config(given["config"]) if "config" in given else Config()
-    return replace(config, map=given["map"]) if "map" in given else config
+    return replace(config, **{name: given[name] for name in ("map", "profile") if name in given})

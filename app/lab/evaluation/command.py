@@ -193,8 +193,6 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
     if "calibrate" in given:
         options["calibrate"] = given["calibrate"]
     config = config_of(given)
-    if "profile" in given:
-        config = replace(config, profile=given["profile"])
     experiment = Experiment(config, worlds_from_options(given), **options)
     crew = workers_from_options(given)
     try:
