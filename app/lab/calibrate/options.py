@@ -55,7 +55,7 @@ def add_calibrate(commands: Commands) -> None:
         "--out",
         type=Path,
         metavar="PROFILE.toml",
-        help="the robot's profile (default: profile.toml)",
+        help="the robot's profile; if it exists, its lens is used and kept (default: profile.toml)",
     )
     add_condition(drive)
     add_serial_port(drive)
@@ -86,7 +86,10 @@ def _add_lens(kinds: Commands) -> None:
     )
     add_board(lens)
     lens.add_argument(
-        "--out", type=Path, metavar="CAMERA.yaml", help="the lens (default: camera.yaml)"
+        "--out",
+        type=Path,
+        metavar="CAMERA.yaml|PROFILE.toml",
+        help="the lens: ROS's camera_info, or in the robot's profile (default: camera.yaml)",
     )
     lens.set_defaults(command=_lens)
 
