@@ -60,6 +60,10 @@ def test_a_folder_of_pictures_gives_a_lens_file(folder: Path, tmp_path: Path, ca
     assert abs(lens.matrix[0, 0] - true.matrix[0, 0]) < 4 * sd["fx"] < 8
     assert abs(lens.matrix[0, 2] - true.matrix[0, 2]) < 4 * sd["cx"] < 8
     assert lens.readout == 0.015  # the description's
+    report = out.with_suffix(".html").read_text()
+    assert report.count("data:image/svg+xml;base64,") == 2
+    assert "<h1>The lens: plumb_bob</h1>" in report
+    assert "refused: no picture that can be read" in report
 
 
 def test_inner_corners_may_be_told_as_ros_counts_them(folder: Path, tmp_path: Path, capsys) -> None:

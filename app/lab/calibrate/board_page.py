@@ -128,8 +128,10 @@ def _markers(board: Board, left: float, top: float) -> Iterator[Shape]:
 
 
 def _origin(x: float, y: float) -> Iterator[Shape]:
-    """Yield arrows along the axes of the board's frame, beside its lower right corner."""
+    """Yield arrows along the axes of the board's frame, and marks at its lower right corner."""
     reach, apart = 10.0, 3.0
+    yield _box(x + 0.8, y - LINE / 2, 6, LINE)
+    yield _box(x - LINE / 2, y + 0.8, LINE, 6)
     yield _box(x + apart - LINE / 2, y - reach, LINE, reach)
     yield _box(x - reach, y + apart - LINE / 2, reach, LINE)
     for tip in ((x + apart, y - reach - 2.5), (x - reach - 2.5, y + apart)):

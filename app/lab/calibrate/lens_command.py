@@ -10,6 +10,7 @@ from typing import Any
 from app.console import say
 from app.files import atomic_file
 from app.lab.calibrate.kept_profile import profile_before, with_lens, write_profile
+from app.lab.calibrate.lens_report import lens_report
 from app.lab.calibrate.pictures import board_of, find_in, picture_files
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import camera_info, parameters
@@ -44,6 +45,9 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
     result = calibrate_lens(found_boards.seen, board, found_boards.refused)
     for line in lines_of(result, board):
         say(line)
+    report = given.pop("report", out.with_suffix(".html"))
+    with atomic_file(report) as new:
+        new.write_text(lens_report(result, board), encoding="utf-8")
     if before is None:
         with atomic_file(out) as new:
             new.write_text(yaml_of(result, board), encoding="utf-8")
@@ -52,7 +56,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         profile = with_lens(before, measured, f"lens by {len(result.seen)} pictures")
         profile.applied_to(spec)
         write_profile(out, profile)
-    say(f"the lens is in {out}")
+    say(f"the lens is in {out}, a report in {report}")
     return 0
 
 

@@ -109,6 +109,9 @@ def _add_lens(kinds: Commands) -> None:
         metavar="CAMERA.yaml|PROFILE.toml",
         help="the lens: ROS's camera_info, or in the robot's profile (default: camera.yaml)",
     )
+    lens.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
+    )
     lens.set_defaults(command=_lens)
 
 

@@ -24,6 +24,7 @@ FOLDERS = (
     Path(__file__).parent,
     Path(__file__).parents[1] / "integrity" / "report",
     Path(__file__).parents[2] / "model_fits" / "report",
+    Path(__file__).parents[2] / "calibrate",
 )
 """Folders that hold templates."""
 NOTHING = 1e-6
