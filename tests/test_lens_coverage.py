@@ -28,13 +28,14 @@ def farther(sighting: Sighting, board: Board) -> str:
     """Which side of the board is smaller in the picture."""
     across, up = board.inner
     grid = sighting.pixels.reshape(up, across, 2)
-    lengths = {
-        "left": np.linalg.norm(grid[0, 0] - grid[-1, 0]),
-        "right": np.linalg.norm(grid[0, -1] - grid[-1, -1]),
-        "upper": np.linalg.norm(grid[0, 0] - grid[0, -1]) * up / across,
-        "lower": np.linalg.norm(grid[-1, 0] - grid[-1, -1]) * up / across,
+    sides = {"left": grid[:, 0], "right": grid[:, -1], "upper": grid[0], "lower": grid[-1]}
+    lengths = {side: float(np.linalg.norm(line[-1] - line[0])) for side, line in sides.items()}
+    shorter = {
+        side: lengths[other] / lengths[side]
+        for pair in (("left", "right"), ("upper", "lower"))
+        for side, other in (pair, pair[::-1])
     }
-    return min(lengths, key=lambda side: lengths[side])
+    return max(shorter, key=lambda side: shorter[side])
 
 
 @pytest.mark.parametrize("board", [CHESSBOARD, CHARUCO], ids=lambda board: board.kind)
