@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,7 +15,9 @@ from board_pictures import CHESSBOARD, lens_of, picture, poses
 from shared_data import SHARED
 
 from app.command_line import main
+from robot.calibration.profile import Profile, load_profile
 from robot.camera import Lens
+from robot.description.spec import RobotSpec
 
 LEFT_RIGHT = SHARED / "calib_opencv_left_right"
 ASKED = ["--squares", "10x7", "--size", "0.025"]
@@ -57,6 +60,10 @@ def test_a_folder_of_pictures_gives_a_lens_file(folder: Path, tmp_path: Path, ca
     assert abs(lens.matrix[0, 0] - true.matrix[0, 0]) < 4 * sd["fx"] < 8
     assert abs(lens.matrix[0, 2] - true.matrix[0, 2]) < 4 * sd["cx"] < 8
     assert lens.readout == 0.015  # the description's
+    report = out.with_suffix(".html").read_text()
+    assert report.count("data:image/svg+xml;base64,") == 2
+    assert "<h1>The lens: plumb_bob</h1>" in report
+    assert "refused: no picture that can be read" in report
 
 
 def test_inner_corners_may_be_told_as_ros_counts_them(folder: Path, tmp_path: Path, capsys) -> None:
@@ -66,10 +73,27 @@ def test_inner_corners_may_be_told_as_ros_counts_them(folder: Path, tmp_path: Pa
     assert out.exists()
 
 
+def test_the_lens_may_go_into_a_profile(folder: Path, tmp_path: Path) -> None:
+    """Wheels and delay are kept; the mounting, measured through another lens, is not."""
+    out = tmp_path / "spike.toml"
+    before = Profile.unmeasured("spike", "")
+    out.write_text(replace(before, values=np.full(11, 0.01)).to_toml())
+    assert run(folder, *ASKED, "--out", out) == 0
+    profile = load_profile(out)
+    assert profile.lens is not None
+    assert profile.lens.lens.matrix[0, 0] == pytest.approx(lens_of().matrix[0, 0], abs=3)
+    assert profile.values.tolist() == [0] * 7 + [0.01] * 4
+    assert profile.sd[6] < 0.005
+    seen_by = profile.applied_to(RobotSpec.load())
+    assert seen_by.lens.matrix[0, 2] == pytest.approx(327, abs=3)
+    assert seen_by.lens.readout == 0.015
+    assert seen_by.as_drawn.lens.matrix[0, 2] == 319.5
+
+
 @pytest.mark.parametrize(
     ("options", "code", "words"),
     [
-        (["--squares", "8x5"], 1, "0 pictures of 7 are of use; valid are 6 or more"),
+        (["--squares", "8x5"], 1, "0 pictures of 2 are of use; valid are 6 or more"),
         (["--squares", "ten"], 2, "--squares is 'ten'; valid is such as 10x7"),
         (["--squares", "2x7"], 2, "a board of 2 x 7 squares; valid is 3 to 40"),
         (["--size", "25"], 2, "squares of 25 m; valid is 0.001 to 1 m"),
@@ -81,6 +105,8 @@ def test_inner_corners_may_be_told_as_ros_counts_them(folder: Path, tmp_path: Pa
 def test_bad_input_is_told_and_nothing_is_overwritten(
     options: list[str], code: int, words: str, folder: Path, tmp_path: Path, capsys
 ) -> None:
+    for path in sorted(folder.iterdir())[2:]:
+        path.unlink()
     out = tmp_path / "camera.yaml"
     out.write_text("as before")
     assert run(folder, "--out", out, *options) == code

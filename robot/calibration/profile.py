@@ -63,16 +63,7 @@ class Profile:
         Raises:
             SpecError: the lens is for pictures of another size.
         """
-        if self.lens is None:
-            return spec
-        lens, described = self.lens.lens, spec.lens
-        if (lens.width, lens.height) != (described.width, described.height):
-            raise SpecError(
-                f"the profile's lens is for pictures of {lens.width} x {lens.height} px; the "
-                f"robot's are of {described.width} x {described.height} px: calibrate it at that "
-                "size"
-            )
-        return replace(spec, lens=replace(lens, readout=described.readout))
+        return spec if self.lens is None else self.lens.applied_to(spec)
 
     def to_toml(self) -> str:
         """Return the content of the file."""

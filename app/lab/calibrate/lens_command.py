@@ -9,15 +9,19 @@ from typing import Any
 
 from app.console import say
 from app.files import atomic_file
+from app.lab.calibrate.kept_profile import profile_before, with_lens, write_profile
+from app.lab.calibrate.lens_report import lens_report
 from app.lab.calibrate.pictures import board_of, find_in, picture_files
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import camera_info, parameters
 from robot.calibration.lens.coverage import missing
 from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens
+from robot.calibration.lens.lens_table import MeasuredLens
 from robot.description.spec import RobotSpec
 from robot.settings import SettingError
 
 OUT = Path("camera.yaml")
+SUFFIXES = (".yaml", ".yml", ".toml")
 
 
 def calibrate_lens_command(given: dict[str, Any]) -> int:
@@ -28,17 +32,31 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         SettingError, OSError: says what cannot be used.
     """
     out = given.pop("out", OUT)
-    if out.suffix.lower() not in (".yaml", ".yml"):
-        raise SettingError(f"--out is {out}; valid is a file that ends in .yaml")
+    if out.suffix.lower() not in SUFFIXES:
+        raise SettingError(
+            f"--out is {out}; valid is a file that ends in .yaml (ROS's camera_info) or .toml (a "
+            "robot's profile)"
+        )
+    spec = RobotSpec.load()
+    before = profile_before(out, spec) if out.suffix == ".toml" else None
     files = picture_files(given.pop("pictures"))
     found_boards = find_in(files, board_of(given))
     board = found_boards.board
     result = calibrate_lens(found_boards.seen, board, found_boards.refused)
     for line in lines_of(result, board):
         say(line)
-    with atomic_file(out) as new:
-        new.write_text(yaml_of(result, board), encoding="utf-8")
-    say(f"the lens is {out}")
+    report = given.pop("report", out.with_suffix(".html"))
+    with atomic_file(report) as new:
+        new.write_text(lens_report(result, board), encoding="utf-8")
+    if before is None:
+        with atomic_file(out) as new:
+            new.write_text(yaml_of(result, board), encoding="utf-8")
+    else:
+        measured = MeasuredLens(result.lens, result.chosen.fit.sd)
+        profile = with_lens(before, measured, f"lens by {len(result.seen)} pictures")
+        profile.applied_to(spec)
+        write_profile(out, profile)
+    say(f"the lens is in {out}, a report in {report}")
     return 0
 
 

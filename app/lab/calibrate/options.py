@@ -19,7 +19,8 @@ def add_calibrate(commands: Commands) -> None:
         description="Measure how the robot differs from its description.",
         allow_abbrev=False,
     )
-    kinds = command.add_subparsers(required=True, metavar="{drive,lens,mounting}")
+    kinds = command.add_subparsers(required=True, metavar="{drive,board,lens,mounting}")
+    _add_printed_board(kinds)
     _add_lens(kinds)
     _add_mounting(kinds)
     drive = kinds.add_parser(
@@ -55,7 +56,7 @@ def add_calibrate(commands: Commands) -> None:
         "--out",
         type=Path,
         metavar="PROFILE.toml",
-        help="the robot's profile (default: profile.toml)",
+        help="the robot's profile; if it exists, its lens is used and kept (default: profile.toml)",
     )
     add_condition(drive)
     add_serial_port(drive)
@@ -69,6 +70,23 @@ def _drive(parsed: argparse.Namespace) -> int:
 
     with interruptible():
         return calibrate_drive(_given(parsed))
+
+
+def _add_printed_board(kinds: Commands) -> None:
+    board = kinds.add_parser(
+        "board",
+        help="a board to print, for lens and mounting",
+        description="Write a page with a chessboard or ChArUco board at its true size, and rulers "
+        "to check the printer by.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    add_board(board)
+    board.add_argument("--paper", metavar="NAME", help="a4, a3 or letter (default: a4)")
+    board.add_argument(
+        "--out", type=Path, metavar="FILE.pdf|FILE.svg", help="the page (default: board.pdf)"
+    )
+    board.set_defaults(command=_board)
 
 
 def _add_lens(kinds: Commands) -> None:
@@ -86,7 +104,13 @@ def _add_lens(kinds: Commands) -> None:
     )
     add_board(lens)
     lens.add_argument(
-        "--out", type=Path, metavar="CAMERA.yaml", help="the lens (default: camera.yaml)"
+        "--out",
+        type=Path,
+        metavar="CAMERA.yaml|PROFILE.toml",
+        help="the lens: ROS's camera_info, or in the robot's profile (default: camera.yaml)",
+    )
+    lens.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
     )
     lens.set_defaults(command=_lens)
 
@@ -170,6 +194,12 @@ def _lens(parsed: argparse.Namespace) -> int:
     from app.lab.calibrate.lens_command import calibrate_lens_command  # noqa: PLC0415
 
     return calibrate_lens_command(_given(parsed))
+
+
+def _board(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.board_command import print_board  # noqa: PLC0415
+
+    return print_board(_given(parsed))
 
 
 def _mounting(parsed: argparse.Namespace) -> int:

@@ -57,12 +57,12 @@ def tilt(sighting: Sighting, board: Board) -> tuple[float, str]:
         board.corners[sighting.ids], flat, np.eye(3), None, flags=cv2.SOLVEPNP_IPPE
     )
     normal: Array = np.asarray(cv2.Rodrigues(np.asarray(turns[0]))[0], np.float64)[:, 2]
-    # Seen from the camera, a board that faces it has its normal along -z. Where the normal points
-    # in the picture, there its far side is not.
+    # A board that faces the camera has its normal along -z; one that faces to the right, too, has
+    # its right side farther away.
     angle = math.acos(float(np.clip(-normal[2], -1, 1)))
     if abs(normal[0]) > abs(normal[1]):
-        return angle, "left" if normal[0] > 0 else "right"
-    return angle, "upper" if normal[1] > 0 else "lower"
+        return angle, "right" if normal[0] > 0 else "left"
+    return angle, "lower" if normal[1] > 0 else "upper"
 
 
 def missing(seen: Sequence[Sighting], board: Board) -> list[str]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from robot.calibration.lens.camera_info import NAMES, parameters
 from robot.camera import CameraError, Lens
+from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
 from robot.geometry import Array
 
@@ -29,6 +30,21 @@ class MeasuredLens:
     def of(cls, lens: Lens, sd: Array | None = None) -> MeasuredLens:
         """Return a lens whose standard deviations may not be known."""
         return cls(lens, np.full(len(parameters(lens)), np.nan) if sd is None else sd)
+
+    def applied_to(self, spec: RobotSpec) -> RobotSpec:
+        """Return a robot's description with this lens; its readout stays.
+
+        Raises:
+            SpecError: the lens is for pictures of another size.
+        """
+        lens, described = self.lens, spec.lens
+        if (lens.width, lens.height) != (described.width, described.height):
+            raise SpecError(
+                f"the profile's lens is for pictures of {lens.width} x {lens.height} px; the "
+                f"robot's are of {described.width} x {described.height} px: calibrate it at that "
+                "size"
+            )
+        return replace(spec, lens=replace(lens, readout=described.readout))
 
 
 def table_lines(measured: MeasuredLens) -> list[str]:
