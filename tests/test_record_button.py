@@ -1,6 +1,7 @@
 """The record button on the page, and recordings over the wire, with a server of its own."""
 
 import json
+import re
 
 import httpx
 import pytest
@@ -70,10 +71,10 @@ def test_the_button_records_and_links_to_the_file(server, browser):
         button = page.locator("#record")
         expect(button).to_have_text("Record")
         button.click()
-        expect(button).to_contain_text("Recording 0:01", timeout=10_000)
+        expect(button).to_contain_text(re.compile("Recording 0:0[1-9]"))
         expect(button).to_have_attribute("aria-pressed", "true")
         button.click()
-        expect(button).to_have_text("Record", timeout=10_000)
+        expect(button).to_have_text("Record")
         link = page.get_by_role("link", name="saved file")
         expect(link).to_be_visible()
         name = link.get_attribute("href").rsplit("/", 1)[1]
