@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
 def server(folder, tmp_path_factory):
     config = tmp_path_factory.mktemp("config") / "recording.toml"
     config.write_text(f"[recording]\nfolder = {json.dumps(str(folder))}\n", encoding="utf-8")
-    with serving("--robot", "kinematic", "--config", str(config)) as running:
+    with serving("--robot", "kinematic", "--map", "stub", "--config", str(config)) as running:
         yield running
 
 
@@ -56,7 +56,7 @@ def test_a_recording_is_made_by_commands(server, live, folder, tmp_path):
 
 def test_with_the_option_it_records_from_start_to_end(tmp_path):
     with (
-        serving("--robot", "kinematic", "--record", str(tmp_path)) as server,
+        serving("--robot", "kinematic", "--map", "stub", "--record", str(tmp_path)) as server,
         server.live() as live,
     ):
         until(live, lambda now: now["recording"]["duration_s"] > 0.5)
