@@ -8,13 +8,16 @@ from collections.abc import Iterator
 from playwright.sync_api import Browser, Page, expect
 from serving import Server, ask, until
 
-expect.set_options(timeout=20_000)  # a busy machine is no fault of the page
-
 CHROMIUM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
 )
 # Without a graphics card a page is quickest when nothing pretends that there is one.
 NO_GL = ["--disable-gpu"]
+PATIENCE_MS = 60_000
+"""A page on a busy machine comes late, which is no fault of it."""
+
+expect.set_options(timeout=PATIENCE_MS)
+
 SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
@@ -22,6 +25,7 @@ def opened(
     browser: Browser, server: Server, *, width: int, height: int, view: bool, **options
 ) -> Iterator[Page]:
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    context.set_default_timeout(PATIENCE_MS)
     complaints: list[str] = []
     made = context.new_page()
     made.on("pageerror", lambda error: complaints.append(str(error)))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 import pytest
-from browsing import SOFTWARE_GL, opened
+from browsing import PATIENCE_MS, SOFTWARE_GL, opened
 from playwright.sync_api import Page, expect
 from serving import ask, pose_error, serving, telemetry, until
 
@@ -134,10 +134,11 @@ def test_the_3d_view_shows_the_scene(chromium, server):
     browser = chromium(SOFTWARE_GL)
     for page in opened(browser, server, width=760, height=620, view=True):
         frame = page.frame_locator("iframe")
-        frame.locator("canvas").first.wait_for(timeout=60_000)
+        frame.locator("canvas").first.wait_for()
         dark = 0.0
-        for _ in range(160):  # software WebGL takes its time
-            shot = page.locator("iframe").screenshot()
+        for _ in range(400):  # software WebGL takes its time
+            # What is around the frame: the page makes a new frame when it finds the server again.
+            shot = page.locator("#view-stage").screenshot()
             picture = cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_GRAYSCALE)
             dark = float((picture < 80).mean())
             if dark > 0.005:
@@ -175,14 +176,16 @@ def test_every_control_has_a_name(page):
 
 
 def test_a_server_that_goes_and_comes_is_found_again(browser):
-    with serving("--robot", "kinematic") as first:
+    options = ("--robot", "kinematic", "--map", "stub")
+    with serving(*options) as first:
         context = browser.new_context(viewport={"width": 900, "height": 700})
+        context.set_default_timeout(PATIENCE_MS)
         page = context.new_page()
         page.route("**/view/**", lambda route: route.fulfill(body=""))
         page.goto(first.url)
         page.wait_for_function("window.brickpose?.connected")
         port = first.address.split(":")[1]
     page.wait_for_function("!window.brickpose.connected")
-    with serving("--robot", "kinematic", "--port", port):
-        page.wait_for_function("window.brickpose.connected", timeout=30_000)
+    with serving(*options, "--port", port):
+        page.wait_for_function("window.brickpose.connected")
         context.close()

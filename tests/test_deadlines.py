@@ -70,7 +70,7 @@ def test_a_client_that_reads_nothing_holds_nobody_up(server, live):
 
 
 def test_after_kill_9_of_the_program_all_but_the_last_second_is_there(tmp_path):
-    options = ("--robot", "kinematic", "--record", str(tmp_path))
+    options = ("--robot", "kinematic", "--map", "stub", "--record", str(tmp_path))
     with serving(*options) as server:
         with server.live() as live:
             until(live, lambda now: now["recording"]["duration_s"] > 2)

@@ -1,6 +1,7 @@
 """The record button on the page, and recordings over the wire, with a server of its own."""
 
 import json
+import re
 
 import httpx
 import pytest
@@ -20,7 +21,7 @@ def folder(tmp_path_factory):
 def server(folder, tmp_path_factory):
     config = tmp_path_factory.mktemp("config") / "recording.toml"
     config.write_text(f"[recording]\nfolder = {json.dumps(str(folder))}\n", encoding="utf-8")
-    with serving("--robot", "kinematic", "--config", str(config)) as running:
+    with serving("--robot", "kinematic", "--map", "stub", "--config", str(config)) as running:
         yield running
 
 
@@ -55,7 +56,7 @@ def test_a_recording_is_made_by_commands(server, live, folder, tmp_path):
 
 def test_with_the_option_it_records_from_start_to_end(tmp_path):
     with (
-        serving("--robot", "kinematic", "--record", str(tmp_path)) as server,
+        serving("--robot", "kinematic", "--map", "stub", "--record", str(tmp_path)) as server,
         server.live() as live,
     ):
         until(live, lambda now: now["recording"]["duration_s"] > 0.5)
@@ -70,10 +71,10 @@ def test_the_button_records_and_links_to_the_file(server, browser):
         button = page.locator("#record")
         expect(button).to_have_text("Record")
         button.click()
-        expect(button).to_contain_text("Recording 0:01", timeout=10_000)
+        expect(button).to_contain_text(re.compile("Recording 0:0[1-9]"))
         expect(button).to_have_attribute("aria-pressed", "true")
         button.click()
-        expect(button).to_have_text("Record", timeout=10_000)
+        expect(button).to_have_text("Record")
         link = page.get_by_role("link", name="saved file")
         expect(link).to_be_visible()
         name = link.get_attribute("href").rsplit("/", 1)[1]
