@@ -54,7 +54,8 @@ def add_profile(command: argparse.ArgumentParser) -> None:
         "--profile",
         metavar="PROFILE.toml",
         default=argparse.SUPPRESS,
-        help="what `brickpose calibrate` has measured of the robot (default: it is as described)",
+        help="what `brickpose calibrate` has measured of the robot; none: it is as described "
+        "(default: the real robot's own, see docs/calibration.md)",
     )
 
 

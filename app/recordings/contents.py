@@ -22,6 +22,7 @@ from app.recordings.attachments import (
 )
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.settings.config import MAPS, Config
+from app.settings.profiles import profile_file
 from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import parse_xml
@@ -54,7 +55,7 @@ def contents_of(program: Program) -> Contents:
     attachments = (
         Attachment(SETTINGS, as_toml(config).encode()),
         *map_files,
-        *(_replayed(program, "robot/") or _robot_files(program.robot.spec, config.profile)),
+        *(_replayed(program, "robot/") or _robot_files(program.robot.spec, profile_file(config))),
         *_model_files(config, latest.own if latest else program.given),
         Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
     )
@@ -89,12 +90,12 @@ def _map_files(name: str) -> Iterator[Attachment]:
     yield Attachment(f"map/{picture.name}", picture.read_bytes())
 
 
-def _robot_files(spec: RobotSpec, profile: str) -> Iterator[Attachment]:
+def _robot_files(spec: RobotSpec, profile: Path | None) -> Iterator[Attachment]:
     """Yield the robot as drawn, and its profile if it has one."""
     drawn = spec.as_drawn
     yield Attachment(URDF, drawn.urdf.encode())
-    if profile:
-        yield Attachment(PROFILE, Path(profile).read_bytes())
+    if profile is not None:
+        yield Attachment(PROFILE, profile.read_bytes())
     for item in parse_xml(drawn.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
         lens = Path((item.text or "").strip())
         yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())

@@ -16,11 +16,12 @@ import numpy as np
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import Program
-from app.files import atomic_file
+from app.lab.calibrate.kept_profile import write_profile
 from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
+from app.settings.profiles import NONE, own_profile
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
@@ -72,7 +73,10 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     seconds = given.pop("seconds", SECONDS)
     if not SHORTEST_S <= seconds <= LONGEST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
-    out, start = given.pop("out", OUT), given.pop("start", None)
+    out, start = given.pop("out", None), given.pop("start", None)
+    if out is None:
+        real = given.get("robot") == "buildhat"
+        out = own_profile(RobotSpec.load().name) if real else OUT
     pose = None if start is None else Pose2(*start)
     lens = load_profile(out).lens if out.exists() else None
     recording = given.pop("recording", None)
@@ -88,8 +92,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
     for line in lines_of(result.calibration):
         say(line)
-    with atomic_file(out) as new:
-        new.write_text(result.profile.to_toml(), encoding="utf-8")
+    write_profile(out, result.profile)
     say(f"the profile is {out}; use it by: brickpose run --profile {out}")
     return 0
 
@@ -117,7 +120,7 @@ def calibrate_by_driving(
         SpecError: the lens is for pictures of another size.
     """
     # A profile from before would hide what is measured.
-    config = replace(config, profile="")
+    config = replace(config, profile=NONE)
     program = build_program(config)
     try:
         spec = _seen_through(lens, program.robot.spec)

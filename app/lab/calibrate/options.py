@@ -19,10 +19,11 @@ def add_calibrate(commands: Commands) -> None:
         description="Measure how the robot differs from its description.",
         allow_abbrev=False,
     )
-    kinds = command.add_subparsers(required=True, metavar="{drive,board,lens,mounting}")
+    kinds = command.add_subparsers(required=True, metavar="{drive,board,lens,mounting,undo}")
     _add_printed_board(kinds)
     _add_lens(kinds)
     _add_mounting(kinds)
+    _add_undo(kinds)
     drive = kinds.add_parser(
         "drive",
         help="by driving over a known field",
@@ -168,6 +169,26 @@ def _add_mounting(kinds: Commands) -> None:
     mounting.set_defaults(command=_mounting)
 
 
+def _add_undo(kinds: Commands) -> None:
+    undo = kinds.add_parser(
+        "undo",
+        help="go back to the profile before",
+        description="Go back to the profile before the last calibration. The two change places, so "
+        "a second undo takes the first one back.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    undo.add_argument(
+        "profile",
+        nargs="?",
+        type=Path,
+        default=None,
+        metavar="PROFILE.toml",
+        help="the profile (default: the real robot's own)",
+    )
+    undo.set_defaults(command=_undo)
+
+
 def add_board(command: argparse.ArgumentParser) -> None:
     """Add the options that say which board it is."""
     command.add_argument(
@@ -206,6 +227,12 @@ def _mounting(parsed: argparse.Namespace) -> int:
     from app.lab.calibrate.mounting_command import calibrate_mounting  # noqa: PLC0415
 
     return calibrate_mounting(_given(parsed))
+
+
+def _undo(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.undo_command import undo_calibration  # noqa: PLC0415
+
+    return undo_calibration(parsed.profile)
 
 
 def _given(parsed: argparse.Namespace) -> dict[str, Any]:
