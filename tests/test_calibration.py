@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from robot.calibration.calibrate import Calibration, calibrate
 from robot.calibration.camera_from_tape import TOLD
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.drive_path import Drive
+from robot.calibration.position_error import position_sd
 from robot.calibration.sightings import Misses, Sightings, misses
 from robot.calibration.start_poses import alike
 from robot.calibration.unknowns import COUNT, NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
@@ -70,6 +72,26 @@ def test_a_robot_as_described_stays_so() -> None:
     log, true, _ = driven("default", 531, 20.0)
     calibration = calibrate(log, SPEC, SQUARE, placed(531), START_COVARIANCE)
     assert (np.abs(calibration.values - true) < 4 * calibration.sd)[:ROBOT].all()
+
+
+def test_a_camera_that_sits_elsewhere_moves_the_robot_as_far(calibrated) -> None:
+    misses_ = calibrated[0].solution.misses
+    covariance = np.zeros((COUNT, COUNT))
+    assert position_sd(misses_, covariance) == 0
+    covariance[3, 3] = 0.001**2
+    assert position_sd(misses_, covariance) == pytest.approx(0.001, rel=0.05)
+
+
+def test_what_is_not_learnt_is_uncertain_and_a_motion_tells_it(calibrated) -> None:
+    calibration = calibrated[0]
+    assert calibration.advice == ()
+    assert calibration.position_sd < 0.001
+    unlearnt = replace(calibration, sd=np.where(np.arange(COUNT) == 2, PRIORS, calibration.sd))
+    assert unlearnt.not_learnt == ("camera_yaw",)
+    assert unlearnt.advice == ("drive straight ahead, toward tape and away from it",)
+    # The camera sits 60 mm ahead of the axle, and 2.25 degrees of yaw turn the robot about it.
+    assert unlearnt.position_sd == pytest.approx(0.060 * 0.0393, rel=0.2)
+    assert len(replace(calibration, sd=PRIORS).advice) == 4
 
 
 def altered(log: DriveLog, **fields: Array) -> DriveLog:

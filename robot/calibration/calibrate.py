@@ -11,6 +11,7 @@ import numpy as np
 from robot.calibration.adjustment import CalibrationError, Solution, Weights, residual_sd
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.drive_path import BEGINNING_S, WINDOWS, Drive, DrivePath, begin
+from robot.calibration.position_error import position_sd
 from robot.calibration.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -24,6 +25,19 @@ LEARNT, UNTOLD = 0.5, 0.9
 second, the drive tells nothing of it, and it is left as it was; in between it is part of what the
 drive does tell."""
 
+MOTIONS = {
+    "drive straight ahead, toward tape and away from it": frozenset(
+        ("camera_yaw", "left_radius", "right_radius")
+    ),
+    "turn on the spot, both ways, with tape in sight": frozenset(
+        ("wheel_separation", "camera_x", "camera_y")
+    ),
+    "start and stop often": frozenset(("picture_delay",)),
+    "look at tape both near and far, ahead and aside": frozenset(
+        ("camera_roll", "camera_pitch", "camera_z", "focal_length")
+    ),
+}
+"""Motions, and the unknowns of which each tells most."""
 FIXED = 1e-3
 """Factor of a prior that leaves an unknown as it was."""
 
@@ -39,6 +53,21 @@ class Calibration:
     solution: Solution = field(repr=False)
     residual: float
     """Robust standard deviation of the edges' distances, in those that were expected."""
+
+    @property
+    def position_sd(self) -> float:
+        """Standard deviation of where pictures seem to be taken, by what is still unknown [m]."""
+        covariance = self.solution.covariance.copy()
+        spread = np.diag_indices(len(covariance))
+        # What was left as it was is as uncertain as before.
+        covariance[spread] = np.maximum(covariance[spread], np.square(self.sd))
+        return position_sd(self.solution.misses, covariance)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """Which motions would tell what is not learnt."""
+        names = set(self.not_learnt)
+        return tuple(motion for motion, unknowns in MOTIONS.items() if names & unknowns)
 
     @property
     def not_learnt(self) -> tuple[str, ...]:

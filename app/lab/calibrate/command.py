@@ -102,7 +102,12 @@ def _silent(seconds: float, solution: Solution) -> None:
 
 
 def _show(seconds: float, solution: Solution) -> None:
-    sys.stderr.write(f"\radjusted {seconds:.0f} s ")
+    sd = np.sqrt(np.diag(solution.covariance))[:ROBOT]
+    cells = []
+    for unknown, each in zip(UNKNOWNS, sd, strict=False):
+        name = unknown.name.removeprefix("camera_")
+        cells.append(f"{name} {1.96 * unknown.scale * each:.2g} {unknown.unit}")
+    sys.stderr.write(f"{seconds:4.0f} s, +- (95 %): {', '.join(cells)}\n")
     sys.stderr.flush()
 
 
@@ -217,4 +222,10 @@ def lines_of(calibration: Calibration) -> list[str]:
         )
         lines.append(f"{unknown.name:<18}{value:>+11.3f}{1.96 * sd:>10.3f} {unknown.unit}{note}")
     lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    millimetres = 1.96 * 1e3 * calibration.position_sd
+    if not math.isnan(millimetres):
+        lines.append(
+            f"all of this makes the robot's place uncertain by {millimetres:.2f} mm (95 %)"
+        )
+    lines += [f"to learn more: {motion}" for motion in calibration.advice]
     return lines
