@@ -66,9 +66,12 @@ def test_a_folder_of_pictures_gives_a_lens_file(folder: Path, tmp_path: Path, ca
     assert "refused: no picture that can be read" in report
 
 
-def test_inner_corners_may_be_told_as_ros_counts_them(folder: Path, tmp_path: Path, capsys) -> None:
+@pytest.mark.parametrize("squares", ["9x6", "10x7"])
+def test_squares_may_be_told_or_inner_corners_as_ros_counts_them(
+    squares: str, folder: Path, tmp_path: Path, capsys
+) -> None:
     out = tmp_path / "camera.yaml"
-    assert run(folder, "--squares", "9x6", "--out", out) == 0
+    assert run(folder, "--squares", squares, "--out", out) == 0
     assert "10 x 7 squares (9 x 6 inner corners)" in capsys.readouterr().out
     assert out.exists()
 

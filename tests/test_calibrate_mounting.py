@@ -109,7 +109,7 @@ OTHER = Profile.unmeasured("other", "").to_toml()
         ([*AT, "--map", "square"], "", 2, "--map has no effect with --at"),
         (["--map", "square", "--size", "0.02"], "", 2, "--size has no effect with --map"),
         (["--map", "none"], "", 2, "there is no field 'none'"),
-        ([*AT, "--squares", "6x5"], "", 1, "are the squares as told"),
+        ([*AT, "--squares", "12x9"], "", 1, "no whole chessboard of 12 x 9 inner corners"),
         (["--at", "0.2", "0.2", "1.57"], "", 1, "turned by"),
         (AT, OTHER, 1, "is of the robot 'other', not of 'spike'"),
         (AT, "as before", 1, "is no TOML"),

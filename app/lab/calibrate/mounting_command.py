@@ -146,6 +146,6 @@ def lines_of(measured: Measured, spec: RobotSpec) -> Iterator[str]:
     yield f"{'measured':<9}{'value':>10}{'95 %':>8}{'drawn':>10}"
     for name, (unit, scale) in UNITS.items():
         value, sd = scale * mounting.values[name], scale * mounting.sd[name]
-        yield f"{name:<9}{value:>10.2f}{1.96 * sd:>8.2f}{scale * drawn[name]:>10.2f} {unit}"
+        yield f"{name:<9}{value:>z10.2f}{1.96 * sd:>8.2f}{scale * drawn[name]:>z10.2f} {unit}"
     yield f"{len(mounting.errors)} numbers of the picture lie {mounting.rms:.2f} px off"
     yield from measured.notes

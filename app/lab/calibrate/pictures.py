@@ -10,14 +10,18 @@ from typing import Any
 
 import cv2
 import numpy as np
+from tqdm import tqdm
 
 from robot.calibration.lens.board import Board
+from robot.calibration.lens.corner_check import bend_px
 from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_board
 from robot.cameras.files import SUFFIXES
 from robot.settings import SettingError
 
 SQUARES, SIZE, KIND = "10x7", 0.025, "chessboard"
 """The usual board."""
+SAME = 3.0
+"""A board that fits a picture so many times worse than another is not the one."""
 MOST_PIXELS = 60_000_000
 """Larger pictures are refused."""
 
@@ -79,13 +83,20 @@ def find_in(files: Sequence[Path], board: Board) -> Sightings:
     by_corners = replace(board, columns=board.columns + 1, rows=board.rows + 1)
     reasons: dict[str, str] = {}
     for name, path in named.items():
-        first = _find({name: path}, by_corners)
-        if first.seen:
-            return _find(named, by_corners)
-        if _find({name: path}, board).seen:
-            return _find(named, board)
-        reasons |= first.refused
+        seen = [_find({name: path}, meant) for meant in (by_corners, board)]
+        good = [some for some in seen if some.seen]
+        if good:
+            first, last = good[0], good[-1]
+            clear = _misfit(first) < SAME * _misfit(last) + 1
+            return _find(named, (first if clear else last).board)
+        reasons |= seen[0].refused
     return Sightings(by_corners, {}, reasons)
+
+
+def _misfit(some: Sightings) -> float:
+    """Return how little the corners of a single picture look like those of a flat board [px]."""
+    sighting = next(iter(some.seen.values()))
+    return bend_px(some.board.corners[sighting.ids, :2], sighting.pixels)
 
 
 def read_grey(path: Path) -> Grey:
@@ -111,7 +122,8 @@ def read_grey(path: Path) -> Grey:
 def _find(named: Mapping[str, Path], board: Board) -> Sightings:
     seen: dict[str, Sighting] = {}
     refused: dict[str, str] = {}
-    for name, path in named.items():
+    alone = len(named) == 1
+    for name, path in tqdm(named.items(), unit="picture", disable=alone or None):
         try:
             seen[name] = find_board(read_grey(path), board)
         except SightingError as error:

@@ -46,3 +46,12 @@ def in_place(flat: Array, pixels: Array) -> NDArray[np.bool_]:
         # The worst pull the fit away from the good: they go first.
         good &= error < max(limit, 0.5 * float(worst))
     return good
+
+
+def bend_px(flat: Array, pixels: Array) -> float:
+    """Return how far corners (n, 2) lie off what a flat board shows without a lens [px], rms."""
+    homography: Any = cv2.findHomography(flat, pixels)[0]
+    if homography is None:
+        return float("inf")
+    straight = cv2.perspectiveTransform(flat.reshape(-1, 1, 2), homography).reshape(-1, 2)
+    return float(np.sqrt(((pixels - straight) ** 2).sum(axis=1).mean()))

@@ -27,9 +27,9 @@ REACH_PX = 2, 11
 """Its least and its greatest reach [px]."""
 WIDEST_EDGE = 0.35
 """Wider edges, as a share of the distance between corners, make corners uncertain."""
-BLURRED_PX = 6.0
-"""Edges of sharp pictures are some 3 px wide; wider than this, the camera moved or is out of
-focus."""
+BLURRED_PX, BLURRED = 6.0, 0.006
+"""Edges of sharp pictures are some 3 px wide; wider than this, and than this share of the picture,
+the camera moved or is out of focus."""
 RIGHT = 0.8
 """Share of the corners that must lie on one grid."""
 GOES_ON = 0.7
@@ -84,7 +84,7 @@ def find_board(picture: Grey, board: Board) -> Sighting:
     ids, pixels = ids[good], pixels[good]
     seen = Sighting(ids, pixels, size)
     width, apart = _edge_width(picture, seen, board)
-    if width > BLURRED_PX or width > WIDEST_EDGE * apart:
+    if width > max(BLURRED_PX, BLURRED * size[0]) or width > WIDEST_EDGE * apart:
         raise SightingError(f"blurred: edges are {width:.1f} px wide, {apart:.0f} px apart")
     return Sighting(ids, pixels, size, width)
 
