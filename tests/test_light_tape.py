@@ -147,7 +147,8 @@ def test_dashes_are_seen_along_their_line(turn: float) -> None:
     assert len(points) > 15
     # On the side of the line that faces the robot, and on a dash.
     across = np.abs(points[:, 0] - 0.238)
-    assert (across < 0.001).mean() > 0.9 and across.max() < 0.006
+    # At a corner a line through the ends of dashes may count: few readings, up to 8 mm off.
+    assert (across < 0.001).mean() > 0.95 and across.max() < 0.010
     along = (-points[:, 1] + 0.6) % 0.075
     assert ((along < 0.053) | (along > 0.072)).mean() > 0.95
 
