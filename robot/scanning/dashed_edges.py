@@ -21,10 +21,20 @@ REACH = 2.5
 """Entries on a line are searched within this many lengths of a dash."""
 FEWEST = 3
 """Smallest number of entries on a line."""
+SHARE = 0.15
+"""They must be this share of all entries around: clutter has a line through some of its many."""
 SPAN = 0.5
 """They must extend over this share of a dash."""
 SLACK = 0.35
 """Largest error of a dash's width, as a share of it; ``width_tolerance`` may be less."""
+MEAN_SLACK = 0.25
+"""Largest error of the mean width on a line, likewise."""
+LONGER = 1.3
+"""An edge that goes on for longer than this many dashes is none of dashes."""
+CLOSE = 0.25
+"""Rays this near to each other, in lengths of a dash, would show a gap."""
+BESIDE = 1
+"""The ray itself, or one this many rays beside it, must cross its dash from side to side."""
 _COUNTED = int(Verdict.COUNTED)
 
 
@@ -51,7 +61,7 @@ def judge_dashes(
         widths: (k,) likewise.
         lines: (k, 3) likewise.
     """
-    window = np.empty(((2 * NEIGHBOURS + 1) * pairs.shape[1], 4))
+    window = np.empty(((2 * NEIGHBOURS + 1) * pairs.shape[1], 5))
     curve = np.empty(6)
     for ray in range(len(pairs)):
         for pair in range(met[ray] // 2):
@@ -69,15 +79,18 @@ def judge_dashes(
 
 @njit(cache=True, nogil=True)
 def _collect_around(pairs: Array, ray: int, pair: int, reach: float, window: Array) -> int:
-    """Collect the entries within a reach [m] of one, which comes first; return how many."""
-    window[0] = pairs[ray, pair]
+    """Collect the pairs within a reach [m] of one, which comes first; return how many.
+
+    Each row of the window is a pair's four coordinates and the number of its ray.
+    """
+    window[0, :4], window[0, 4] = pairs[ray, pair], ray
     count = 1
     for other in range(max(ray - NEIGHBOURS, 0), min(ray + NEIGHBOURS + 1, len(pairs))):
         for candidate in range(pairs.shape[1]):
             # False for nan, where there is no pair.
             near = squared(pairs[other, candidate], window[0]) <= reach * reach
             if near and (other != ray or candidate != pair):
-                window[count] = pairs[other, candidate]
+                window[count, :4], window[count, 4] = pairs[other, candidate], other
                 count += 1
     return count
 
@@ -92,7 +105,7 @@ def _dashes_at(
     """
     width_tolerance, straightness, max_taper = limits
     slack = min(width_tolerance, SLACK * kind[0])
-    chain, best = np.empty((count, 4)), np.empty((count, 4))
+    chain, best = np.empty((count, 5)), np.empty((count, 5))
     most = 0
     for other in range(1, count):
         if squared(window[other], window[0]) < (SPAN * kind[1] / 2) ** 2:
@@ -101,19 +114,21 @@ def _dashes_at(
         if size > most:
             most = size
             best[:size] = chain[:size]
-    if most < FEWEST:
+    if most < max(FEWEST, SHARE * count):
         return -1.0
     fit_line(best, 0, most - 1, curve)
     along = _extent(best, most, curve)
     aside = abs(distance(window[0, 0], window[0, 1], curve))
     if along < SPAN * kind[1] or curve[3] > straightness or aside > straightness / 2:
         return -1.0
-    if taper(best, 0, most - 1, curve) > max_taper:
+    if taper(best, 0, most - 1, curve) > max_taper or _is_longer(best, most, kind[1]):
+        return -1.0
+    if np.abs(best[:most, 4] - window[0, 4]).min() > BESIDE:
         return -1.0
     mean = 0.0
     for i in range(most):
         mean += width(best, i, curve) / most
-    return mean
+    return mean if abs(mean - kind[0]) <= min(width_tolerance, MEAN_SLACK * kind[0]) else -1.0
 
 
 @njit(cache=True, nogil=True)
@@ -138,6 +153,22 @@ def _on_line(
             chain[collected] = window[i]
             collected += 1
     return collected
+
+
+@njit(cache=True, nogil=True)
+def _is_longer(chain: Array, count: int, dash: float) -> bool:
+    """Return whether an edge goes on for longer than a dash, on rays that would show a gap."""
+    order = np.argsort(chain[:count, 4])
+    first = 0
+    for i in range(1, count + 1):
+        ended = i == count or chain[order[i], 4] - chain[order[i - 1], 4] > 1
+        if not ended:
+            continue
+        length = math.sqrt(squared(chain[order[first]], chain[order[i - 1]]))
+        if length > LONGER * dash and length < CLOSE * dash * (i - 1 - first):
+            return True
+        first = i
+    return False
 
 
 @njit(cache=True, nogil=True)
