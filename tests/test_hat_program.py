@@ -87,9 +87,9 @@ def test_a_camera_that_can_never_be_is_refused_at_the_start(capsys):
 def test_the_paper_s_recovery_through_the_serial_line():
     """One robot; ``brickpose bench serial_line`` has twelve.
 
-    Four processes have to keep time together. Where a busy machine makes one of them wait, its
-    bytes and pictures come late, which costs centimetres; so the least disturbed of three drives
-    counts. A fault of ours is in each of them, as all have the same seed.
+    Two programs have to keep time together. Where a busy machine lets them wait half of the time,
+    bytes and pictures come late by tens of milliseconds, which costs centimetres; so the least
+    disturbed of three drives counts. A fault of ours is in each of them: all have the same seed.
     """
     pytest.importorskip("pybullet")
     drives = []
