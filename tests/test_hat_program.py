@@ -6,6 +6,8 @@ import cv2
 import httpx
 import numpy as np
 import pytest
+from browsing import opened
+from playwright.sync_api import expect
 from serving import drive_until, serving, until
 
 from app.command_line import main
@@ -72,6 +74,37 @@ def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, 
         assert picture.headers["content-type"] == "image/jpeg"
 
 
+@pytest.fixture
+def hat(tmp_path):
+    with emulated_hat(tmp_path, "--world", "free") as running:
+        yield running
+
+
+@pytest.fixture
+def server(hat, pictures):
+    options = ("--serial-port", str(hat.device), "--camera", str(pictures))
+    with serving("--robot", "buildhat", *options) as running:
+        with running.live() as live:
+            until(live, lambda now: now["robot"]["connected"])
+        yield running
+
+
+@pytest.mark.browser
+def test_the_page_says_which_port_and_shows_nothing_of_a_truth_that_nobody_knows(
+    browser, hat, server
+):
+    for page in opened(browser, server, width=1000, height=700, view=False):
+        expect(page.locator("#robot-dot")).to_have_attribute("data-well", "true")
+        expect(page.get_by_role("tab", name="particles")).to_have_attribute("aria-selected", "true")
+        for part in page.locator("[data-needs-truth]").all():
+            expect(part).to_be_hidden()
+        hat.ask("unplug B")
+        banner = page.locator("#banner")
+        expect(banner).to_contain_text("No motor answers on port B (right_wheel_joint)")
+        hat.ask("plug B")
+        expect(banner).to_be_empty()
+
+
 @pytest.mark.parametrize("option", ["--serial-port", "--camera"])
 def test_options_of_the_real_robot_are_refused_with_another(option, capsys):
     assert main(["run", "--robot", "kinematic", option, "x"]) == 2
@@ -87,9 +120,9 @@ def test_a_camera_that_can_never_be_is_refused_at_the_start(capsys):
 def test_the_paper_s_recovery_through_the_serial_line():
     """One robot; ``brickpose bench serial_line`` has twelve.
 
-    Four processes have to keep time together. Where a busy machine makes one of them wait, its
-    bytes and pictures come late, which costs centimetres; so the least disturbed of three drives
-    counts. A fault of ours is in each of them, as all have the same seed.
+    Two programs have to keep time together. Where a busy machine lets them wait half of the time,
+    bytes and pictures come late by tens of milliseconds, which costs centimetres; so the least
+    disturbed of three drives counts. A fault of ours is in each of them: all have the same seed.
     """
     pytest.importorskip("pybullet")
     drives = []

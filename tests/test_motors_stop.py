@@ -9,8 +9,6 @@ from contextlib import ExitStack
 import cv2
 import numpy as np
 import pytest
-from browsing import opened
-from playwright.sync_api import expect
 from serving import drive_until, serving, until
 
 from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
@@ -91,25 +89,6 @@ def test_trouble_at_the_board_stops_them_is_told_and_can_be_cured(
     until(live, lambda now: any(message in problem for problem in now["problems"]))
     hat.ask(cure)
     until(live, lambda now: now["robot"]["connected"] and not now["problems"])
-
-
-@pytest.mark.browser
-def test_the_page_says_which_port_and_shows_nothing_of_a_truth_that_nobody_knows(
-    browser, hat, starts
-):
-    server = starts()
-    with server.live() as live:
-        until(live, lambda now: now["robot"]["connected"])
-    for page in opened(browser, server, width=1000, height=700, view=False):
-        expect(page.locator("#robot-dot")).to_have_attribute("data-well", "true")
-        expect(page.get_by_role("tab", name="particles")).to_have_attribute("aria-selected", "true")
-        for part in page.locator("[data-needs-truth]").all():
-            expect(part).to_be_hidden()
-        hat.ask("unplug B")
-        banner = page.locator("#banner")
-        expect(banner).to_contain_text("No motor answers on port B (right_wheel_joint)")
-        hat.ask("plug B")
-        expect(banner).to_be_empty()
 
 
 def test_a_tab_that_is_closed_stops_them(hat, driven):

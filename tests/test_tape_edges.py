@@ -158,6 +158,20 @@ def test_a_curved_edge_is_not_straightened(radius: float) -> None:
     assert np.abs(widths[inner] - 0.05).max() < 0.5e-3
 
 
+@pytest.mark.parametrize(("radius", "is_tape"), [(0.055, False), (0.085, True)])
+def test_a_bend_that_is_tighter_than_tape_bends_does_not_count(
+    radius: float, is_tape: bool
+) -> None:
+    """The limit is 70 mm."""
+    angles = np.arange(-20, 21) * 0.003 / radius
+    entries, exits = np.full((2, 41, PAIRS, 2), np.nan)
+    turned = np.column_stack([np.cos(angles), np.sin(angles)])
+    entries[:, 0] = (0.4 - radius, 0) + radius * turned
+    exits[:, 0] = (0.4 - radius, 0) + (radius + 0.05) * turned
+    _, verdicts, _, _ = judge(entries, exits)
+    assert ((verdicts[10:-10] == Verdict.COUNTED) == is_tape).all()
+
+
 def test_an_edge_goes_on_beside_a_corner() -> None:
     """There, rays leave the tape through another one: their width says nothing."""
     entries, exits = stripe(31)
