@@ -41,6 +41,8 @@ PARTS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 """Parts of a step that are tried, until one lowers the cost."""
 STILL = 0.03
 """The solution is found if no unknown changes by more than this share of its deviation."""
+NO_ROBOT = 30.0
+"""An unknown farther off than so many deviations of its prior is of no robot: nothing fits."""
 SAME_COST = 0.1
 """... or if the cost changes by less: that is a third of a standard deviation of one unknown."""
 TYPICAL_SD = 0.0002
@@ -137,9 +139,13 @@ class Adjustment:
             # Far from the solution, a whole step may lead farther away.
             for part in PARTS:
                 moved = _moved(state, part * step, part * shared)
+                if (np.abs(moved.values) >= NO_ROBOT * PRIORS).any():
+                    continue
                 equations = self._equations(moved, weights, before.misses.pixels)
                 if equations.cost <= before.cost:
                     break
+            if equations is before:
+                raise CalibrationError(UNSETTLED)
             state = moved
             still = (np.abs(shared) / np.sqrt(np.diag(covariance))).max() < STILL
             # An edge at the border of the gate may come and go for ever.
