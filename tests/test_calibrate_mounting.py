@@ -87,6 +87,34 @@ def test_the_lens_of_a_file_is_used_and_kept(picture: Path, tmp_path: Path) -> N
     assert again.values[:6] == pytest.approx(first.values[:6])
 
 
+def test_a_focal_length_that_a_drive_measured_is_used(picture: Path, tmp_path: Path) -> None:
+    """The same as a lens file that says so."""
+    longer = replace(SPEC.lens, matrix=SPEC.lens.matrix * [[1.004, 1, 1], [1, 1.004, 1], [1, 1, 1]])
+    lens, by_lens, by_drive = (tmp_path / name for name in ("c.yaml", "lens.toml", "drive.toml"))
+    lens.write_text(camera_info(longer))
+    assert run(picture, *AT, "--out", by_lens, "--camera", lens) == 0
+    before = Profile.unmeasured("spike", "60 s of driving")
+    by_drive.write_text(replace(before, values=0.004 * (np.arange(11) == 6)).to_toml())
+    assert run(picture, *AT, "--out", by_drive) == 0
+    expected = load_profile(by_lens).applied_to(SPEC)
+    assert load_profile(by_drive).applied_to(SPEC).robot_from_camera == pytest.approx(
+        expected.robot_from_camera
+    )
+
+
+def test_a_lens_that_nobody_measured_makes_wide_intervals(
+    picture: Path, tmp_path: Path, capsys
+) -> None:
+    out, lens = tmp_path / "spike.toml", tmp_path / "camera.yaml"
+    assert run(picture, *AT, "--out", out) == 0
+    assert "the focal length is known to 5.9 % only" in capsys.readouterr().out
+    lens.write_text(camera_info(SPEC.lens, np.array([0.5, 0.5, 0.4, 0.4, *[0.01] * 5])))
+    exact = tmp_path / "exact.toml"
+    assert run(picture, *AT, "--out", exact, "--camera", lens) == 0
+    assert "focal length" not in capsys.readouterr().out
+    assert load_profile(out).sd[5] > 10 * load_profile(exact).sd[5]
+
+
 def test_the_tape_of_a_field_will_do(tmp_path: Path, capsys) -> None:
     from test_mounting import CORNER, tape_picture
 

@@ -18,7 +18,7 @@ from robot.calibration.lens.adjustment import board_pose, fit_pose
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.sighting import Grey, find_board
 from robot.calibration.mounting.board_mounting import check_scale, mounting_by_board
-from robot.calibration.mounting.mounting import UNITS, Mounting, MountingError
+from robot.calibration.mounting.mounting import UNITS, LensDoubt, Mounting, MountingError
 from robot.calibration.mounting.tape_mounting import mounting_by_tape
 from robot.camera import FloorView, Lens
 from robot.description.spec import RobotSpec
@@ -74,13 +74,32 @@ def test_the_place_is_known_no_better_than_the_board_was_laid() -> None:
 
 
 def test_what_the_lens_is_known_to_is_part_of_it() -> None:
+    """Principal point: 2 px of 530 turn the camera by so much; a lens 1 % longer is 1 % higher."""
     spec = built(0)
     seen = find_board(seen_by(spec, below(CHESSBOARD), 0), CHESSBOARD)
-    arguments = spec.lens, seen, CHESSBOARD, PLACED, DESCRIBED
-    exact = mounting_by_board(*arguments)
-    vague = mounting_by_board(*arguments, np.array([2.0, 2.0, 2.0, 2.0]))
-    assert vague.sd["pitch"] > math.hypot(exact.sd["pitch"], 0.002)  # 2 px of 530
-    assert vague.sd["height"] > 2 * exact.sd["height"]
+
+    def measure(lens: Lens) -> Mounting:
+        return mounting_by_board(lens, seen, CHESSBOARD, PLACED, DESCRIBED)
+
+    exact = measure(spec.lens)
+    aside = LensDoubt(0.0, (2.0, 2.0)).added(measure, spec.lens)
+    assert aside.sd["pitch"] == pytest.approx(2 / 530, rel=0.3)
+    vague = LensDoubt(0.01).added(measure, spec.lens)
+    longer = replace(spec.lens, matrix=spec.lens.matrix * [[1.01, 1, 1], [1, 1.01, 1], [1, 1, 1]])
+    moved = measure(longer).values["height"] - exact.values["height"]
+    assert vague.sd["height"] == pytest.approx(math.hypot(moved, exact.sd["height"]), rel=0.05)
+    assert vague.values == exact.values
+
+
+def test_a_tape_seen_through_a_vague_lens_tells_less() -> None:
+    spec = built(0)
+    grey = tape_picture(spec, 0)
+
+    def measure(lens: Lens) -> Mounting:
+        return mounting_by_tape(lens, grey, SQUARE, CORNER, DESCRIBED, SCANNER)
+
+    exact, vague = measure(spec.lens), LensDoubt(0.01).added(measure, spec.lens)
+    assert vague.sd["height"] > 3 * exact.sd["height"]
 
 
 @pytest.mark.parametrize("placed", [Pose2(0.25, 0.15, -math.pi / 2), Pose2(0.44, 0.13, math.pi)])

@@ -19,6 +19,8 @@ from robot.description.urdf import SpecError
 from robot.geometry import Array
 from robot.settings import SettingError
 
+USUAL_SD = 0.003
+"""How exactly a focal length is known whose file does not tell [by itself]."""
 CAMERA = slice(ROTATION.start, SHIFT.stop)
 """The unknowns of the mounting."""
 
@@ -44,10 +46,8 @@ def with_lens(profile: Profile, lens: MeasuredLens, source: str) -> Profile:
     """
     values, sd = profile.values.copy(), profile.sd.copy()
     values[CAMERA] = values[FOCAL] = 0
-    sd[CAMERA], sd[FOCAL] = PRIORS[CAMERA], PRIORS[FOCAL]
     focal_sd = lens.sd[:2].mean() / lens.lens.matrix[[0, 1], [0, 1]].mean()
-    if np.isfinite(focal_sd):
-        sd[FOCAL] = focal_sd
+    sd[CAMERA], sd[FOCAL] = PRIORS[CAMERA], focal_sd if np.isfinite(focal_sd) else USUAL_SD
     return _made(replace(profile, values=values, sd=sd, lens=lens), source)
 
 

@@ -25,9 +25,10 @@ from robot.calibration.lens.camera_info import parameter_sd
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.lens.sighting import Grey, SightingError
 from robot.calibration.mounting.board_mounting import check_scale, mounting_by_board
-from robot.calibration.mounting.mounting import UNITS, Mounting, step_between
+from robot.calibration.mounting.mounting import UNITS, LensDoubt, Mounting, step_between
 from robot.calibration.mounting.tape_mounting import mounting_by_tape
 from robot.calibration.profile import Profile
+from robot.calibration.unknowns import FOCAL
 from robot.camera import Lens
 from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
@@ -35,6 +36,8 @@ from robot.geometry import Pose2
 from robot.settings import SettingError
 
 OUT = Path("profile.toml")
+VAGUE = 0.01
+"""A focal length that is known no better is told of [standard deviation by itself]."""
 BOARD_OPTIONS = ("squares", "size", "type", "marker", "dictionary")
 
 
@@ -63,7 +66,7 @@ def calibrate_mounting(given: dict[str, Any]) -> int:
         path = given.pop("camera")
         lens = Lens.from_yaml(path)
         before = with_lens(before, MeasuredLens.of(lens, parameter_sd(path, lens)), "lens file")
-    seen_by = before.with_lens(spec)
+    seen_by = replace(spec, lens=before.applied_to(spec).lens)
     file = given.pop("picture")
     grey = read_grey(file)
     _check_size(grey, seen_by.lens, file)
@@ -110,8 +113,32 @@ def _measured(
     field = load_field(given["map"], MAPS)
     placed = Pose2(*given["start"]) if "start" in given else field.start
     settings = Config().scanner
-    mounting = mounting_by_tape(spec.lens, grey, field, placed, spec.robot_from_camera, settings)
-    return Measured(mounting, f"mounting by tape of {field.name} in {file.name}")
+
+    def measure(lens: Lens) -> Mounting:
+        return mounting_by_tape(lens, grey, field, placed, spec.robot_from_camera, settings)
+
+    mounting = _doubt(before).added(measure, spec.lens)
+    source = f"mounting by tape of {field.name} in {file.name}"
+    return Measured(mounting, source, _notes(before))
+
+
+def _doubt(profile: Profile) -> LensDoubt:
+    """Return how exactly the lens of a profile is known."""
+    focal = float(profile.sd[FOCAL])
+    if profile.lens is None or not np.isfinite(profile.lens.sd[2:4]).all():
+        return LensDoubt(focal)
+    x, y = profile.lens.sd[2:4].tolist()
+    return LensDoubt(focal, (x, y))
+
+
+def _notes(profile: Profile) -> tuple[str, ...]:
+    if profile.sd[FOCAL] < VAGUE:
+        return ()
+    percent = 196 * profile.sd[FOCAL]
+    return (
+        f"the focal length is known to {percent:.1f} % only, which makes the intervals wide: "
+        "`brickpose calibrate lens` first",
+    )
 
 
 def _by_board(
@@ -121,22 +148,20 @@ def _by_board(
     if not found_boards.seen:
         raise SightingError(f"{file}: {found_boards.refused[file.name]}")
     board, sighting = found_boards.board, found_boards.seen[file.name]
-    sd = None if before.lens is None else before.lens.sd[:4]
-    mounting = mounting_by_board(
-        spec.lens,
-        sighting,
-        board,
-        Pose2(*given["at"]),
-        spec.robot_from_camera,
-        sd if sd is not None and np.isfinite(sd).all() else None,
-    )
+
+    def measure(lens: Lens) -> Mounting:
+        return mounting_by_board(lens, sighting, board, Pose2(*given["at"]), spec.robot_from_camera)
+
+    mounting = _doubt(before).added(measure, spec.lens)
     width = check_scale(grey, spec.lens, mounting, sighting, board, Config().scanner)
     note = (
         "no tape beside the board: whether the board was printed at its true size is not checked"
         if width is None
         else f"the tape beside the board seems {1e3 * width:.1f} mm wide: the board's size is right"
     )
-    return Measured(mounting, f"mounting by a {board.words} in {file.name}", (note,))
+    return Measured(
+        mounting, f"mounting by a {board.words} in {file.name}", (note, *_notes(before))
+    )
 
 
 def lines_of(measured: Measured, spec: RobotSpec) -> Iterator[str]:

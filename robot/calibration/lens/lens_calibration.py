@@ -99,7 +99,7 @@ def calibrate_lens(
         LensError: too few pictures are of use, or no lens fits them.
     """
     refused, seen = dict(refused), dict(seen)
-    for name, reason in _of_no_use(seen, board).items():
+    for name, reason in of_no_use(seen, board).items():
         refused[name] = reason
         del seen[name]
     while True:
@@ -130,10 +130,10 @@ def choice(ratings: Sequence[Rating]) -> Rating:
     return best
 
 
-def _of_no_use(seen: Mapping[str, Sighting], board: Board) -> dict[str, str]:
+def of_no_use(seen: Mapping[str, Sighting], board: Board) -> dict[str, str]:
     """Return the pictures of another size, blurred beside the others, or repeated; and why."""
     sizes = [sighting.size for sighting in seen.values()]
-    usual = max(sorted(set(sizes)), key=sizes.count) if sizes else (0, 0)
+    usual = max(dict.fromkeys(sizes), key=sizes.count) if sizes else (0, 0)
     widths = [sighting.edge_width for sighting in seen.values() if sighting.size == usual]
     limit = max(BLURRED * float(np.median(widths)), BLURRED_PX) if widths else 0.0
     result: dict[str, str] = {}

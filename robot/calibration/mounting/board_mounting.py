@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from robot.calibration.lens.adjustment import PoseFit, board_pose, fit_pose
+from robot.calibration.lens.adjustment import board_pose, fit_pose
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.sighting import Grey, Sighting
 from robot.calibration.mounting.mounting import (
@@ -46,7 +46,6 @@ def mounting_by_board(
     board: Board,
     placed: Pose2,
     described: Array,
-    lens_sd: Array | None = None,
 ) -> Mounting:
     """Return the mounting by a board on the floor.
 
@@ -57,13 +56,15 @@ def mounting_by_board(
         placed: the board's frame in the robot's frame.
         described: (4, 4) pose of the camera in the robot's description. It tells which side of the
             board is up, where the squares do not.
-        lens_sd: (4,) standard deviations of fx, fy, cx, cy [px], if they are known.
 
     Raises:
         CameraError: the lens shows too few of the corners.
         MountingError: the board does not lie as told, or is not flat, or the lens is another.
     """
-    views = [_fitted(lens, view, board) for view in _turned(sighting, board)]
+    views = [
+        fit_pose(lens, view, board, board_pose(lens, view, board))
+        for view in _turned(sighting, board)
+    ]
     turns = [_angle(_robot_from_camera(view.pose, placed), described) for view in views]
     place = int(np.argmin(turns))
     fit, turn = views[place], turns[place]
@@ -90,12 +91,6 @@ def mounting_by_board(
     by_place = derivatives(lambda placement: change(fit.pose, placement), laid)
     covariance = by_pose @ (variance * np.linalg.inv(fit.information)) @ by_pose.T
     covariance += by_place @ np.diag(PLACED_SD**2) @ by_place.T
-    if lens_sd is not None:
-        by_lens = derivatives(
-            lambda step: change(_refitted(lens, step, _turned_as(sighting, board, place), board,
-                                          fit.pose), laid), np.zeros(4), 0.5,
-        )  # fmt: skip
-        covariance += by_lens @ np.diag(lens_sd**2) @ by_lens.T
     return Mounting(start, covariance, fit.errors.ravel())
 
 
@@ -153,21 +148,6 @@ def _turned(sighting: Sighting, board: Board) -> Iterator[Sighting]:
     quarters = (1, 2, 3) if across == up else (2,)
     for quarter in quarters:
         yield replace(sighting, ids=np.rot90(grid, quarter).ravel()[sighting.ids])
-
-
-def _turned_as(sighting: Sighting, board: Board, place: int) -> Sighting:
-    return list(_turned(sighting, board))[place]
-
-
-def _fitted(lens: Lens, sighting: Sighting, board: Board) -> PoseFit:
-    return fit_pose(lens, sighting, board, board_pose(lens, sighting, board))
-
-
-def _refitted(lens: Lens, step: Array, sighting: Sighting, board: Board, pose: Array) -> Array:
-    """Return the board's pose (6,) through a lens whose fx, fy, cx, cy are others."""
-    matrix = lens.matrix.copy()
-    matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += step
-    return fit_pose(replace(lens, matrix=matrix), sighting, board, pose).pose
 
 
 def _robot_from_camera(pose: Array, placed: Pose2) -> Array:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.geometry import Array
 
@@ -58,6 +59,44 @@ class Mounting:
         slopes = derivatives(lambda step: _read(moved(self.robot_from_camera, step)), np.zeros(6))
         variances = np.diag(slopes @ self.covariance @ slopes.T)
         return dict(zip(UNITS, np.sqrt(variances).tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class LensDoubt:
+    """How exactly a lens is known: standard deviations."""
+
+    focal: float
+    """Of the focal length, by itself."""
+    centre: tuple[float, float] = (0.0, 0.0)
+    """Of the principal point [px]."""
+
+    def added(self, measure: Callable[[Lens], Mounting], lens: Lens) -> Mounting:
+        """Return what is measured through a lens, with the lens's doubt in its covariance.
+
+        Raises:
+            MountingError: as ``measure``.
+        """
+        result = measure(lens)
+        covariance = result.covariance.copy()
+        fx, fy = lens.matrix[[0, 1], [0, 1]]
+        steps = np.array([[fx, fy, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        for sd, small, step in zip((self.focal, *self.centre), SMALL, steps, strict=True):
+            if sd > 0:
+                ends = [measure(_changed(lens, side * small * step)) for side in (-1, 1)]
+                start, end = (mounting.robot_from_camera for mounting in ends)
+                shift = step_between(start, end) * sd / (2 * small)
+                covariance += np.outer(shift, shift)
+        return replace(result, covariance=covariance)
+
+
+SMALL = (0.002, 0.5, 0.5)
+"""Changes of the lens for derivatives: of the focal length by itself, of its centre [px]."""
+
+
+def _changed(lens: Lens, step: Array) -> Lens:
+    matrix = lens.matrix.copy()
+    matrix[[0, 1, 0, 1], [0, 1, 2, 2]] += step
+    return replace(lens, matrix=matrix)
 
 
 def moved(robot_from_camera: Array, step: Array) -> Array:

@@ -1,0 +1,48 @@
+"""Pictures of a board, taken one after the other: which count, and what is still missing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from robot.calibration.lens.board import Board
+from robot.calibration.lens.coverage import missing
+from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens, of_no_use
+from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_board
+
+
+@dataclass
+class PictureCollection:
+    """Guides whoever takes the pictures; knows nothing of windows and pages."""
+
+    board: Board
+    seen: dict[str, Sighting] = field(default_factory=dict)
+    """The pictures that count, by name, in the order in which they came."""
+
+    def add(self, name: str, picture: Grey) -> str:
+        """Take a grey picture (h, w) if it is of use; return why not, or nothing.
+
+        A picture of another size than the first, a blurred or a repeated one is of no use.
+        """
+        try:
+            sighting = find_board(picture, self.board)
+        except SightingError as error:
+            return str(error)
+        # Beside sharper ones that came later, an earlier one may be blurred.
+        useless = of_no_use(self.seen | {name: sighting}, self.board)
+        self.seen[name] = sighting
+        for bad in useless:
+            del self.seen[bad]
+        return useless.get(name, "")
+
+    @property
+    def missing(self) -> list[str]:
+        """What is still missing, in words, the most important first; empty if nothing is."""
+        return missing(list(self.seen.values()), self.board)
+
+    def calibrate(self) -> LensCalibration:
+        """Calibrate the lens by the pictures so far.
+
+        Raises:
+            LensError: they are too few, or no lens fits them.
+        """
+        return calibrate_lens(self.seen, self.board, {})
