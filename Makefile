@@ -36,10 +36,12 @@ run: install ## set up, then serve the dashboard (PORT=9000 make run for another
 
 install: .venv/installed ## set up the virtual environment
 
-# Tests that assert when a program, a page or a port does something have the machine to themselves.
+# Tests that assert when a program, a page or a port does something have the machine to themselves;
+# the others wait a lot. What is compiled first: code read from the cache gives other last digits.
 test: .venv/installed-dev browser node-peers dds-peer ## run every test
+	$(BIN)/python -m app.tools.warm_up
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -m "not real_time" \
-	  -n 2 --dist loadfile --no-loadscope-reorder
+	  -n 3 --dist loadfile --no-loadscope-reorder
 	$(BIN)/python -m pytest -m real_time $$(grep -l mark.real_time tests/test_*.py)
 
 check: .venv/installed-dev ## lint, names, types, and who may import whom

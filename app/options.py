@@ -54,7 +54,8 @@ def add_profile(command: argparse.ArgumentParser) -> None:
         "--profile",
         metavar="PROFILE.toml",
         default=argparse.SUPPRESS,
-        help="what `brickpose calibrate` has measured of the robot (default: it is as described)",
+        help="what `brickpose calibrate` has measured of the robot; none: it is as described "
+        "(default: the real robot's own, see docs/calibration.md)",
     )
 
 
@@ -113,6 +114,6 @@ def config_from(parsed: argparse.Namespace) -> Config:
 
 
 def config_of(given: dict[str, Any]) -> Config:
-    """Return the configuration of the file, if one is given, overridden by the option ``map``."""
+    """Return the configuration of the file, if one is given, overridden by map and profile."""
     config = load_config(given["config"]) if "config" in given else Config()
-    return replace(config, map=given["map"]) if "map" in given else config
+    return replace(config, **{name: given[name] for name in ("map", "profile") if name in given})

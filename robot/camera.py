@@ -1,7 +1,7 @@
 """The camera: its lens, and the projection between its picture and the floor.
 
-The lens is a pinhole with radial and tangential distortion, which ROS calls ``plumb_bob``
-(Brown 1966; OpenCV's first five coefficients). It is read from a ``camera_info`` YAML file.
+The lens is a pinhole with one of the distortions that ROS names (``robot/distortion.py``). It is
+read from a ``camera_info`` YAML file.
 """
 
 from __future__ import annotations
@@ -13,20 +13,16 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from robot.distortion import COEFFICIENTS, Distortion, distortion_of
 from robot.errors import BrickPoseError
 from robot.geometry import Array
-from robot.undistortion import undistorted
 
 LARGEST_BYTES = 64 << 10
 """Largest camera_info file: reading YAML takes seconds for each megabyte."""
-
-FOUND_PX = 0.01
-"""The direction found for a pixel must project back this close to the pixel [px]."""
 
 
 class CameraError(BrickPoseError, ValueError):
@@ -42,9 +38,11 @@ class Lens:
     matrix: Array = field(repr=False)
     """(3, 3) intrinsic matrix K [px]."""
     distortion: Array = field(repr=False)
-    """(5,) k1, k2, p1, p2, k3."""
+    """Coefficients of the model: (5,) k1, k2, p1, p2, k3 of plumb_bob."""
     readout: float = 0.0
     """Rolling shutter: time from the exposure of the first row to that of the last [s]."""
+    model: str = "plumb_bob"
+    """plumb_bob, rational_polynomial or equidistant."""
 
     def project(self, points: Array) -> Array:
         """Return the pixels (n, 2) of points (n, 3) [m] in the camera frame; nan behind the camera.
@@ -54,7 +52,8 @@ class Lens:
         """
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             ideal = points[:, :2] / points[:, 2:]
-            pixels = self._distorted(ideal)
+            (fx, _, cx), (_, fy, cy), _ = self.matrix
+            pixels: Array = self._bending.bend(ideal) * (fx, fy) + (cx, cy)
             pixels[~((points[:, 2] > 1e-9) & self._one_to_one(ideal))] = np.nan
         return pixels
 
@@ -65,52 +64,17 @@ class Lens:
         pixel.
         """
         bent = (pixels - self.matrix[:2, 2]) / self.matrix[[0, 1], [0, 1]]
-        ideal = undistorted(np.ascontiguousarray(bent), self.distortion, self._widest_radius)
-        directions = np.column_stack([ideal, np.ones(len(ideal))])
-        lost = np.flatnonzero(np.isnan(ideal[:, 0]))
-        if len(lost):
-            directions[lost] = self._searched(pixels[lost])
-        return directions
-
-    def _searched(self, pixels: Array) -> Array:
-        """Do the same as ``unproject``, slower, for pixels where Newton's method fails."""
-        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 1000, 1e-12)
-        ideal = cv2.undistortPoints(
-            pixels.reshape(-1, 1, 2).astype(np.float64),
-            self.matrix,
-            self.distortion,
-            criteria=criteria,
-        ).reshape(-1, 2)
-        directions: Array = np.column_stack([ideal, np.ones(len(ideal))]).astype(np.float64)
-        # The search returns a point even if there is no solution.
-        offset = np.abs(self.project(directions) - pixels).max(axis=1)
-        directions[~(offset < FOUND_PX)] = np.nan
-        return directions
-
-    def _distorted(self, ideal: Array) -> Array:
-        """Return the pixels (n, 2) of ideal image coordinates (n, 2), by Brown's formula."""
-        k1, k2, p1, p2, k3 = self.distortion
-        x, y = ideal.T
-        xy, r2 = x * y, x * x + y * y
-        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
-        bent_x = x * radial + 2 * p1 * xy + p2 * (r2 + 2 * x * x)
-        bent_y = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * xy
-        (fx, _, cx), (_, fy, cy), _ = self.matrix
-        return np.column_stack([fx * bent_x + cx, fy * bent_y + cy])
+        ideal = self._bending.straighten(bent)
+        return np.column_stack([ideal, np.where(np.isnan(ideal[:, 0]), np.nan, 1.0)])
 
     def _one_to_one(self, ideal: Array) -> NDArray[np.bool_]:
         """Return whether ideal image coordinates (n, 2) lie where the distortion is one-to-one."""
-        within: NDArray[np.bool_] = (ideal**2).sum(axis=1) < self._widest_radius**2
+        within: NDArray[np.bool_] = (ideal**2).sum(axis=1) < self._bending.widest**2
         return within
 
     @cached_property
-    def _widest_radius(self) -> float:
-        """Largest r = tan(angle) up to which r (1 + k1 r^2 + k2 r^4 + k3 r^6) still grows."""
-        k1, k2, _, _, k3 = self.distortion
-        # The slope is solved for 1 / r^2, so that a coefficient near zero does no harm.
-        roots = np.roots([1.0, 3 * k1, 5 * k2, 7 * k3])
-        real = roots[np.isreal(roots) & (roots.real > 0)].real
-        return float(1 / np.sqrt(real.max())) if len(real) else np.inf
+    def _bending(self) -> Distortion:
+        return distortion_of(self.model, self.distortion)
 
     @classmethod
     def from_yaml(cls, path: Path) -> Lens:
@@ -138,6 +102,7 @@ class Lens:
                 height=_whole(content, "image_height"),
                 matrix=_numbers(content, "camera_matrix", 9).reshape(3, 3),
                 distortion=_distortion(content),
+                model=content.get("distortion_model", "plumb_bob"),
                 readout=_finite(content.get("rolling_shutter_readout", "0")),
             )
         except KeyError as error:
@@ -148,6 +113,11 @@ class Lens:
     def __post_init__(self) -> None:
         if not (1 <= self.width <= 16384 and 1 <= self.height <= 16384):
             raise CameraError(f"a picture of {self.width} x {self.height} px; valid is 1 to 16384")
+        if len(self.distortion) != COEFFICIENTS.get(self.model):
+            raise CameraError(
+                f"{len(self.distortion)} coefficients of distortion_model {self.model}; valid are "
+                + ", ".join(f"{count} of {name}" for name, count in COEFFICIENTS.items())
+            )
         if not (self.matrix[0, 0] > 0 and self.matrix[1, 1] > 0):
             raise CameraError("the focal lengths in camera_matrix must be positive")
         if self.matrix[[0, 1, 2, 2, 2], [1, 0, 0, 1, 2]].tolist() != [0, 0, 0, 0, 1]:
@@ -187,9 +157,10 @@ def _shown(value: Any) -> str:
 
 def _distortion(content: dict[str, Any]) -> Array:
     model = content.get("distortion_model", "plumb_bob")
-    if model != "plumb_bob":
-        raise ValueError(f"distortion_model is {_shown(model)}; valid is plumb_bob")
-    return _numbers(content, "distortion_coefficients", 5)
+    if not (isinstance(model, str) and model in COEFFICIENTS):
+        valid = ", ".join(COEFFICIENTS)
+        raise ValueError(f"distortion_model is {_shown(model)}; valid are {valid}")
+    return _numbers(content, "distortion_coefficients", COEFFICIENTS[model])
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterator
 
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 from serving import Server, ask, until
 
 CHROMIUM = next(
@@ -13,6 +13,11 @@ CHROMIUM = next(
 )
 # Without a graphics card a page is quickest when nothing pretends that there is one.
 NO_GL = ["--disable-gpu"]
+PATIENCE_MS = 60_000
+"""A page on a busy machine comes late, which is no fault of it."""
+
+expect.set_options(timeout=PATIENCE_MS)
+
 SOFTWARE_GL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
@@ -20,6 +25,7 @@ def opened(
     browser: Browser, server: Server, *, width: int, height: int, view: bool, **options
 ) -> Iterator[Page]:
     context = browser.new_context(viewport={"width": width, "height": height}, **options)
+    context.set_default_timeout(PATIENCE_MS)
     complaints: list[str] = []
     made = context.new_page()
     made.on("pageerror", lambda error: complaints.append(str(error)))

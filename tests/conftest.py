@@ -4,7 +4,7 @@ import os
 import signal
 import textwrap
 import threading
-from contextlib import closing
+from contextlib import closing, nullcontext
 from functools import partial
 
 import pytest
@@ -27,6 +27,15 @@ def interrupts():
     """Programs under test hear Ctrl-C, even where a shell runs the tests in its background."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.fixture(autouse=True, scope="session")
+def processor_time(request):
+    """Where only tests with deadlines run, other programs of the machine wait for them."""
+    from precedence import precedence
+
+    with precedence() if request.config.option.markexpr == "real_time" else nullcontext():
+        yield
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +14,17 @@ from websockets.sync.client import ClientConnection
 from app.settings.config import ROOT
 from benchmarks.programs import ANSWER_S, START_S, Server, estimated, server, telemetry, until
 
-__all__ = ["ROOT", "Server", "ask", "drive_until", "serving", "stamp_now", "telemetry", "until"]
+__all__ = [
+    "ROOT",
+    "Server",
+    "ask",
+    "drive_until",
+    "pose_error",
+    "serving",
+    "stamp_now",
+    "telemetry",
+    "until",
+]
 
 
 @contextmanager
@@ -29,6 +40,14 @@ def stamp_now(server: Server) -> float:
     """The robot's clock now [s]; a live connection may still hold what was told before."""
     with urlopen(f"{server.url}/api/state", timeout=ANSWER_S) as answer:
         return float(json.load(answer)["stamp"])
+
+
+def pose_error(now: dict) -> float:
+    """Distance of the estimate from the truth [m]; inf while there is no estimate."""
+    estimate, truth = now["estimate"], now["truth"]
+    if estimate is None:
+        return math.inf
+    return math.dist((estimate["x"], estimate["y"]), (truth["x"], truth["y"]))
 
 
 def drive_until(socket: ClientConnection, v: float, condition) -> dict:

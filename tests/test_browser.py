@@ -1,17 +1,16 @@
 """The page in a real Chromium: driving, telling a pose, and stopping when the page goes away."""
 
-import json
 import math
 from collections.abc import Iterator
 
 import cv2
 import numpy as np
 import pytest
-from browsing import SOFTWARE_GL, opened
+from browsing import PATIENCE_MS, SOFTWARE_GL, opened
 from playwright.sync_api import Page, expect
-from serving import ask, serving, stamp_now, telemetry, until
+from serving import ask, pose_error, serving, telemetry, until
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
@@ -34,14 +33,6 @@ def page(browser, server) -> Iterator[Page]:
 
 def distance(one: dict, other: dict) -> float:
     return math.dist((one["x"], one["y"]), (other["x"], other["y"]))
-
-
-def pose_error(now: dict) -> float:
-    return distance(now["estimate"], now["truth"])
-
-
-def heading_error(now: dict) -> float:
-    return abs(math.remainder(now["estimate"]["theta"] - now["truth"]["theta"], 2 * math.pi))
 
 
 class TestDriving:
@@ -91,19 +82,6 @@ class TestDriving:
         page.mouse.up()
         until(live, lambda now: now["mode"] == "idle")
 
-    def test_from_exposure_to_pixel(self, page):
-        page.get_by_role("button", name="Figure-eight").click()
-        page.evaluate("window.brickpose.delays.length = 0")
-        page.wait_for_function("window.brickpose.delays.length >= 180", timeout=30_000)
-        delays = np.array(page.evaluate("window.brickpose.delays.slice(-150)"))
-        page.get_by_role("button", name="STOP").first.click()
-        print(
-            f"\nexposure to pixel: median {np.median(delays):.0f} ms,"
-            f" p95 {np.percentile(delays, 95):.0f} ms"
-        )
-        # The figure itself depends on how busy this machine is; what must hold is the order of it.
-        assert 10 < np.median(delays) < 200
-
 
 def test_keys_do_not_drive_while_a_number_is_typed(page, live):
     page.get_by_role("button", name="numbers").click()
@@ -112,59 +90,6 @@ def test_keys_do_not_drive_while_a_number_is_typed(page, live):
     page.wait_for_timeout(300)
     assert telemetry(live)["mode"] == "idle"
     page.keyboard.up("ArrowUp")
-
-
-@pytest.mark.parametrize("leave", ["close", "hide", "blur"])
-def test_when_the_page_goes_away_the_robot_stops_within_half_a_second(page, server, live, leave):
-    page.keyboard.down("w")
-    until(live, lambda now: now["twist"]["v"] > 0.1)
-    if leave == "close":
-        page.close()
-    elif leave == "hide":
-        page.evaluate(
-            """() => { Object.defineProperty(document, 'visibilityState', {value: 'hidden'});
-                       Object.defineProperty(document, 'hidden', {value: true});
-                       document.dispatchEvent(new Event('visibilitychange')); }"""
-        )
-    else:
-        page.evaluate("window.dispatchEvent(new Event('blur'))")
-    left = stamp_now(server)
-    still = until(live, lambda now: now["twist"]["v"] == 0)
-    assert still["stamp"] - left <= 0.5
-
-
-def test_when_the_network_dies_the_robot_stops_within_half_a_second(page, server, live):
-    page.keyboard.down("w")
-    until(live, lambda now: now["twist"]["v"] > 0.1)
-    # Nothing is sent or closed any more, as when the cable is pulled.
-    page.evaluate("WebSocket.prototype.send = () => {}")
-    dead = stamp_now(server)
-    still = until(live, lambda now: now["twist"]["v"] == 0)
-    assert still["stamp"] - dead <= 0.55
-
-
-def drag(page: Page, start: tuple[float, float], heading: float) -> None:
-    page.mouse.move(*start)
-    page.mouse.down()
-    page.mouse.move(start[0] + 40 * math.cos(heading), start[1] - 40 * math.sin(heading), steps=4)
-    page.mouse.up()
-
-
-def test_a_wrong_pose_set_by_drag_is_recovered_from(page, live):
-    """(-0.1 m, -0.1 m, 0.3 rad) off, while driving the figure-eight; right within 4 s."""
-    live.send(json.dumps({"type": "place", "x": 0, "y": 0, "theta": 0}))
-    live.send(json.dumps({"type": "set_pose", "x": 0, "y": 0, "theta": 0}))
-    page.locator("[data-tool=set_pose]").click()
-    page.get_by_role("button", name="Figure-eight").click()
-    before = until(live, lambda now: now["twist"]["v"] > 0.1 and pose_error(now) < 0.02)
-    truth = before["truth"]
-    start = page.evaluate(f"window.brickpose.mapPixel({truth['x'] - 0.1}, {truth['y'] - 0.1})")
-    drag(page, start, truth["theta"] + 0.3)
-    lost = until(live, lambda now: now["estimate"] and pose_error(now) > 0.05)
-    found = until(live, lambda now: pose_error(now) < 0.02 and heading_error(now) < 0.1, 4.0)
-    print(f"\nwrong pose by drag: right again after {found['stamp'] - lost['stamp']:.2f} s")
-    held = until(live, lambda now: now["stamp"] > found["stamp"] + 1)
-    assert pose_error(held) < 0.02
 
 
 def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
@@ -181,7 +106,7 @@ def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
     was = until(live, lambda now: now["filter"]["paused"] and now["estimate"])["estimate"]
     assert math.dist((was["x"], was["y"]), (0.15, -0.1)) > 0.1
     page.locator("#numbers-set").click()
-    until(live, lambda now: now["estimate"] and pose_error(now) < 0.03)
+    until(live, lambda now: pose_error(now) < 0.03)
     page.get_by_role("button", name="undo").click()
     until(live, lambda now: now["estimate"] == was)
     page.get_by_role("button", name="resume", exact=True).click()
@@ -209,10 +134,11 @@ def test_the_3d_view_shows_the_scene(chromium, server):
     browser = chromium(SOFTWARE_GL)
     for page in opened(browser, server, width=760, height=620, view=True):
         frame = page.frame_locator("iframe")
-        frame.locator("canvas").first.wait_for(timeout=60_000)
+        frame.locator("canvas").first.wait_for()
         dark = 0.0
-        for _ in range(160):  # software WebGL takes its time
-            shot = page.locator("iframe").screenshot()
+        for _ in range(400):  # software WebGL takes its time
+            # What is around the frame: the page makes a new frame when it finds the server again.
+            shot = page.locator("#view-stage").screenshot()
             picture = cv2.imdecode(np.frombuffer(shot, np.uint8), cv2.IMREAD_GRAYSCALE)
             dark = float((picture < 80).mean())
             if dark > 0.005:
@@ -250,14 +176,16 @@ def test_every_control_has_a_name(page):
 
 
 def test_a_server_that_goes_and_comes_is_found_again(browser):
-    with serving("--robot", "kinematic") as first:
+    options = ("--robot", "kinematic", "--map", "stub")
+    with serving(*options) as first:
         context = browser.new_context(viewport={"width": 900, "height": 700})
+        context.set_default_timeout(PATIENCE_MS)
         page = context.new_page()
         page.route("**/view/**", lambda route: route.fulfill(body=""))
         page.goto(first.url)
         page.wait_for_function("window.brickpose?.connected")
         port = first.address.split(":")[1]
     page.wait_for_function("!window.brickpose.connected")
-    with serving("--robot", "kinematic", "--port", port):
-        page.wait_for_function("window.brickpose.connected", timeout=30_000)
+    with serving(*options, "--port", port):
+        page.wait_for_function("window.brickpose.connected")
         context.close()

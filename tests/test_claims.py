@@ -15,6 +15,7 @@ from robot.localization.monitoring.claims import (
     HEADING_QUANTILE,
     LEAST_HEADING,
     LEAST_PLACE,
+    MAX_RADIUS,
     NARROW,
     ONLY_PLACE,
     PLACE_QUANTILE,
@@ -64,6 +65,15 @@ def test_a_wide_bound_is_approximate_only() -> None:
         one = Hypothesis(1.0, Pose2(), np.diag(np.square(sds)))
         found = claim((one,), Standing.CONFIRMED, NO_DOUBT)
         assert found.state is wanted and math.isfinite(found.radius)
+
+
+@pytest.mark.parametrize(("share", "wanted"), [(0.99, State.APPROXIMATE), (1.01, State.SEARCHING)])
+def test_where_the_bound_is_too_wide_the_place_is_not_known(share: float, wanted: State) -> None:
+    sd = share * MAX_RADIUS / PLACE_QUANTILE
+    one = Hypothesis(1.0, Pose2(), np.diag(np.square([sd, 0.001, 0.003])))
+    found = claim((one,), Standing.CONFIRMED, NO_DOUBT)
+    assert found.state is wanted
+    assert math.isfinite(found.radius) == (wanted is State.APPROXIMATE)
 
 
 def test_what_cannot_be_excluded_widens_the_bound() -> None:

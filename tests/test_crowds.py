@@ -17,8 +17,6 @@ from serving import ROOT, Server, ask, telemetry, until
 
 from benchmarks.programs import estimated, server
 
-pytestmark = pytest.mark.real_time
-
 LIMIT = 200
 CROWD = 260
 FEW_DESCRIPTORS = ("sh", "-c", f'ulimit -n {LIMIT} && exec "$@"', "sh")
@@ -64,6 +62,7 @@ def gap(live, seconds: float) -> float:
     return longest
 
 
+@pytest.mark.real_time
 @pytest.mark.parametrize("begin", [b"", b"GET / HTTP/1.1\r\nHost: "], ids=["idle", "half a head"])
 def test_the_driver_goes_on_and_a_page_opens(crowded, begin) -> None:
     running, log = crowded
@@ -83,6 +82,7 @@ def test_the_driver_goes_on_and_a_page_opens(crowded, begin) -> None:
     assert len(log.read_text().splitlines()) - lines < 30
 
 
+@pytest.mark.real_time
 def test_health_is_good_afterwards(crowded) -> None:
     running, _ = crowded
     assert httpx.get(f"{running.url}/api/health", timeout=20).json()["status"] == "ok"

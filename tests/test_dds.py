@@ -1,7 +1,6 @@
 """The topics over DDS, told to and by a participant of another vendor's."""
 
 import math
-from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -18,10 +17,7 @@ from benchmarks.topics.fastdds import Peer, missing
 from robot.geometry import Pose2
 from robot.scan import evenly
 
-pytestmark = [
-    pytest.mark.real_time,
-    pytest.mark.skipif(missing() is not None, reason=str(missing())),
-]
+pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
 
 LIVE = [one for one in TOPICS if one.live]
 SENSOR_DATA = ("scan", "particle_cloud", "camera/image/compressed", "camera/camera_info")
@@ -262,19 +258,6 @@ def test_a_told_pose_is_where_the_filter_then_looks(rig, peer):
     taken = rig.until(lambda now: any(isinstance(one, SetPoseCommand) for one in now.commands))
     (command,) = (one for one in taken.commands if isinstance(one, SetPoseCommand))
     assert (command.x, command.y, command.theta) == pytest.approx((0.3, 0.2, 0.5))
-
-
-def test_a_flood_of_commands_is_thinned_out_and_the_engine_keeps_its_pace(rig, peer):
-    begun = len(rig.seen)
-    for _ in range(3000):
-        peer.send("rt/cmd_vel", stamped(rig.source, 0.05))
-    peer.wait("sent", "rt/cmd_vel", after=len(peer.events) - 1)
-    rig.until(drives)
-    ticks = rig.seen[begun:]
-    taken = [one for now in ticks for one in now.commands if isinstance(one, DriveCommand)]
-    seconds = ticks[-1].stamp - ticks[0].stamp
-    assert 0 < len(taken) < 220 * seconds + 20
-    assert max(b.published - a.published for a, b in pairwise(ticks)) < 0.5
 
 
 def test_names_and_the_type_of_drives_are_a_matter_of_settings():

@@ -11,8 +11,10 @@ from importlib.util import find_spec
 from itertools import pairwise
 
 import pytest
-from dds_rig import own_domain, rig_and_peer, stamped
+from dds_rig import STAMPED, own_domain, rig_and_peer, stamped
+from pseudo_terminals import FDS
 
+from app.messages.commands import DriveCommand
 from app.ros2.dds import child as child_module
 from app.ros2.dds import route as route_module
 from app.ros2.dds.child import Child, ChildError
@@ -23,8 +25,6 @@ from app.settings.config import ROOT
 from app.settings.ros2 import Ros2Settings
 from benchmarks.topics.fastdds import Peer, missing
 from robot.errors import PackageError
-
-pytestmark = pytest.mark.real_time
 
 ENDS_S = 15.0
 
@@ -50,6 +50,7 @@ def wait_for_end(pid):
         os.close(descriptor)
 
 
+@pytest.mark.real_time
 @needs_peer
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "stopped"])
 def test_a_process_that_is_lost_is_replaced_while_the_engine_goes_on(monkeypatch, number):
@@ -70,11 +71,29 @@ def test_a_process_that_is_lost_is_replaced_while_the_engine_goes_on(monkeypatch
         assert rig.route.failure is None
         ticks = rig.seen[begun:]
         assert max(b.published - a.published for a, b in pairwise(ticks)) < 0.5
-        peer.write("rt/cmd_vel", "geometry_msgs/msg/TwistStamped")
+        peer.write("rt/cmd_vel", STAMPED)
         rig.until(
             lambda now: now.twist.v > 0,
             lambda: peer.send("rt/cmd_vel", stamped(rig.source, 0.1)),
         )
+
+
+@pytest.mark.real_time
+@needs_peer
+def test_a_flood_of_commands_is_thinned_out_and_the_engine_keeps_its_pace():
+    with rig_and_peer(Peer) as (rig, peer):
+        peer.write("rt/cmd_vel", STAMPED)
+        peer.wait("matched", "rt/cmd_vel")
+        begun = len(rig.seen)
+        for _ in range(3000):
+            peer.send("rt/cmd_vel", stamped(rig.source, 0.05))
+        peer.wait("sent", "rt/cmd_vel", after=len(peer.events) - 1)
+        rig.until(lambda now: now.twist.v > 0)
+        ticks = rig.seen[begun:]
+        taken = [one for now in ticks for one in now.commands if isinstance(one, DriveCommand)]
+        seconds = ticks[-1].stamp - ticks[0].stamp
+        assert 0 < len(taken) < 220 * seconds + 20
+        assert max(b.published - a.published for a, b in pairwise(ticks)) < 0.5
 
 
 NONSENSE = "import socket, sys; s = socket.socket(fileno=int(sys.argv[1])); "
@@ -96,6 +115,35 @@ def test_a_process_that_fails_says_how(monkeypatch, code, words):
     with pytest.raises(ChildError, match=f"the DDS process: {words}"):
         failing.wait_until_ready()
     failing.close()
+
+
+@pytest.mark.parametrize(
+    "code, words",
+    [
+        ("raise SystemExit", "it ended"),
+        (NONSENSE + "s.sendall(b'\\xff' * 100)", "it sent a message of 4294967295 bytes"),
+    ],
+    ids=["silently", "with nonsense"],
+)
+def test_a_process_that_ends_before_its_plan_says_how_and_leaves_no_socket(
+    monkeypatch, code, words
+):
+    with_code(monkeypatch, code)
+    before = set(FDS.iterdir())
+    failing = started()
+    failing.process.wait(ENDS_S)
+    with pytest.raises(ChildError, match=f"the DDS process: {words}"):
+        failing.wait_until_ready()
+    failing.close()
+    assert set(FDS.iterdir()) <= before
+
+
+def test_a_process_that_cannot_be_started_leaves_no_socket(monkeypatch, tmp_path):
+    monkeypatch.setattr(child_module, "COMMAND", (str(tmp_path / "none"),))
+    before = set(FDS.iterdir())
+    with pytest.raises(FileNotFoundError):
+        started()
+    assert set(FDS.iterdir()) <= before
 
 
 def test_a_process_that_takes_nothing_is_ended(monkeypatch):

@@ -24,8 +24,6 @@ from benchmarks.hat.emulated_hat import EmulatedHat, emulated_hat
 from robot.description.spec import RobotSpec
 from robot.hat.settings import BuildHatSettings
 
-pytestmark = pytest.mark.real_time
-
 Examine = Callable[[], list[Finding]]
 
 
@@ -67,8 +65,7 @@ def hat(running: EmulatedHat) -> Iterator[EmulatedHat]:
 
 
 @pytest.fixture
-def examine(hat: EmulatedHat, monkeypatch) -> Examine:
-    monkeypatch.setattr(board, "SILENT_S", 0.2)
+def examine(hat: EmulatedHat) -> Examine:
     joints = RobotSpec.load().joints
     return lambda: board.check_board(str(hat.device), joints, BuildHatSettings(), lambda what: None)
 
@@ -113,7 +110,8 @@ def test_a_motor_power_fault_is_a_problem(hat, examine: Examine, monkeypatch) ->
     assert "motor power fault" in fault
 
 
-def test_a_silent_board_is_a_problem_with_all_its_cures(hat, examine: Examine) -> None:
+def test_a_silent_board_is_a_problem_with_all_its_cures(hat, examine: Examine, monkeypatch) -> None:
+    monkeypatch.setattr(board, "SILENT_S", 0.2)
     hat.ask("silent on")
     (silent,) = told(examine(), PROBLEM)
     assert all(cure in silent for cure in ("raspi-config", "8 V", "/dev/ttyAMA0", "1-Wire"))

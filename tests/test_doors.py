@@ -14,6 +14,7 @@ from websockets.sync.client import connect
 
 from app.page.token_guard import SUBPROTOCOL
 from app.recordings.remote_robot import RemoteRobot, RemoteRobotError
+from app.ros2.foxglove.protocol import SUBPROTOCOLS
 from benchmarks.programs import server as started
 
 PAGES = (
@@ -82,6 +83,20 @@ def test_who_only_watches_gives_no_orders_by_rosbridge_either(server, order) -> 
             while not answers or answers[-1].get("id") != "end":
                 answers.append(json.loads(socket.recv(timeout=10)))
             assert any("only watches" in json.dumps(answer) for answer in answers) == refused
+
+
+@pytest.mark.parametrize(
+    ("token", "words"),
+    [("watch-me", "this token only watches"), ("drive-me", "foxglove_commands = true")],
+)
+def test_foxglove_is_told_by_its_token_why_it_gives_no_orders(server, token, words) -> None:
+    address = f"{server.url.replace('http', 'ws')}/foxglove?token={token}"
+    with connect(address, subprotocols=[SUBPROTOCOLS[0]], max_size=None) as socket:
+        socket.send(json.dumps({"op": "advertise", "channels": []}))
+        told = {"message": ""}
+        while told.get("op") != "status":
+            told = json.loads(socket.recv(timeout=20))
+        assert words in told["message"]
 
 
 def test_a_socket_of_a_page_brings_its_token_as_a_subprotocol(server) -> None:

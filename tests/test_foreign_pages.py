@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from serving import telemetry, until
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 DOORS = ("/", "/static/index.html", "/view/", "/docs", "/api/state", "/camera.mjpg")
 

@@ -66,6 +66,12 @@ def test_a_lost_digit_is_not_believed(count, absolute):
     assert track.angle == 2
 
 
+def test_a_count_without_its_highest_bit_is_not_believed():
+    track = followed([0, 5, 10])
+    assert not track.report(3 * DT, counted(10 + 2**31), marked(10))
+    assert track.angle == 10
+
+
 def test_a_digit_that_is_lost_now_and_then_is_never_believed():
     """A wheel that stands gives the same wrong number each time, but not in a row."""
     track = followed([12345])

@@ -16,6 +16,7 @@ from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive, draw_poses, matc
 from robot.fields.edges import outline
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
+from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.models.motion_models import DifferentialMotion, MotionModel
@@ -289,6 +290,15 @@ def test_from_a_cloud_it_takes_mean_and_covariance() -> None:
     f.set_cloud(Cloud(given_poses, np.array([0.75, 0.25])))
     assert (pose(f).x, pose(f).y) == pytest.approx((0.15, 0))
     assert covariance(f)[0, 0] == pytest.approx(0.75 * 0.05**2 + 0.25 * 0.15**2)
+
+
+def test_from_several_places_it_is_as_wide_as_they_lie_apart() -> None:
+    f = filter_of()
+    narrow = np.diag(np.square([0.01, 0.02, 0.03]))
+    f.set_hypotheses((Hypothesis(0.3, Pose2(0.1), narrow), Hypothesis(0.1, Pose2(0.5), narrow)))
+    assert pose(f).x == pytest.approx(0.2)
+    between = 0.75 * 0.1**2 + 0.25 * 0.3**2
+    np.testing.assert_allclose(covariance(f), narrow + np.diag([between, 0, 0]), atol=1e-12)
 
 
 def test_scattered_it_is_as_wide_as_the_field() -> None:

@@ -38,6 +38,14 @@ def test_without_a_readout_all_rows_are_exposed_at_once(tmp_path: Path) -> None:
     assert read(tmp_path, changed(rolling_shutter_readout=None)).readout == 0
 
 
+@pytest.mark.parametrize(("model", "count"), [("rational_polynomial", 8), ("equidistant", 4)])
+def test_a_file_of_a_wide_lens_is_read(model: str, count: int, tmp_path: Path) -> None:
+    coefficients = {"data": [0.01 * place for place in range(count)]}
+    lens = read(tmp_path, changed(distortion_model=model, distortion_coefficients=coefficients))
+    assert lens.model == model
+    np.testing.assert_array_equal(lens.distortion, coefficients["data"])
+
+
 def test_numbers_may_have_an_exponent_without_a_point(tmp_path: Path) -> None:
     """YAML 1.1 calls 1e-3 a text, yaml-cpp a number."""
     text = YAML.replace("-0.28, 0.0, 0.0,", "-28e-2, 1e-3, 0,")
@@ -71,7 +79,9 @@ BROKEN = {
     "last row": (changed(camera_matrix={"data": [*K[:8], 0]}), "fx 0 cx"),
     "4 coefficients": (changed(distortion_coefficients={"data": [0, 0, 0, 0]}), "5 finite"),
     "8 coefficients": (changed(distortion_coefficients={"data": [0] * 8}), "5 finite"),
-    "fish eye": (changed(distortion_model="equidistant"), "equidistant.*plumb_bob"),
+    "no such model": (changed(distortion_model="fisheye"), "fisheye.*plumb_bob, rational"),
+    "fish eye of 5": (changed(distortion_model="equidistant"), "4 finite"),
+    "rational of 5": (changed(distortion_model="rational_polynomial"), "8 finite"),
     "model is a map": (changed(distortion_model={"a": 1}), "plumb_bob"),
     "readout below 0": (changed(rolling_shutter_readout=-0.01), "readout.*0 to 1"),
     "readout of 15": (changed(rolling_shutter_readout=15), "readout.*0 to 1"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,9 @@ def test_a_stripe_of_another_width_is_not_tape(
         judged = scan.verdicts[45]
         assert judged == Verdict.WRONG_WIDTH
         assert scan.widths[45] == pytest.approx(millimetres / 1000, abs=3e-3)
+        assert np.isnan(scan.tape_width)
+    measured = np.isfinite(SCANNER.entries_and_exits(scan.picture)).all(axis=1)
+    np.testing.assert_array_equal(measured, scan.verdicts == Verdict.COUNTED)
 
 
 def test_an_edge_without_the_other_side_in_view_is_no_return(tmp_path: Path) -> None:
@@ -180,6 +184,15 @@ def test_a_hit_lies_in_the_picture_where_it_was_measured(camera: FloorCamera) ->
     ray = int(np.flatnonzero(hit)[0])
     position = float(found.edges[ray, 0])
     assert SCANNER.distance(ray, position) == pytest.approx(found.scan.ranges[ray], abs=1e-9)
+
+
+def test_one_wrong_width_does_not_change_the_width_that_is_told(camera: FloorCamera) -> None:
+    found = SCANNER.scan(Frame(0.0, camera.picture(Pose2(), STILL)))
+    assert found.tape_width == pytest.approx(0.050, abs=5e-4)
+    for wrong in (0.0, 0.2):
+        widths = found.widths.copy()
+        widths[np.flatnonzero(found.verdicts == Verdict.COUNTED)[0]] = wrong
+        assert replace(found, widths=widths).tape_width == pytest.approx(0.050, abs=5e-4)
 
 
 def test_what_the_rays_saw_is_kept_to_be_shown(camera: FloorCamera) -> None:

@@ -12,7 +12,7 @@ from serving import ask, serving, until
 from app.page.belief import alike
 from robot.localization.integrity import State
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 MINE = """
 import numpy as np
@@ -56,7 +56,7 @@ def page(browser, server):
 def test_it_says_when_it_is_certain_and_when_it_knows_nothing(page, live):
     said = page.locator("#map-certainty")
     page.get_by_role("button", name="Figure-eight").click()
-    expect(said).to_have_text(re.compile("^certain"), timeout=20_000)
+    expect(said).to_have_text(re.compile("^certain"))
     page.get_by_role("button", name="STOP").first.click()
     until(live, lambda now: now["mode"] == "idle")
     ask(live, type="pause")
@@ -185,7 +185,7 @@ def test_the_filter_is_changed_while_it_runs(page, live, kind):
     ticks = before["filter"]["updates"] + 10
     until(live, lambda now: now["filter"]["updates"] > ticks and now["estimate"])
     expect(filters).to_have_value(kind)
-    expect(page.locator("#map-certainty")).to_have_text(re.compile("^certain"), timeout=20_000)
+    expect(page.locator("#map-certainty")).to_have_text(re.compile("^certain"))
 
 
 def test_every_group_of_parameters_is_listed_and_opens(page, server):
@@ -225,6 +225,4 @@ def test_a_model_of_ones_own_is_chosen_broken_told_and_mended(page, live, folder
 def test_a_model_dropped_into_the_folder_appears_in_the_list(page, folder):
     (folder / "another.py").write_text(MINE.replace("Mine", "Another"))
     models = page.get_by_role("combobox", name=re.compile("laser_model_type"))
-    expect(models.locator("optgroup option")).to_have_text(
-        ["another.py:Another", "mine.py:Mine"], timeout=15_000
-    )
+    expect(models.locator("optgroup option")).to_have_text(["another.py:Another", "mine.py:Mine"])

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from app.engine.pose_commands import cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
-from app.page.belief import MOST_PARTICLES, integrity_message, packed
+from app.page.belief import MOST_PARTICLES, alike, integrity_message, packed
 from robot.errors import CommandError
 from robot.localization.filter import Cloud
 from robot.localization.integrity import Alert, Cause, Integrity, State
@@ -80,6 +80,14 @@ def test_an_infinite_bound_is_null_and_reasons_are_told_in_their_words():
     message = integrity_message(Integrity(State.APPROXIMATE, 0.06, 0.2, (late,)))
     assert (message.radius, message.heading_bound) == (0.06, 0.2)
     assert message.alerts == ["pictures seem to come 30 ms late"]
+
+
+@pytest.mark.parametrize(
+    ("state", "count"),
+    [("searching", 0), ("lost", 0), ("certain", 1), ("approximate", 1), ("ambiguous", 2)],
+)
+def test_places_are_counted_that_weigh_half_as_much_as_the_heaviest(state, count):
+    assert alike(State(state), (0.4, 0.2, 0.19)) == count
 
 
 @pytest.mark.parametrize("count", [MOST_PARTICLES, MOST_PARTICLES + 1, 2 * MOST_PARTICLES - 1])

@@ -1,7 +1,7 @@
 """The record button on the page, and recordings over the wire, with a server of its own."""
 
 import json
-import time
+import re
 
 import httpx
 import pytest
@@ -10,8 +10,6 @@ from playwright.sync_api import expect
 from serving import ask, serving, until
 
 from app.recordings.files.mcap_reader import open_recording
-
-pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +21,7 @@ def folder(tmp_path_factory):
 def server(folder, tmp_path_factory):
     config = tmp_path_factory.mktemp("config") / "recording.toml"
     config.write_text(f"[recording]\nfolder = {json.dumps(str(folder))}\n", encoding="utf-8")
-    with serving("--robot", "kinematic", "--config", str(config)) as running:
+    with serving("--robot", "kinematic", "--map", "stub", "--config", str(config)) as running:
         yield running
 
 
@@ -58,7 +56,7 @@ def test_a_recording_is_made_by_commands(server, live, folder, tmp_path):
 
 def test_with_the_option_it_records_from_start_to_end(tmp_path):
     with (
-        serving("--robot", "kinematic", "--record", str(tmp_path)) as server,
+        serving("--robot", "kinematic", "--map", "stub", "--record", str(tmp_path)) as server,
         server.live() as live,
     ):
         until(live, lambda now: now["recording"]["duration_s"] > 0.5)
@@ -67,30 +65,16 @@ def test_with_the_option_it_records_from_start_to_end(tmp_path):
     assert reader.duration > 0.5
 
 
-def test_after_kill_9_of_the_program_all_but_the_last_second_is_there(tmp_path):
-    options = ("--robot", "kinematic", "--record", str(tmp_path))
-    with serving(*options) as server:
-        with server.live() as live:
-            until(live, lambda now: now["recording"]["duration_s"] > 2)
-        killed_ns = time.time_ns()
-        server.process.kill()
-        server.process.wait(10)
-    reader = open_recording(next(tmp_path.iterdir()))
-    assert reader.unfinished
-    assert reader.end_ns > killed_ns - 1_000_000_000
-    assert {m.topic for m in reader.messages()} >= {"/scan", "/joint_states", "/map", "/tf_static"}
-
-
 @pytest.mark.browser
 def test_the_button_records_and_links_to_the_file(server, browser):
     for page in opened(browser, server, width=1400, height=900, view=False):
         button = page.locator("#record")
         expect(button).to_have_text("Record")
         button.click()
-        expect(button).to_contain_text("Recording 0:01", timeout=10_000)
+        expect(button).to_contain_text(re.compile("Recording 0:0[1-9]"))
         expect(button).to_have_attribute("aria-pressed", "true")
         button.click()
-        expect(button).to_have_text("Record", timeout=10_000)
+        expect(button).to_have_text("Record")
         link = page.get_by_role("link", name="saved file")
         expect(link).to_be_visible()
         name = link.get_attribute("href").rsplit("/", 1)[1]

@@ -1,5 +1,6 @@
 """``brickpose replay``: what it writes, and what it refuses in words."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -50,7 +51,7 @@ def test_damage_in_the_middle_is_told_and_all_else_is_written(recording, tmp_pat
     damaged = tmp_path / "damaged.mcap"
     damaged.write_bytes(data)
     assert main(["replay", str(damaged), "--out", str(tmp_path / "out")]) == 0
-    assert "In the recording, 0.4 s from " in capsys.readouterr().out
+    assert re.search(r"In the recording, 0\.\d s from \d", capsys.readouterr().out)
     last = parse_tum((tmp_path / "out" / "truth.tum").read_text(), "truth").stamps[-1]
     assert last > 3.5
 

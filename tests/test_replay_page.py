@@ -12,7 +12,7 @@ from serving import ask, telemetry
 
 from benchmarks.programs import Server, started
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,6 @@ from serving import ROOT, ask, until
 
 PAGE = (ROOT / "docs" / "ros2.md").read_text(encoding="utf-8")
 
-pytestmark = pytest.mark.real_time
-
 
 def program(language: str, server) -> str:
     (text,) = re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)

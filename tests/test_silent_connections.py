@@ -24,8 +24,6 @@ from app.page import http_door
 from app.page.listening import Listening, listen
 from app.page.log_limit import MOST_LINES, PERIOD_S, LogLimit
 
-pytestmark = pytest.mark.real_time
-
 SHORT_S = 1.0
 LONG_S = 2 * SHORT_S
 PATIENCE_S = 20.0

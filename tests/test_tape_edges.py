@@ -101,6 +101,14 @@ def test_the_nearest_pair_that_counts_is_chosen() -> None:
     assert (both == 1).all()
 
 
+def test_of_two_tapes_the_nearer_one_is_chosen() -> None:
+    entries, exits = stripe(21, at=0.3)
+    entries[:, 1], exits[:, 1] = (edge[:, 0] for edge in stripe(21, at=0.6, width=0.055))
+    chosen, verdicts, widths, _ = judge(entries, exits)
+    assert (chosen == 0).all() and (verdicts == Verdict.COUNTED).all()
+    assert widths == pytest.approx(0.05)
+
+
 def test_entries_of_another_line_lend_no_support() -> None:
     """Neighbours whose nearest pair is on another tape, far away."""
     entries, exits = stripe(21)
@@ -148,6 +156,20 @@ def test_a_curved_edge_is_not_straightened(radius: float) -> None:
     off = (lines[inner, :2] * entries[inner, 0]).sum(axis=1) - lines[inner, 2]
     assert np.abs(off).max() < 0.1e-3
     assert np.abs(widths[inner] - 0.05).max() < 0.5e-3
+
+
+@pytest.mark.parametrize(("radius", "is_tape"), [(0.055, False), (0.085, True)])
+def test_a_bend_that_is_tighter_than_tape_bends_does_not_count(
+    radius: float, is_tape: bool
+) -> None:
+    """The limit is 70 mm."""
+    angles = np.arange(-20, 21) * 0.003 / radius
+    entries, exits = np.full((2, 41, PAIRS, 2), np.nan)
+    turned = np.column_stack([np.cos(angles), np.sin(angles)])
+    entries[:, 0] = (0.4 - radius, 0) + radius * turned
+    exits[:, 0] = (0.4 - radius, 0) + (radius + 0.05) * turned
+    _, verdicts, _, _ = judge(entries, exits)
+    assert ((verdicts[10:-10] == Verdict.COUNTED) == is_tape).all()
 
 
 def test_an_edge_goes_on_beside_a_corner() -> None:

@@ -235,6 +235,13 @@ def test_who_guesses_waits_longer_and_longer(client: Client, clock: Clock) -> No
     assert client.get("/?token=mistyped").status_code == 200  # the cookie is right
 
 
+def test_who_brings_a_right_token_may_mistype_as_often_again(guarded: FastAPI) -> None:
+    for guess in range(2 * FREE_GUESSES):
+        assert Client(guarded).get(f"/?token=guess-{guess}").status_code == 401
+        if guess == FREE_GUESSES - 1:
+            assert Client(guarded).get("/?token=drive-me").status_code == 200
+
+
 def test_a_foreign_page_that_guesses_lets_nobody_wait_but_foreign_pages(guarded: FastAPI) -> None:
     names = frozenset(["robot.local"])
     guarded.add_middleware(SameOriginOnly, names=names, inviting=frozenset(["/"]))

@@ -12,7 +12,7 @@ from websockets.sync.client import connect
 
 from benchmarks.programs import server as started
 
-pytestmark = [pytest.mark.browser, pytest.mark.real_time]
+pytestmark = pytest.mark.browser
 
 SIZE = {"width": 1100, "height": 760}
 

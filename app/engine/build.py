@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
+from app.settings.profiles import profile_file
 from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
@@ -95,13 +95,13 @@ def build_program(
 
 
 def robot_spec(config: Config) -> RobotSpec:
-    """Return the robot's description, as its profile corrects it if the configuration names one.
+    """Return the robot's description, as its profile corrects it if it has one.
 
     Raises:
         SpecError: the profile cannot be read, or is of another robot.
     """
-    spec = RobotSpec.load()
-    return load_profile(Path(config.profile)).applied_to(spec) if config.profile else spec
+    spec, path = RobotSpec.load(), profile_file(config)
+    return spec if path is None else load_profile(path).applied_to(spec)
 
 
 def build_engine(

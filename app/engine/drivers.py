@@ -124,9 +124,9 @@ class Drivers:
         """Forget a client who leaves; stop the robot if this client drove it."""
         with self._lock:
             gesture = self._gestures.pop(driver, None)
-            if self._driver is driver:
+            if gesture is not None and self._driver is driver:
                 self._driver = None
-                if gesture is not None and self._clock() - gesture.last < self._timeout:
+                if self._clock() - gesture.last < self._timeout:
                     self._commands.put(StopCommand(type="stop"))
 
     def _take(self, driver: Driver) -> None:
@@ -153,8 +153,7 @@ class Drivers:
         self._driver = driver
 
     def _current(self) -> Driver | None:
-        if self._driver is not None:
-            gesture = self._gestures.get(self._driver)
-            if gesture is None or self._clock() - gesture.last >= SILENCE:
-                self._driver = None
+        driver = self._driver
+        if driver is not None and self._clock() - self._gestures[driver].last >= SILENCE:
+            self._driver = None
         return self._driver

@@ -20,6 +20,7 @@ from typing import Any
 
 SETTINGS = "settings.toml"
 URDF = "robot/robot.urdf"
+PROFILE = "robot/profile.toml"
 VERSIONS = "versions.json"
 
 MEDIA_TYPES = {

@@ -11,9 +11,18 @@ import yaml
 
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
-from app.recordings.attachments import SETTINGS, URDF, VERSIONS, Attachment, Contents, as_toml
+from app.recordings.attachments import (
+    PROFILE,
+    SETTINGS,
+    URDF,
+    VERSIONS,
+    Attachment,
+    Contents,
+    as_toml,
+)
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.settings.config import MAPS, Config
+from app.settings.profiles import profile_file
 from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import parse_xml
@@ -46,7 +55,7 @@ def contents_of(program: Program) -> Contents:
     attachments = (
         Attachment(SETTINGS, as_toml(config).encode()),
         *map_files,
-        *(_replayed(program, "robot/") or _robot_files(program.robot.spec)),
+        *(_replayed(program, "robot/") or _robot_files(program.robot.spec, profile_file(config))),
         *_model_files(config, latest.own if latest else program.given),
         Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
     )
@@ -81,9 +90,13 @@ def _map_files(name: str) -> Iterator[Attachment]:
     yield Attachment(f"map/{picture.name}", picture.read_bytes())
 
 
-def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
-    yield Attachment(URDF, spec.urdf.encode())
-    for item in parse_xml(spec.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
+def _robot_files(spec: RobotSpec, profile: Path | None) -> Iterator[Attachment]:
+    """Yield the robot as drawn, and its profile if it has one."""
+    drawn = spec.as_drawn
+    yield Attachment(URDF, drawn.urdf.encode())
+    if profile is not None:
+        yield Attachment(PROFILE, profile.read_bytes())
+    for item in parse_xml(drawn.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
         lens = Path((item.text or "").strip())
         yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())
 

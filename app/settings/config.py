@@ -88,7 +88,11 @@ class Config:
     sensor_model: str = setting("", "A sensor model of your own, as FILE.py:CLASS")
     motion_model: str = setting("", "A motion model of your own, as FILE.py:CLASS")
     models: str = setting("", "A folder of models of your own, which the page offers")
-    profile: str = setting("", "A robot's profile: what a calibration has measured, a TOML file")
+    profile: str = setting(
+        "",
+        "A robot's profile: what a calibration has measured, a TOML file; none is as described "
+        "(without a setting, a real robot's own)",
+    )
     drive: DriveSettings = DriveSettings()
     figure_eight: FigureEight = FigureEight()
     odometry: OdometrySettings = OdometrySettings()

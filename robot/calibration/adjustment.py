@@ -28,6 +28,7 @@ from robot.calibration.wheel_motion import (
     BY_LEFT,
     BY_RIGHT,
     BY_SEPARATION,
+    BY_SLIP,
     WheelMotion,
 )
 from robot.errors import BrickPoseError
@@ -40,6 +41,8 @@ PARTS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 """Parts of a step that are tried, until one lowers the cost."""
 STILL = 0.03
 """The solution is found if no unknown changes by more than this share of its deviation."""
+SAME_COST = 0.1
+"""... or if the cost changes by less: that is a third of a standard deviation of one unknown."""
 TYPICAL_SD = 0.0002
 """Standard deviation of most edges on the floor [m]."""
 MEDIAN_OF_NORMAL = 0.6745
@@ -58,8 +61,10 @@ class CalibrationError(BrickPoseError, ValueError):
 class Weights:
     """How much to believe while the unknowns are still far off."""
 
-    stiffness: Array = field(default_factory=lambda: np.ones(COUNT), repr=False)
-    """(15,) factors of the standard deviations of the priors."""
+    mean: Array = field(default_factory=lambda: np.zeros(COUNT), repr=False)
+    """(15,) what the unknowns are, before the drive is looked at."""
+    sd: Array = field(default_factory=PRIORS.copy, repr=False)
+    """(15,) and their standard deviations."""
     gate: float = 0.02
     """Edges farther off than this do not count [m]."""
     doubt: float = 1.0
@@ -75,7 +80,7 @@ class State:
     poses: Array
     """(k, 3) in the map at each picture [m, m, rad]."""
     slip: Array
-    """(k, 2) of the left and right wheel, until the next picture."""
+    """(k, 2) of the left and right wheel, until the next picture (see ``WheelMotion.steps``)."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +93,10 @@ class Solution:
     pose_covariance: Array = field(repr=False)
     """(3, 3) of the last pose, with the unknowns' share."""
     misses: Misses = field(repr=False)
+    cost: float
+    """Sum of the squared errors, robust, in standard deviations."""
+    share: float
+    """Of the edges that were seen, those that lie near the field's."""
 
 
 class Adjustment:
@@ -98,6 +107,7 @@ class Adjustment:
     ) -> None:
         """Prepare it; the start (3,) is where the robot was at the first picture, as told."""
         self._seen = seen
+        self._count = int(np.isfinite(seen.pixels[:, :, 0]).sum())
         self._motion = motion
         self._start = start
         self._start_information = np.asarray(np.linalg.inv(start_covariance), np.float64)
@@ -113,7 +123,9 @@ class Adjustment:
         Raises:
             CalibrationError: the errors grow without end.
         """
-        equations = self._equations(state, weights, None)
+        # The pixels' errors are known when edges were matched; without, even one step leads astray.
+        unsure = self._equations(state, weights, None)
+        equations = self._equations(state, weights, unsure.misses.pixels)
         for _ in range(most):
             try:
                 step, shared, covariance, pose_covariance = equations.solve()
@@ -131,9 +143,10 @@ class Adjustment:
             state = moved
             still = (np.abs(shared) / np.sqrt(np.diag(covariance))).max() < STILL
             # An edge at the border of the gate may come and go for ever.
-            if still or abs(before.cost - equations.cost) < 1e-4 * equations.cost:
+            if still or abs(before.cost - equations.cost) < SAME_COST:
                 break
-        return Solution(state, covariance, pose_covariance, equations.misses)
+        share = len(equations.misses.residuals) / max(1, self._count)
+        return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
 
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
@@ -141,13 +154,13 @@ class Adjustment:
         seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
-        lost = int(np.isfinite(self._seen.pixels[:, :, 0]).sum()) - len(seen.residuals)
+        lost = self._count - len(seen.residuals)
         at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
         equations.cost += lost * CAUCHY**2 * math.log1p(at_gate**2)
         equations.add_pairs(*self._step_errors(state))
         equations.add_slip(state.slip, self._motion.stamps)
         equations.add_start(state.poses[0], self._start, self._start_information)
-        equations.add_prior(state.values, PRIORS * weights.stiffness)
+        equations.add_prior(state.values - weights.mean, weights.sd)
         return equations
 
     def _step_errors(self, state: State) -> tuple[Array, Array, Array, Array]:
@@ -163,18 +176,15 @@ class Adjustment:
         local = np.column_stack([c * dx + s * dy, -s * dx + c * dy])
         error = np.column_stack([local, after[:, 2] - before[:, 2]]) - steps
         error[:, 2] = wrap_angle(error[:, 2])
-        # The encoders' noise is of angles: on the floor it grows with the wheels. If it were
-        # constant on the floor, a smaller world would always fit better.
-        left, right, wider = state.values[[LEFT, RIGHT, SEPARATION]]
-        larger = 1 + (left + right) / 2
-        sd = STEP_SD * larger * np.array([1, 1, 1 / (1 + wider)])
+        by_wheels = -(by_wheels + self._motion.by_errors(state.values, error))
+        # The encoders' noise is of angles: on the floor it grows with the wheels.
+        larger = 1 + state.values[[LEFT, RIGHT]].mean()
+        sd = STEP_SD * (larger, larger, 1)
         error /= sd
-        by_wheels = -by_wheels / sd[:, None]
+        by_wheels /= sd[:, None]
         robot = np.zeros((len(steps), 3, COUNT))
         robot[:, :, [LEFT, RIGHT]] = by_wheels[:, :, [BY_LEFT, BY_RIGHT]]
-        robot[:, :, [LEFT, RIGHT]] -= (error / (2 * larger))[:, :, None]
         robot[:, :, SEPARATION] = by_wheels[:, :, BY_SEPARATION]
-        robot[:, 2, SEPARATION] += error[:, 2] / (1 + wider)
         robot[:, :, DELAY] = by_wheels[:, :, BY_DELAY]
         by_after = np.zeros((len(steps), 3, STATE))
         by_after[:, 0, 0], by_after[:, 0, 1] = c, s
@@ -184,7 +194,7 @@ class Adjustment:
         by_before[:, 0, 2], by_before[:, 1, 2] = local[:, 1], -local[:, 0]
         by_after /= sd[:, None]
         by_before /= sd[:, None]
-        by_before[:, :, 3:] = -by_wheels[:, :, [BY_LEFT, BY_RIGHT]]
+        by_before[:, :, 3:] = by_wheels[:, :, BY_SLIP]
         return error, by_before, by_after, robot
 
 

@@ -1,9 +1,4 @@
-"""Calibrates a robot by a drive on a known field.
-
-First the path is not known, and the camera may be degrees askew: then every adjustment of the whole
-drive ends in a wrong place. So the drive is adjusted in windows that grow. In each, the path is
-followed a little farther with what is known by then, and all of it is adjusted again.
-"""
+"""Calibrates a robot by a drive on a known field."""
 
 from __future__ import annotations
 
@@ -13,57 +8,38 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from robot.calibration.adjustment import (
-    Adjustment,
-    CalibrationError,
-    Solution,
-    State,
-    Weights,
-    residual_sd,
-)
+from robot.calibration.adjustment import CalibrationError, Solution, Weights, residual_sd
 from robot.calibration.drive_log import DriveLog
-from robot.calibration.sightings import Sightings
-from robot.calibration.tracking import follow_path
-from robot.calibration.unknowns import (
-    COUNT,
-    DELAY,
-    LEFT,
-    PRIORS,
-    RIGHT,
-    ROBOT,
-    SEPARATION,
-    UNKNOWNS,
-    index_of,
-)
-from robot.calibration.wheel_motion import WheelMotion
+from robot.calibration.drive_path import BEGINNING_S, WINDOWS, Drive, DrivePath, begin
+from robot.calibration.position_error import position_sd
+from robot.calibration.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
-WINDOWS = (2.0, 3.5, 6.0, 10.0, 16.0, 26.0, 42.0, 70.0, 120.0, 200.0, 350.0, 600.0)
-"""Lengths of the drive's beginning that are adjusted one after the other [s]."""
-
 SHORTEST_S = 5.0
 """Shortest drive that is adjusted [s]."""
-
-LEAST_WAY, LEAST_TURN = 0.5, 1.5
-"""Least way [m], and least turning each way round [rad]. A robot that only turns does not show in
-which direction it would drive, and one that only drives straight does not show about which point it
-turns: there the smallest systematic error would decide."""
 
 LEARNT, UNTOLD = 0.5, 0.9
 """An unknown is learnt if its standard deviation is below the first share of the prior's. Above the
 second, the drive tells nothing of it, and it is left as it was; in between it is part of what the
 drive does tell."""
 
+MOTIONS = {
+    "drive straight ahead, toward tape and away from it": frozenset(
+        ("camera_yaw", "left_radius", "right_radius")
+    ),
+    "turn on the spot, both ways, with tape in sight": frozenset(
+        ("wheel_separation", "camera_x", "camera_y")
+    ),
+    "start and stop often": frozenset(("picture_delay",)),
+    "look at tape both near and far, ahead and aside": frozenset(
+        ("camera_roll", "camera_pitch", "camera_z", "focal_length")
+    ),
+}
+"""Motions, and the unknowns of which each tells most."""
 FIXED = 1e-3
 """Factor of a prior that leaves an unknown as it was."""
-
-FAR_OFF = 3.0
-"""The path is not the true one if the edges lie so many times farther off than was expected."""
-
-LEAST_SEEN = 0.7
-"""Share of the edges seen that must lie on the field's; else the path is not the true one."""
 
 
 @dataclass(frozen=True)
@@ -77,6 +53,21 @@ class Calibration:
     solution: Solution = field(repr=False)
     residual: float
     """Robust standard deviation of the edges' distances, in those that were expected."""
+
+    @property
+    def position_sd(self) -> float:
+        """Standard deviation of where pictures seem to be taken, by what is still unknown [m]."""
+        covariance = self.solution.covariance.copy()
+        spread = np.diag_indices(len(covariance))
+        # What was left as it was is as uncertain as before.
+        covariance[spread] = np.maximum(covariance[spread], np.square(self.sd))
+        return position_sd(self.solution.misses, covariance)
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """Which motions would tell what is not learnt."""
+        names = set(self.not_learnt)
+        return tuple(motion for motion, unknowns in MOTIONS.items() if names & unknowns)
 
     @property
     def not_learnt(self) -> tuple[str, ...]:
@@ -107,89 +98,61 @@ def calibrate(
         CalibrationError: the drive is too short, stands still or shows no tape, or its edges are
             not those of the field.
     """
-    _check(log, spec)
-    seen = Sightings.of(log, spec, taped)
-    given_pose = start.to_array()
-    state = State(np.zeros(COUNT), given_pose[None].copy(), np.zeros((1, 2)))
-    covariance, stamps = start_covariance, log.stamps - log.stamps[0]
-    for number, window in enumerate(WINDOWS):
-        count = int(np.searchsorted(stamps, window))
-        part, motion = seen.part(0, count), WheelMotion.of(log.until(count), spec)
-        state = follow_path(state, covariance, part, motion, first=number == 0)
-        adjustment = Adjustment(part, motion, given_pose, start_covariance)
-        for weights in _weights(window):
-            solution = adjustment.solve(state, weights)
-            state = solution.state
-        covariance = solution.pose_covariance
-        report(min(window, float(stamps[-1])), solution)
-        if count == len(stamps):
-            break
-    _check_fit(log, solution)
-    return _with_unlearnt_left(adjustment, solution, _weights(window)[-1])
+    _check(log)
+    path = begin(Drive(log, spec, taped), start, start_covariance)
+    for window in WINDOWS:
+        if window > BEGINNING_S and not path.whole:
+            path.grow(window)
+        if window >= BEGINNING_S:
+            report(path.seconds, path.solution)
+    _check_fit(path)
+    return _with_unlearnt_left(path)
 
 
-def _check(log: DriveLog, spec: RobotSpec) -> None:
+def _check(log: DriveLog) -> None:
     if len(log.stamps) < 2 or log.stamps[-1] - log.stamps[0] < SHORTEST_S:
         raise CalibrationError(f"the drive is too short; valid is {SHORTEST_S:g} s or more")
     if not np.isfinite(log.pixels).any():
         raise CalibrationError("no picture of the drive shows tape of this width")
     if np.ptp(log.wheel_angles, axis=0).max() < 1.0:
-        raise CalibrationError("the robot stood still; it has to drive and turn")
-    left, right = (spec.joints[place].radius for place in spec.axle)
-    rolled = np.diff(log.wheel_angles, axis=0) * (left, right)
-    way, turns = np.abs(rolled.mean(axis=1)).sum(), (rolled[:, 1] - rolled[:, 0]) / spec.track
-    to_left, to_right = turns[turns > 0].sum(), -turns[turns < 0].sum()
-    if way < LEAST_WAY or min(to_left, to_right) < LEAST_TURN:
+        raise CalibrationError("the robot stood still; it has to drive")
+
+
+def _check_fit(path: DrivePath) -> None:
+    if not path.fits:
         raise CalibrationError(
-            f"the robot drove {way:.1f} m, and turned {math.degrees(to_left):.0f} degrees to the "
-            f"left and {math.degrees(to_right):.0f} to the right; valid is {LEAST_WAY:g} m or more "
-            f"and {math.degrees(LEAST_TURN):.0f} degrees or more each way round"
+            f"{100 * path.solution.share:.0f} % of the edges that were seen lie on the field's: "
+            "the robot was moved by hand, or this is another field"
+        )
+    if not math.isnan(path.lost_at):
+        raise CalibrationError(
+            f"the path is lost after {path.lost_at:.0f} s: the robot was moved by hand, or saw no "
+            "tape for long; valid is a shorter drive"
         )
 
 
-def _check_fit(log: DriveLog, solution: Solution) -> None:
-    share = len(solution.misses.residuals) / max(1, int(np.isfinite(log.pixels[:, :, 0]).sum()))
-    if share < LEAST_SEEN or residual_sd(solution.misses) > FAR_OFF:
-        raise CalibrationError(
-            f"{100 * share:.0f} % of the edges that were seen lie on the field's: the robot did "
-            "not start where it was told, or this is another field"
-        )
-
-
-def _with_unlearnt_left(
-    adjustment: Adjustment, solution: Solution, weights: Weights
-) -> Calibration:
+def _with_unlearnt_left(path: DrivePath) -> Calibration:
     """Adjust once more, with all that was not learnt left as it was."""
+    solution = path.solution
     sd = np.sqrt(np.diag(solution.covariance))
     unlearnt = sd > UNTOLD * PRIORS
     unlearnt[ROBOT:] = False
     if unlearnt.any():
-        stiffness = np.where(unlearnt, FIXED, weights.stiffness)
-        solution = adjustment.solve(solution.state, Weights(stiffness, weights.gate, weights.doubt))
+        solution = path.adjusted_again(Weights(sd=np.where(unlearnt, FIXED, 1.0) * PRIORS))
         sd[unlearnt] = PRIORS[unlearnt]
     values = np.where(unlearnt, 0.0, solution.state.values)
+    sd[ROTATION] = np.hypot(sd[ROTATION], _turned_by_others(values[ROTATION], sd[ROTATION]))
     return Calibration(values, sd, solution, residual_sd(solution.misses))
 
 
-def _weights(window: float) -> list[Weights]:
-    """Return how much is believed in the adjustments of a window [s], one after the other.
+def _turned_by_others(rotation: Array, sd: Array) -> Array:
+    """Return how uncertain each axis of a rotation is as the others are (3,) [rad].
 
-    In short windows the wheels and the place of the camera are stiff: with all free, a drive of two
-    seconds is explained best by a robot of twice the size, or by one that looks aside.
+    Rotations do not just add up: one about the vertical that is not known also turns the axes of
+    the other two. This is the second term of Baker, Campbell and Hausdorff.
     """
-    free = np.ones(COUNT)
-    if window < 3:
-        turned = 0.1 * free
-        turned[index_of(["camera_roll", "camera_pitch"])] = 1.0
-        return [
-            Weights(0.01 * free, gate=0.25, doubt=100.0),
-            Weights(turned, gate=0.15, doubt=30.0),
-            Weights(turned, gate=0.08, doubt=8.0),
-        ]
-    if window < 6:
-        slow = [LEFT, RIGHT, SEPARATION, DELAY, *index_of(["camera_x", "camera_y"])]
-        free[slow] = 0.1
-        return [Weights(free, gate=0.06, doubt=8.0), Weights(free, gate=0.03, doubt=2.0)]
-    if window < 12:
-        return [Weights(free, gate=0.06, doubt=4.0), Weights(free, gate=0.03)]
-    return [Weights(free)]
+    size = np.square(rotation) + np.square(sd)
+    following, last = [1, 2, 0], [2, 0, 1]
+    variance = size[following] * sd[last] ** 2 + size[last] * sd[following] ** 2
+    result: Array = np.sqrt(variance) / 2
+    return result

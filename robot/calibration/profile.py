@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from robot.calibration.lens.lens_table import MeasuredLens, lens_of_table, table_lines
 from robot.calibration.unknowns import NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
@@ -37,16 +38,32 @@ class Profile:
     """(11,) differences from the description, in the order of ``UNKNOWNS``."""
     sd: Array = field(repr=False)
     """(11,) their standard deviations."""
+    lens: MeasuredLens | None = None
+    """The lens, if it was measured; the focal length's difference is one from it."""
+
+    @classmethod
+    def unmeasured(cls, robot: str, source: str) -> Profile:
+        """Return the profile of a robot of which nothing is known yet."""
+        return cls(robot, datetime.now(UTC), source, np.zeros(ROBOT), PRIORS[:ROBOT].copy())
 
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
         """Return the description of the built robot.
 
         Raises:
-            SpecError: the profile is of another robot.
+            SpecError: the profile is of another robot, or its lens is for other pictures.
         """
         if spec.name != self.robot:
             raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
-        return Differences(self.values).applied_to(spec)
+        built = Differences(self.values).applied_to(self.with_lens(spec))
+        return replace(built, drawing=spec.as_drawn)
+
+    def with_lens(self, spec: RobotSpec) -> RobotSpec:
+        """Return a description with the profile's lens, if it has one, and else as it is.
+
+        Raises:
+            SpecError: the lens is for pictures of another size.
+        """
+        return spec if self.lens is None else self.lens.applied_to(spec)
 
     def to_toml(self) -> str:
         """Return the content of the file."""
@@ -63,6 +80,8 @@ class Profile:
                 f"value = {float(value)!r}  # {SOLVER_UNITS[unknown.unit]}",
                 f"sd = {float(sd)!r}",
             ]
+        if self.lens is not None:
+            lines += table_lines(self.lens)
         return "\n".join(lines) + "\n"
 
 
@@ -92,8 +111,8 @@ def profile_of(content: dict[str, Any]) -> Profile:
         SpecError: a value is missing, unknown or impossible; names it and what is valid.
     """
     for name in content:
-        if name not in ("robot", "made", "source", *NAMES[:ROBOT]):
-            raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
+        if name not in ("robot", "made", "source", "lens", *NAMES[:ROBOT]):
+            raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}, lens")
     robot, made = content.get("robot"), content.get("made")
     if not isinstance(robot, str):
         raise SpecError("robot is missing: the name of the robot, a text")
@@ -107,7 +126,8 @@ def profile_of(content: dict[str, Any]) -> Profile:
         most = MOST_SD * PRIORS[place]
         values[place] = _number(table, name, "value", -most, most)
         sd[place] = _number(table, name, "sd", 0.0, most)
-    return Profile(robot, made, str(content.get("source", "")), values, sd)
+    lens = lens_of_table(content["lens"]) if "lens" in content else None
+    return Profile(robot, made, str(content.get("source", "")), values, sd, lens)
 
 
 def _number(table: dict[str, Any], name: str, key: str, low: float, high: float) -> float:

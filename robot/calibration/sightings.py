@@ -34,6 +34,10 @@ class FloorPoints:
 
     points: Array = field(repr=False)
     """(k, 2 r, 2) in the robot's frame at the picture's stamp [m]."""
+    at_edges: Array = field(repr=False)
+    """(k, 2 r, 2) the same of pixels without their errors, as far as these are known [m]. All
+    derivatives are taken there. At the pixels they would be correlated with the errors, and a
+    smaller world would fit better."""
     by_camera: Array = field(repr=False)
     """(k, 2 r, 2, 7) their derivatives by the camera's rotation, shift and focal length."""
     by_pixel: Array = field(repr=False)
@@ -42,7 +46,9 @@ class FloorPoints:
     def part(self, first: int, last: int) -> FloorPoints:
         """Return the floor points of some pictures."""
         some = slice(first, last)
-        return FloorPoints(self.points[some], self.by_camera[some], self.by_pixel[some])
+        return FloorPoints(
+            self.points[some], self.at_edges[some], self.by_camera[some], self.by_pixel[some]
+        )
 
 
 @dataclass(frozen=True)
@@ -89,7 +95,13 @@ class Sightings:
 
     def part(self, first: int, last: int) -> Sightings:
         """Return the sightings of some pictures."""
-        some = slice(first, last)
+        return self._part_of(slice(first, last))
+
+    def every(self, step: int) -> Sightings:
+        """Return the sightings of every so many pictures."""
+        return self._part_of(slice(None, None, step))
+
+    def _part_of(self, some: slice) -> Sightings:
         return replace(self, pixels=self.pixels[some], late=self.late[some], rows=self.rows[some])
 
     def floor_points(
@@ -101,38 +113,39 @@ class Sightings:
             values: (15,) differences from the description.
             twists: (k, 2) the robot's velocity at each picture [m/s, rad/s].
             errors: (k, 2 r, 2) how far pixels lie off their edges in the picture, as far as that is
-                known [px]. The derivatives are those at the edges. At the pixels they would be
-                correlated with the errors, and the whole world would be found too small.
+                known [px].
         """
         pose = Differences(values).robot_from_camera(self.spec)
         turn, place = pose[:3, :3], pose[:3, 3]
         seen = np.isfinite(self.pixels[:, :, 0])
         pixels = self.pixels[seen]
-        down = self._rays(pixels, values[FOCAL]) @ turn.T
-        points = place[:2] - place[2] * down[:, :2] / down[:, 2:]
-        good = (down[:, 2] < -1e-6) & (np.abs(points).max(axis=1) < FARTHEST)
-        points[~good] = np.nan
-        by_camera, by_pixel = self._derivatives(
-            pixels if errors is None else pixels - errors[seen], values[FOCAL], turn, place[2]
-        )
+        points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
+        right = pixels if errors is None else pixels - errors[seen]
+        rays = self._rays(right, values[FOCAL])
+        by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
+        at_edges = _on_floor(rays @ turn.T, place)
         # In the frame at the stamp, a row exposed later saw the floor from where the robot was.
         v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
         late = self.late[seen]
         moved = np.zeros((len(pixels), 2, 2))
         moved[:, 0, 0] = moved[:, 1, 1] = 1
         moved[:, 0, 1], moved[:, 1, 0] = -late * omega, late * omega
-        points = np.einsum("nij,nj->ni", moved, points)
-        points[:, 0] += late * v
+        shift = np.column_stack([late * v, 0 * late])
+        points, at_edges = (
+            np.einsum("nij,nj->ni", moved, some) + shift for some in (points, at_edges)
+        )
         return FloorPoints(
-            _spread(points, seen), _spread(moved @ by_camera, seen), _spread(moved @ by_pixel, seen)
+            _spread(points, seen),
+            _spread(at_edges, seen),
+            _spread(moved @ by_camera, seen),
+            _spread(moved @ by_pixel, seen),
         )
 
     def _derivatives(
-        self, pixels: Array, focal: float, turn: Array, height: float
+        self, pixels: Array, rays: Array, focal: float, turn: Array, height: float
     ) -> tuple[Array, Array]:
         """Return derivatives of floor points: (n, 2, 7) by the camera, (n, 2, 2) by the pixel."""
         small, apart = 1e-5, 0.5
-        rays = self._rays(pixels, focal)
         changes = [
             (self._rays(pixels, focal + small) - rays) / small,
             *(
@@ -157,6 +170,14 @@ class Sightings:
         # It sees at a pixel what the described one sees nearer to the centre.
         centre = self.spec.lens.matrix[:2, 2]
         return self.spec.lens.unproject(centre + (pixels - centre) / (1 + focal))
+
+
+def _on_floor(down: Array, place: Array) -> Array:
+    """Return where rays (n, 3) from a place (3,) meet the floor (n, 2); nan beyond FARTHEST."""
+    points: Array = place[:2] - place[2] * down[:, :2] / down[:, 2:]
+    good = (down[:, 2] < -1e-6) & (np.abs(points).max(axis=1) < FARTHEST)
+    points[~good] = np.nan
+    return points
 
 
 def _spread(values: Array, seen: NDArray[np.bool_]) -> Array:
@@ -187,7 +208,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     )
     matched = np.flatnonzero(edge >= 0)
     edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
-    normal, around = seen.normals[edge], turned.reshape(-1, 2)[matched]
+    normal = seen.normals[edge]
     c, s = c[picture, 0], s[picture, 0]
     # The normal in the robot's frame.
     across = np.column_stack(
@@ -204,7 +225,8 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     by_unknowns[:, LENS] = -seen.rows.reshape(-1, 3)[matched] * by_pixel[:, 1:]
     metres = (normal * (ends[matched] - seen.edges[edge, :2])).sum(axis=1)
     metres += by_unknowns[:, TAPE] * values[TAPE] + by_unknowns[:, LENS] @ values[LENS]
-    by_pose = np.column_stack([normal, normal[:, 1] * around[:, 0] - normal[:, 0] * around[:, 1]])
+    around = floor.at_edges.reshape(-1, 2)[matched]
+    by_pose = np.column_stack([normal, across[:, 1] * around[:, 0] - across[:, 0] * around[:, 1]])
     pixels = np.zeros((len(ends), 2))
     pixels[matched] = (metres / a_pixel**2)[:, None] * by_pixel
     sd = np.hypot(PIXEL_SD * a_pixel, FLOOR_SD)

@@ -12,8 +12,10 @@ import numpy as np
 
 from robot.calibration.adjustment import STEP_SD, State
 from robot.calibration.sightings import FloorPoints, Sightings, misses
+from robot.calibration.start_poses import edge_ends, pose_near
 from robot.calibration.wheel_motion import WheelMotion
 from robot.geometry import Array
+from robot.localization.models.entry_field import EntryField
 
 FIRST_GATE, GATE, LEAST_GATE = 0.25, 0.10, 0.015
 """Edges farther off than this do not count [m]: in the first picture, at most in later ones, and if
@@ -25,10 +27,25 @@ DOUBT = 5.0
 NEAR = 0.02
 """Edges much farther off than this count less [m]."""
 STEPS = 6
+SLIP_STEP, TURN_BY_WAY = 0.16, 1.2
+"""Standard deviation of a step between two pictures, as a share of it, and of its turn by its way
+[rad/m]: as if all slip were of one step, four times that of a wheel, as slip lasts for a second."""
+UNSURE, TOGETHER, AGAIN_SD = 0.04, 6, np.array([0.012, 0.012, 0.03])
+"""If edges may be farther off than this, after a stretch without tape, so many pictures are laid
+on the field together [m]; and how exact that is [m, m, rad]."""
+LEAST_MATCHED, MOST_MOVED = 0.5, 4.0
+"""A picture tells where the robot is if at least this share of its edges lies on the field's, and
+the pose moves by at most so many standard deviations."""
 
 
 def follow_path(
-    state: State, covariance: Array, seen: Sightings, motion: WheelMotion, *, first: bool
+    state: State,
+    covariance: Array,
+    seen: Sightings,
+    motion: WheelMotion,
+    entries: EntryField,
+    *,
+    first: bool,
 ) -> State:
     """Return a state with the poses of all pictures of a window.
 
@@ -37,6 +54,7 @@ def follow_path(
         covariance: of the last of these poses (3, 3) [m, m, rad].
         seen: the window's sightings.
         motion: the window's wheels.
+        entries: the field, for edges to be laid on.
         first: whether the state's only pose is the start as told.
     """
     known, total = len(state.poses), len(motion.stamps)
@@ -49,6 +67,12 @@ def follow_path(
         if k > 0:
             widest = GATE
             pose, covariance = _predicted(poses[k - 1], covariance, steps[k - 1])
+            if _reach(covariance) > UNSURE and np.isfinite(floor.points[k, :, 0]).any():
+                last = min(total, k + TOGETHER)
+                ends = edge_ends(floor.part(k, last), steps[k : last - 1])
+                likely = pose_near(pose, covariance, ends, entries)
+                if likely is not None:
+                    pose, covariance = likely, np.diag(AGAIN_SD**2)
         gate = min(widest, LEAST_GATE + 3 * _reach(covariance))
         place = seen.part(k, k + 1), floor.part(k, k + 1)
         poses[k], covariance = _laid(pose, covariance, *place, state.values, gate)
@@ -67,7 +91,7 @@ def _predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Arra
     by_pose = np.eye(3)
     by_pose[:2, 2] = -moved[1], moved[0]
     # Wheels of unknown size: one that is larger than the other turns the robot as it rolls.
-    sd = 0.08 * np.abs(step) + STEP_SD + np.array([0.0, 0.0, 0.3 * abs(step[0])])
+    sd = SLIP_STEP * np.abs(step) + STEP_SD + np.array([0.0, 0.0, TURN_BY_WAY * abs(step[0])])
     noise = turn @ np.diag(sd**2) @ turn.T
     return pose + moved, by_pose @ covariance @ by_pose.T + noise
 
@@ -88,5 +112,12 @@ def _laid(
         result = result + step
         if np.abs(step).max() < 1e-4:
             break
+    matched = len(misses(seen, floor, result[None], values, gate).residuals)
+    moved = result - pose
+    if (
+        matched < LEAST_MATCHED * np.isfinite(seen.pixels[:, :, 0]).sum()
+        or moved @ information @ moved > MOST_MOVED**2
+    ):
+        return pose, covariance
     remaining = np.asarray(np.linalg.inv(left), np.float64)
     return result, remaining

@@ -89,13 +89,10 @@ class Differences:
         wheels = spec.with_wheels(radii.tolist(), spec.track * (1 + self.values[SEPARATION]))
         matrix = spec.lens.matrix.copy()
         matrix[[0, 1], [0, 1]] *= 1 + self.values[FOCAL]
-        return replace(
-            wheels,
-            lens=replace(spec.lens, matrix=matrix),
-            robot_from_camera=self.robot_from_camera(spec),
-            picture_delay=spec.picture_delay + self.delay,
-            drawing=spec.as_drawn,
-        )
+        lens = replace(spec.lens, matrix=matrix)
+        built = wheels.with_camera(lens, self.robot_from_camera(spec))
+        delay = spec.picture_delay + self.delay
+        return replace(built, picture_delay=delay, drawing=spec.as_drawn)
 
     @classmethod
     def between(cls, spec: RobotSpec, built: RobotSpec, delay: float) -> Differences:

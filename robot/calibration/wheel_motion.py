@@ -16,6 +16,7 @@ STEP_S = 0.025
 """Longest time within which the wheels' speeds count as constant [s]."""
 
 BY_LEFT, BY_RIGHT, BY_SEPARATION, BY_DELAY = range(4)
+BY_SLIP = slice(4, 6)
 """Columns of the derivatives."""
 
 KERNEL = np.array([1, 4, 6, 4, 1]) / 16
@@ -25,8 +26,11 @@ After smoothing, both are nearly alike."""
 
 SMALL = 1e-6
 """Change of a relative dimension for a derivative by differences."""
-APART_S = 0.02
-"""Time between the angles of a difference [s]: over a millisecond it would be of encoder steps."""
+TWIST_S = 0.04
+"""Time over which the robot's velocity is measured [s]."""
+DELAY_S = 0.3
+"""Time over which the change of velocity is measured that tells the delay [s]. Over a shorter time
+it is of the encoders' noise, which would seem to tell the delay to a millisecond at any speed."""
 MOST_PARTS = 100
 """Most parts of the time between two pictures: for a camera that stalled for seconds."""
 
@@ -55,40 +59,67 @@ class WheelMotion:
     def steps(self, values: Array, slip: Array) -> tuple[Array, Array]:
         """Return how the robot moved from each picture to the next, and the derivatives.
 
-        A wheel rolls ``radius (1 + difference - slip)`` for each radian. Slip is subtracted, not
-        multiplied: otherwise larger radii would make the same slip look smaller.
+        Slip shortens each wheel's way by a share of the mean way (root of the mean square) of both
+        wheels as described, and the turn by the difference over the separation as described. So its
+        size does not depend on the unknowns: if it did, a smaller robot, or one with larger wheels,
+        would explain the same slip better.
 
         Args:
             values: (15,) differences from the description.
-            slip: (k - 1, 2) share of its way that each wheel slips.
+            slip: (k - 1, 2) share of the mean way that each wheel slips.
 
         Returns:
             (k - 1, 3) poses of the next picture in the frame of the last one [m, m, rad]; (k - 1,
-            3, 4) their derivatives by the left and right wheel's relative radius, the relative
-            separation and the delay.
+            3, 6) their derivatives by the left and right wheel's relative radius, the relative
+            separation, the delay, and the slip of both wheels.
         """
-        left, right = values[LEFT] - slip[:, 0], values[RIGHT] - slip[:, 1]
         turns = self._turns(values[DELAY])
-        moved = self._moved(turns, left, right, values[SEPARATION])
-        derivatives = np.empty((*moved.shape, 4))
-        derivatives[:, :, BY_LEFT] = self._moved(turns, left + SMALL, right, values[SEPARATION])
-        derivatives[:, :, BY_RIGHT] = self._moved(turns, left, right + SMALL, values[SEPARATION])
-        derivatives[:, :, BY_SEPARATION] = self._moved(
-            turns, left, right, values[SEPARATION] + SMALL
-        )
+        sizes = values[[LEFT, RIGHT, SEPARATION]]
+        moved = self._moved(turns, sizes, slip)
+        derivatives = np.empty((*moved.shape, 6))
+        for column, change in enumerate(SMALL * np.eye(3)):
+            derivatives[:, :, column] = self._moved(turns, sizes + change, slip) - moved
+        for wheel, change in enumerate(SMALL * np.eye(2)):
+            derivatives[:, :, BY_SLIP.start + wheel] = (
+                self._moved(turns, sizes, slip + change) - moved
+            )
+        derivatives /= SMALL
         late, soon = (
-            self._moved(self._turns(values[DELAY] + half), left, right, values[SEPARATION])
-            for half in (APART_S / 2, -APART_S / 2)
+            self._moved(self._turns(values[DELAY] + half), sizes, slip)
+            for half in (DELAY_S / 2, -DELAY_S / 2)
         )
-        derivatives[:, :, :3] = (derivatives[:, :, :3] - moved[:, :, None]) / SMALL
-        derivatives[:, :, BY_DELAY] = (late - soon) / APART_S
+        derivatives[:, :, BY_DELAY] = (late - soon) / DELAY_S
         return moved, derivatives
+
+    def by_errors(self, values: Array, errors: Array) -> Array:
+        """Return what the derivatives of steps lack, as the encoders measured with errors.
+
+        Derivatives are taken at how the robot moved, not at how the wheels seemed to: else the
+        noise of a robot that drives straight would tell the separation.
+
+        Args:
+            values: (15,) differences from the description.
+            errors: (k - 1, 3) of the steps, true less measured [m, m, rad].
+
+        Returns:
+            (k - 1, 3, 6) to be added to those of ``steps``.
+        """
+        left, right, separation = values[[LEFT, RIGHT, SEPARATION]]
+        track = self.separation * (1 + separation)
+        way, turn = errors[:, 0], errors[:, 2]
+        by_left = (way - turn * track / 2) / (1 + left)
+        by_right = (way + turn * track / 2) / (1 + right)
+        result = np.zeros((len(errors), 3, 6))
+        result[:, 0, BY_LEFT], result[:, 2, BY_LEFT] = by_left / 2, -by_left / track
+        result[:, 0, BY_RIGHT], result[:, 2, BY_RIGHT] = by_right / 2, by_right / track
+        result[:, 2, BY_SEPARATION] = -turn / (1 + separation)
+        return result
 
     def twists(self, values: Array) -> Array:
         """Return the robot's velocity (k, 2) at each picture [m/s, rad/s]."""
         middle = self.stamps - values[DELAY]
-        angles = [self._angles(middle + half) for half in (-APART_S, APART_S)]
-        rolled = (angles[1] - angles[0]) / (2 * APART_S) * np.array(self.radii)
+        angles = [self._angles(middle + half) for half in (-TWIST_S / 2, TWIST_S / 2)]
+        rolled = (angles[1] - angles[0]) / TWIST_S * np.array(self.radii)
         left, right = rolled.T
         track = self.separation * (1 + values[SEPARATION])
         return np.column_stack([(left + right) / 2, (right - left) / track])
@@ -107,11 +138,17 @@ class WheelMotion:
         cuts = times[:-1, None] + np.diff(times)[:, None] * within
         return np.diff(self._angles(cuts), axis=1)
 
-    def _moved(self, turns: Array, left: Array, right: Array, separation: float) -> Array:
-        rolled_left = turns[:, :, 0] * (self.radii[0] * (1 + left))[:, None]
-        rolled_right = turns[:, :, 1] * (self.radii[1] * (1 + right))[:, None]
-        way = (rolled_left + rolled_right) / 2
+    def _moved(self, turns: Array, sizes: Array, slip: Array) -> Array:
+        left, right, separation = sizes
+        rolled_left, rolled_right = (turns * np.array(self.radii)).transpose(2, 0, 1)
+        both = np.sqrt((rolled_left**2 + rolled_right**2) / 2)
+        lost_left = np.sign(rolled_left) * both * slip[:, :1]
+        lost_right = np.sign(rolled_right) * both * slip[:, 1:]
+        lost = (lost_left + lost_right) / 2 * (1 + (left + right) / 2)
+        rolled_left, rolled_right = rolled_left * (1 + left), rolled_right * (1 + right)
+        way = (rolled_left + rolled_right) / 2 - lost
         turn = (rolled_right - rolled_left) / (self.separation * (1 + separation))
+        turn -= (lost_right - lost_left) / self.separation
         heading = np.cumsum(turn, axis=1) - turn / 2
         chord = way * np.sinc(turn / (2 * np.pi))
         return np.column_stack(

@@ -11,6 +11,7 @@ from functools import cached_property
 from xml.etree import ElementTree
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from robot.description.urdf import (
     Shape,
@@ -187,3 +188,27 @@ def _steps_up(link: str | None, holders: dict[str | None, str | None]) -> int:
     while link in holders and steps <= len(holders) + 1:
         link, steps = holders[link], steps + 1
     return steps
+
+
+def place_link(
+    root: ElementTree.Element, model: RobotModel, link: str, root_from_link: Array
+) -> None:
+    """Move a link to another pose, and the part to which it is fixed with it.
+
+    Args:
+        root: the description; the origin of one joint is changed in it.
+        model: the same description.
+        link: name of the link.
+        root_from_link: its pose (4, 4) in the frame of the root link.
+    """
+    joint, pose = model.holders[link], root_from_link
+    if joint.type == "fixed" and joint.parent in model.holders:
+        pose = pose @ np.linalg.inv(joint.origin)
+        joint = model.holders[joint.parent]
+    origin = model.transform(model.root, joint.parent) @ pose
+    element = next(item for item in root.findall("joint") if item.get("name") == joint.name)
+    for each in element.findall("origin"):
+        element.remove(each)
+    angles = Rotation.from_matrix(origin[:3, :3]).as_euler("xyz")
+    texts = (" ".join(repr(float(part)) for part in parts) for parts in (origin[:3, 3], angles))
+    ElementTree.SubElement(element, "origin", dict(zip(("xyz", "rpy"), texts, strict=True)))

@@ -15,7 +15,7 @@ from shapely.geometry.polygon import orient
 
 from robot.camera import CameraError, FloorView, Lens
 from robot.description.rigid_bodies import with_inertia
-from robot.description.robot_model import RobotModel, read_model
+from robot.description.robot_model import RobotModel, place_link, read_model
 from robot.description.urdf import SpecError, origin_of, parse_xml, shape_of, text_of
 from robot.description.wheels import ROBOT_FRAME, JointSpec, read_wheels, resize_wheel
 from robot.geometry import Array
@@ -108,6 +108,24 @@ class RobotSpec:
         urdf = with_inertia(ElementTree.tostring(root, encoding="unicode"))
         outline = _outline(parse_xml(urdf), read_model(urdf))
         return replace(self, joints=joints, outline=outline, urdf=urdf)
+
+    def with_camera(self, lens: Lens, robot_from_camera: Array) -> RobotSpec:
+        """Return the same robot with another lens, or the camera mounted otherwise.
+
+        The URDF has the camera where it is; the lens is beside it, in the file that it names.
+
+        Args:
+            lens: the lens.
+            robot_from_camera: (4, 4) from the camera's optical frame to the robot frame.
+        """
+        root, model = parse_xml(self.urdf), read_model(self.urdf)
+        frame = text_of(_camera_sensor(root), "frame", "the camera")
+        place_link(root, model, frame, robot_from_camera)
+        urdf = ElementTree.tostring(root, encoding="unicode")
+        outline = _outline(root, read_model(urdf))
+        return replace(
+            self, lens=lens, robot_from_camera=robot_from_camera, outline=outline, urdf=urdf
+        )
 
     @property
     def as_drawn(self) -> RobotSpec:

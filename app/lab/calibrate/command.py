@@ -16,15 +16,17 @@ import numpy as np
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import Program
-from app.files import atomic_file
+from app.lab.calibrate.kept_profile import write_profile
 from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
+from app.settings.profiles import NONE, own_profile
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
-from robot.calibration.profile import Profile
+from robot.calibration.lens.lens_table import MeasuredLens
+from robot.calibration.profile import Profile, load_profile
 from robot.calibration.programme import velocity
 from robot.calibration.unknowns import ROBOT, UNKNOWNS
 from robot.description.spec import RobotSpec
@@ -51,12 +53,14 @@ class CalibratedRobot:
     calibration: Calibration
     source: str
     """What it was measured from."""
+    lens: MeasuredLens | None = None
+    """The lens that it was measured through, if it is another than the described one."""
 
     @property
     def profile(self) -> Profile:
         """The profile to be written."""
         values, sd = self.calibration.values[:ROBOT], self.calibration.sd[:ROBOT]
-        return Profile(self.spec.name, datetime.now(UTC), self.source, values, sd)
+        return Profile(self.spec.name, datetime.now(UTC), self.source, values, sd, self.lens)
 
 
 def calibrate_drive(given: dict[str, Any]) -> int:
@@ -69,23 +73,26 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     seconds = given.pop("seconds", SECONDS)
     if not SHORTEST_S <= seconds <= LONGEST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
-    out, start = given.pop("out", OUT), given.pop("start", None)
+    out, start = given.pop("out", None), given.pop("start", None)
+    if out is None:
+        real = given.get("robot") == "buildhat"
+        out = own_profile(RobotSpec.load().name) if real else OUT
     pose = None if start is None else Pose2(*start)
+    lens = load_profile(out).lens if out.exists() else None
     recording = given.pop("recording", None)
     report = _show if sys.stderr.isatty() else _silent
     if recording is None:
         config = config_from(Namespace(**given))
-        result = calibrate_by_driving(config, seconds, pose, report)
+        result = calibrate_by_driving(config, seconds, pose, report, lens)
     else:
         for name in LIVE_ONLY:
             if name in given:
                 option = "--" + name.replace("_", "-")
                 raise SettingError(f"{option} has no effect with a recording")
-        result = calibrate_recording(recording, given.get("map"), seconds, pose, report)
+        result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
     for line in lines_of(result.calibration):
         say(line)
-    with atomic_file(out) as new:
-        new.write_text(result.profile.to_toml(), encoding="utf-8")
+    write_profile(out, result.profile)
     say(f"the profile is {out}; use it by: brickpose run --profile {out}")
     return 0
 
@@ -95,29 +102,45 @@ def _silent(seconds: float, solution: Solution) -> None:
 
 
 def _show(seconds: float, solution: Solution) -> None:
-    sys.stderr.write(f"\radjusted {seconds:.0f} s ")
+    sd = np.sqrt(np.diag(solution.covariance))[:ROBOT]
+    cells = []
+    for unknown, each in zip(UNKNOWNS, sd, strict=False):
+        name = unknown.name.removeprefix("camera_")
+        cells.append(f"{name} {1.96 * unknown.scale * each:.2g} {unknown.unit}")
+    sys.stderr.write(f"{seconds:4.0f} s, +- (95 %): {', '.join(cells)}\n")
     sys.stderr.flush()
 
 
 def calibrate_by_driving(
-    config: Config, seconds: float, start: Pose2 | None, report: Report = _silent
+    config: Config,
+    seconds: float,
+    start: Pose2 | None,
+    report: Report = _silent,
+    lens: MeasuredLens | None = None,
 ) -> CalibratedRobot:
     """Let a robot drive the calibration's programme, and adjust the drive.
 
     Raises:
         CalibrationError: the robot has a fault, or the drive does not tell what it is like.
+        SpecError: the lens is for pictures of another size.
     """
     # A profile from before would hide what is measured.
-    config = replace(config, profile="")
+    config = replace(config, profile=NONE)
     program = build_program(config)
-    recorder = DriveRecorder(program.robot.spec, config.scanner, program.field.tape)
     try:
+        spec = _seen_through(lens, program.robot.spec)
+        recorder = DriveRecorder(spec, config.scanner, program.field.tape)
         for reading in _driven(program, seconds):
             recorder.add(reading)
     finally:
         program.robot.close()
     source = f"{seconds:g} s of driving on {program.field.name}"
-    return _adjusted(recorder, program.robot.spec, program.field, start, source, report)
+    result = _adjusted(recorder, spec, program.field, start, source, report)
+    return replace(result, lens=lens)
+
+
+def _seen_through(lens: MeasuredLens | None, spec: RobotSpec) -> RobotSpec:
+    return spec if lens is None else lens.applied_to(spec)
 
 
 def _driven(program: Program, seconds: float) -> Iterator[Reading]:
@@ -139,7 +162,12 @@ def _driven(program: Program, seconds: float) -> Iterator[Reading]:
 
 
 def calibrate_recording(
-    path: Path, map_name: str | None, seconds: float, start: Pose2 | None, report: Report = _silent
+    path: Path,
+    map_name: str | None,
+    seconds: float,
+    start: Pose2 | None,
+    report: Report = _silent,
+    lens: MeasuredLens | None = None,
 ) -> CalibratedRobot:
     """Adjust the beginning of a recorded drive.
 
@@ -148,10 +176,10 @@ def calibrate_recording(
         CalibrationError: the drive does not tell what the robot is like.
     """
     program = open_replay(path, ReplayOptions(map=map_name))
-    scanner = program.config.scanner
-    recorder = DriveRecorder(program.robot.spec.as_drawn, scanner, program.field.tape)
     first: float | None = None
     try:
+        spec = _seen_through(lens, program.robot.spec.as_drawn)
+        recorder = DriveRecorder(spec, program.config.scanner, program.field.tape)
         while True:
             reading = program.robot.read()
             first = reading.stamp if first is None else first
@@ -163,7 +191,8 @@ def calibrate_recording(
     finally:
         program.robot.close()
     source = f"the recording {path.name} on {program.field.name}"
-    return _adjusted(recorder, program.robot.spec, program.field, start, source, report)
+    result = _adjusted(recorder, spec, program.field, start, source, report)
+    return replace(result, lens=lens)
 
 
 def _adjusted(
@@ -193,4 +222,10 @@ def lines_of(calibration: Calibration) -> list[str]:
         )
         lines.append(f"{unknown.name:<18}{value:>+11.3f}{1.96 * sd:>10.3f} {unknown.unit}{note}")
     lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
+    millimetres = 1.96 * 1e3 * calibration.position_sd
+    if not math.isnan(millimetres):
+        lines.append(
+            f"all of this makes the robot's place uncertain by {millimetres:.2f} mm (95 %)"
+        )
+    lines += [f"to learn more: {motion}" for motion in calibration.advice]
     return lines

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from app.interruption import interruptible
 from app.options import Commands, add_camera, add_condition, add_config, add_map, add_serial_port
@@ -18,7 +19,11 @@ def add_calibrate(commands: Commands) -> None:
         description="Measure how the robot differs from its description.",
         allow_abbrev=False,
     )
-    kinds = command.add_subparsers(required=True, metavar="{drive}")
+    kinds = command.add_subparsers(required=True, metavar="{drive,board,lens,mounting,undo}")
+    _add_printed_board(kinds)
+    _add_lens(kinds)
+    _add_mounting(kinds)
+    _add_undo(kinds)
     drive = kinds.add_parser(
         "drive",
         help="by driving over a known field",
@@ -52,7 +57,7 @@ def add_calibrate(commands: Commands) -> None:
         "--out",
         type=Path,
         metavar="PROFILE.toml",
-        help="the robot's profile (default: profile.toml)",
+        help="the robot's profile; if it exists, its lens is used and kept (default: profile.toml)",
     )
     add_condition(drive)
     add_serial_port(drive)
@@ -64,6 +69,171 @@ def add_calibrate(commands: Commands) -> None:
 def _drive(parsed: argparse.Namespace) -> int:
     from app.lab.calibrate.command import calibrate_drive  # noqa: PLC0415
 
-    given = {name: value for name, value in vars(parsed).items() if name != "command"}
     with interruptible():
-        return calibrate_drive(given)
+        return calibrate_drive(_given(parsed))
+
+
+def _add_printed_board(kinds: Commands) -> None:
+    board = kinds.add_parser(
+        "board",
+        help="a board to print, for lens and mounting",
+        description="Write a page with a chessboard or ChArUco board at its true size, and rulers "
+        "to check the printer by.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    add_board(board)
+    board.add_argument("--paper", metavar="NAME", help="a4, a3 or letter (default: a4)")
+    board.add_argument(
+        "--out", type=Path, metavar="FILE.pdf|FILE.svg", help="the page (default: board.pdf)"
+    )
+    board.set_defaults(command=_board)
+
+
+def _add_lens(kinds: Commands) -> None:
+    lens = kinds.add_parser(
+        "lens",
+        help="the lens, by pictures of a printed board",
+        description="Measure the lens by pictures of a printed chessboard or ChArUco board, from "
+        "many sides, in all parts of the picture. Pictures that are of no use are refused with the "
+        "reason. Writes a ROS camera_info file.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    lens.add_argument(
+        "pictures", nargs="+", type=Path, metavar="PICTURES", help="folders, or files"
+    )
+    add_board(lens)
+    lens.add_argument(
+        "--out",
+        type=Path,
+        metavar="CAMERA.yaml|PROFILE.toml",
+        help="the lens: ROS's camera_info, or in the robot's profile (default: camera.yaml)",
+    )
+    lens.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="the report (default: beside the lens)"
+    )
+    lens.set_defaults(command=_lens)
+
+
+def _add_mounting(kinds: Commands) -> None:
+    mounting = kinds.add_parser(
+        "mounting",
+        help="how the camera is mounted, by one picture of the floor",
+        description="Measure roll, pitch, yaw, height and place of the camera, by one picture of a "
+        "printed board that lies on the floor, or of the tape of a known field. Writes them into "
+        "the robot's profile, of which all else is kept. Metres, radians.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    mounting.add_argument("picture", type=Path, metavar="PICTURE", help="taken by the robot")
+    add_board(mounting)
+    mounting.add_argument(
+        "--at",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "THETA"),
+        help="where the board lies: its lower right corner seen from the robot's axle, and where "
+        "the top of its page points (0: ahead)",
+    )
+    mounting.add_argument(
+        "--map",
+        metavar="NAME|FILE",
+        help="instead of a board, the tape of this field: best a corner of it",
+    )
+    mounting.add_argument(
+        "--start",
+        type=float,
+        nargs=3,
+        metavar=("X", "Y", "THETA"),
+        help="where the robot stands on that field (default: the field's start)",
+    )
+    mounting.add_argument(
+        "--camera",
+        type=Path,
+        metavar="CAMERA.yaml",
+        help="the lens (default: that of the profile, else the described one)",
+    )
+    mounting.add_argument(
+        "--out",
+        type=Path,
+        metavar="PROFILE.toml",
+        help="the robot's profile, which may exist (default: profile.toml)",
+    )
+    mounting.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE.png",
+        help="the picture with the floor's grid (default: beside the profile)",
+    )
+    mounting.set_defaults(command=_mounting)
+
+
+def _add_undo(kinds: Commands) -> None:
+    undo = kinds.add_parser(
+        "undo",
+        help="go back to the profile before",
+        description="Go back to the profile before the last calibration. The two change places, so "
+        "a second undo takes the first one back.",
+        argument_default=argparse.SUPPRESS,
+        allow_abbrev=False,
+    )
+    undo.add_argument(
+        "profile",
+        nargs="?",
+        type=Path,
+        default=None,
+        metavar="PROFILE.toml",
+        help="the profile (default: the real robot's own)",
+    )
+    undo.set_defaults(command=_undo)
+
+
+def add_board(command: argparse.ArgumentParser) -> None:
+    """Add the options that say which board it is."""
+    command.add_argument(
+        "--type", choices=("chessboard", "charuco"), help="kind of board (default: chessboard)"
+    )
+    command.add_argument(
+        "--squares",
+        metavar="CxR",
+        help="its squares across and up; of a chessboard its inner corners will do, as ROS counts "
+        "them (default: 10x7)",
+    )
+    command.add_argument(
+        "--size", type=float, metavar="M", help="side of a square [m] (default: 0.025)"
+    )
+    command.add_argument(
+        "--marker", type=float, metavar="SHARE", help="markers by squares (charuco; default: 0.7)"
+    )
+    command.add_argument(
+        "--dictionary", metavar="NAME", help="which markers (charuco; default: 5x5_250)"
+    )
+
+
+def _lens(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.lens_command import calibrate_lens_command  # noqa: PLC0415
+
+    return calibrate_lens_command(_given(parsed))
+
+
+def _board(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.board_command import print_board  # noqa: PLC0415
+
+    return print_board(_given(parsed))
+
+
+def _mounting(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.mounting_command import calibrate_mounting  # noqa: PLC0415
+
+    return calibrate_mounting(_given(parsed))
+
+
+def _undo(parsed: argparse.Namespace) -> int:
+    from app.lab.calibrate.undo_command import undo_calibration  # noqa: PLC0415
+
+    return undo_calibration(parsed.profile)
+
+
+def _given(parsed: argparse.Namespace) -> dict[str, Any]:
+    return {name: value for name, value in vars(parsed).items() if name != "command"}

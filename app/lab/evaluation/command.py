@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +9,11 @@ from app.console import say
 from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.experiment import Experiment, Outcome, run
 from app.lab.evaluation.recorded import RUN, evaluate_recording
-from app.lab.evaluation.report.report import Evaluation, figure3, millimetres, report, seconds
+from app.lab.evaluation.report.report import Evaluation, figure3, report
 from app.lab.evaluation.results import condition_table, trajectory
 from app.lab.evaluation.runs import Run
 from app.lab.evaluation.scores import SHOWN
+from app.lab.report_page import millimetres, seconds
 from app.lab.trajectories.files.tum import write_tum
 from app.lab.workers import Workers, workers
 from app.options import config_of
@@ -193,8 +193,6 @@ def _experiment(given: Given, folder: Path) -> dict[str, Any]:
     if "calibrate" in given:
         options["calibrate"] = given["calibrate"]
     config = config_of(given)
-    if "profile" in given:
-        config = replace(config, profile=given["profile"])
     experiment = Experiment(config, worlds_from_options(given), **options)
     crew = workers_from_options(given)
     try:

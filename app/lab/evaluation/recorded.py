@@ -11,9 +11,9 @@ import numpy as np
 
 from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.report import figures
-from app.lab.evaluation.report.report import embedded, page
 from app.lab.evaluation.results import method_table
 from app.lab.evaluation.scores import SHOWN, score
+from app.lab.report_page import embedded, page
 from app.lab.trajectories.association import associate
 from app.lab.trajectories.clock_offset import ClockOffset, require_same_run
 from app.lab.trajectories.files.reading import read_trajectory

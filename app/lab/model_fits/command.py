@@ -11,7 +11,6 @@ from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.command import Given, workers_from_options, worlds_from_options
 from app.lab.evaluation.experiment import Experiment, run
 from app.lab.evaluation.recorded import clock_of
-from app.lab.evaluation.report.report import millimetres
 from app.lab.evaluation.results import condition_table
 from app.lab.model_fits.fitted_file import fitted_settings, toml_of
 from app.lab.model_fits.likelihood import FitError
@@ -19,6 +18,7 @@ from app.lab.model_fits.motion_statistics import MotionStatistics, recorded_moti
 from app.lab.model_fits.report.models_report import models_report
 from app.lab.model_fits.sensor_statistics import SensorStatistics, scanned_drives
 from app.lab.model_fits.tables import Table, motion_table, sensor_table
+from app.lab.report_page import millimetres
 from app.lab.trajectories.clock_offset import require_same_run
 from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError

@@ -13,7 +13,7 @@ from app.engine.own_models.own_models import OwnModels
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.program import Program
 from app.engine.start_pose.start import Start, start
-from app.recordings.attachments import SETTINGS, URDF
+from app.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
@@ -24,6 +24,7 @@ from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config, by_path, with_settings
 from app.settings.toml_file import read_toml
+from robot.calibration.profile import load_profile
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -78,6 +79,8 @@ class ReplayOptions:
     motion_model: str = ""
     models: str = ""
     """A folder of the user's own models."""
+    profile: Path | None = None
+    """What is known of the robot by now, instead of what was known then."""
     seed: int | None = None
     speed: float = 1.0
     paused: bool = False
@@ -105,6 +108,9 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
     reader = open_recording(path)
     topics = RecordedTopics.of(reader.topics)
     parts = RecordedParts.of(reader)
+    if options.profile is not None:
+        built = load_profile(options.profile).applied_to(parts.spec.as_drawn)
+        parts = replace(parts, spec=built)
     config, given = _configured(parts.config, options)
     field = _field(parts, options, reader)
     drive = DifferentialDrive(parts.spec, config.drive.multipliers)
@@ -217,7 +223,7 @@ def _start(config: Config, parts: RecordedParts, field: Field, robot: RecordedRo
     return start(replace(wanted, restore_pose=False), Path(), field)
 
 
-CURES = {SETTINGS: "; --filter-config gives others"}
+CURES = {SETTINGS: "; --filter-config gives others", PROFILE: "; --profile gives another"}
 
 
 def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptions) -> list[str]:
@@ -228,7 +234,7 @@ def _remarks(reader: RecordingReader, parts: RecordedParts, options: ReplayOptio
     result.extend(
         f"{name} in the recording is damaged: the program's own is used{CURES.get(name, '')}."
         for name in parts.damaged
-        if name in (SETTINGS, URDF)
+        if name in (SETTINGS, URDF, PROFILE)
     )
     if parts.models and not (options.sensor_model or options.motion_model):
         result.append(

@@ -37,10 +37,14 @@ class Child:
     """Starts the process; ``close`` ends it. One thread offers messages, another receives them."""
 
     def __init__(self, plan: Plan) -> None:
-        ours, its = socket.socketpair()
-        for end in (ours, its):
-            end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, PIPE_BYTES)
-        with its:
+        self._plan = plan
+        self._end, its = socket.socketpair()
+        with its, contextlib.ExitStack() as on_failure:
+            on_failure.enter_context(self._end)
+            for end in (self._end, its):
+                end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, PIPE_BYTES)
+            self._out = on_failure.enter_context(self._end.dup())
+            """The same socket, for sending without blocking."""
             self.process = subprocess.Popen(
                 [*COMMAND, str(its.fileno())],
                 pass_fds=(its.fileno(),),
@@ -48,9 +52,8 @@ class Child:
                 stdout=subprocess.DEVNULL,
                 start_new_session=True,  # Ctrl-C is for the program, which then ends it
             )
-        self._end = ours
-        self._out = ours.dup()
-        """The same socket, for sending without blocking."""
+            on_failure.pop_all()
+        self._end.settimeout(START_S)
         self._out.setblocking(False)
         self._rest = bytearray()
         """The offered bytes that are not sent yet, because the pipe was full."""
@@ -60,8 +63,6 @@ class Child:
         self._frames = Frames(LONGEST_IN)
         self._cause: str | None = None
         self._words: str | None = None
-        ours.settimeout(START_S)
-        self.send(PLAN, plan.to_json())
 
     def send(self, number: int, payload: bytes) -> None:
         """Send a message; waits until all of it is in the pipe.
@@ -105,11 +106,13 @@ class Child:
         return True
 
     def wait_until_ready(self) -> None:
-        """Wait until the process publishes.
+        """Send the process its plan, and wait until it publishes.
 
         Raises:
             ChildError: it does not start to publish.
         """
+        with contextlib.suppress(ChildError):  # it has ended: what it sent before says why
+            self.send(PLAN, self._plan.to_json())
         for number, _ in self.receive():
             if number == READY:
                 self._end.settimeout(SILENCE_S)

@@ -88,7 +88,7 @@ def camera_info(source: TopicSource, snapshot: Snapshot) -> Message:
         header=header(source, frame.stamp, source.links.camera),
         height=lens.height,
         width=lens.width,
-        distortion_model="plumb_bob",
+        distortion_model=lens.model,
         d=lens.distortion,
         k=lens.matrix.ravel(),
         r=np.eye(3).ravel(),

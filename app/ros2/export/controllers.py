@@ -31,6 +31,8 @@ def diff_drive(spec: RobotSpec, config: Config) -> dict[str, Any]:
     """The parameters of diff_drive_controller."""
     drive, ros2 = config.drive, config.ros2
     left, right = spec.axle
+    # The controller has one radius; where the wheels differ, the multipliers say so.
+    ratios = {side: spec.joints[side].radius / spec.wheel_radius for side in (left, right)}
     top_v = min(drive.max_velocity, spec.max_v)
     top_omega = min(drive.max_angular_velocity, spec.max_omega)
     return {
@@ -39,8 +41,8 @@ def diff_drive(spec: RobotSpec, config: Config) -> dict[str, Any]:
         "wheel_separation": spec.track,
         "wheel_radius": spec.wheel_radius,
         "wheel_separation_multiplier": drive.wheel_separation_multiplier,
-        "left_wheel_radius_multiplier": drive.left_wheel_radius_multiplier,
-        "right_wheel_radius_multiplier": drive.right_wheel_radius_multiplier,
+        "left_wheel_radius_multiplier": ratios[left] * drive.left_wheel_radius_multiplier,
+        "right_wheel_radius_multiplier": ratios[right] * drive.right_wheel_radius_multiplier,
         "odom_frame_id": ros2.odom_frame_id,
         "base_frame_id": ros2.base_frame_id,
         "pose_covariance_diagonal": _in_space(POSE_VARIANCE),

@@ -9,16 +9,19 @@ from typing import Any
 import yaml
 
 from app.console import say
+from app.engine.build import robot_spec
 from app.files import make_folder
 from app.options import config_of
 from app.ros2.export.controllers import controllers
 from app.ros2.export.nav2 import nav2
 from app.settings.config import MAPS, Config
-from robot.description.spec import SPIKE, RobotSpec
+from robot.calibration.lens.camera_info import camera_info
+from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 
+TITLE = "By `brickpose export ros2`, from the robot's description, profile and settings."
 MOCK = "mock_components/GenericSystem"
 """ros2_control's own mock of hardware: its wheels follow each command at once."""
 
@@ -33,16 +36,17 @@ def export_ros2(folder: Path, config: Config, plugin: str = MOCK) -> list[Path]:
 
     Raises:
         SettingError: the folder cannot be made.
+        SpecError: the robot's profile cannot be used.
         OSError: a file cannot be written.
     """
-    spec, field = RobotSpec.load(), load_field(config.map, MAPS)
+    spec, field = robot_spec(config), load_field(config.map, MAPS)
     for name in ("urdf", "config", "maps"):
         make_folder(folder / name)
-    lens = SPIKE.parent / _lens_file(spec)
+    lens = _lens_file(spec)
     grid = field.grid or field.occupancy(config.ros2.map_resolution)
     files = {
         folder / "urdf" / "brickpose.urdf": with_plugin(spec.urdf, plugin),
-        folder / "urdf" / lens.name: lens.read_text(encoding="utf-8"),
+        folder / "urdf" / lens: camera_info(spec.lens, title=TITLE),
         folder / "config" / "controllers.yaml": _yaml(controllers(spec, config)),
         folder / "config" / "nav2.yaml": _yaml(nav2(spec, config, field)),
     }
@@ -69,7 +73,7 @@ def _lens_file(spec: RobotSpec) -> str:
 
 def _yaml(content: dict[str, Any]) -> str:
     written: str = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=100)
-    return f"# By `brickpose export ros2`, from the robot's description and settings.\n{written}"
+    return f"# {TITLE}\n{written}"
 
 
 def export_command(parsed: argparse.Namespace) -> int:

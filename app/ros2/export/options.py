@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from app.interruption import interruptible
-from app.options import Commands, add_config, add_map
+from app.options import Commands, add_config, add_map, add_profile
 
 
 def add_export(commands: Commands) -> None:
@@ -26,6 +26,7 @@ def add_export(commands: Commands) -> None:
     )
     ros2.add_argument("folder", type=Path, metavar="DIR", help="where to; made if it is not there")
     add_map(ros2)
+    add_profile(ros2)
     add_config(ros2)
     ros2.add_argument(
         "--hardware-plugin",

@@ -7,12 +7,14 @@ from collections.abc import Iterator
 
 from app.console import say
 from app.settings.config import Config
+from app.settings.profiles import profile_file
 from app.tools.doctor import pi, serial_check
 from app.tools.doctor.board import check_board, firmware_image
 from app.tools.doctor.camera_check import check_camera
 from app.tools.doctor.computer import check_computer
 from app.tools.doctor.finding import PROBLEM, WARNING, Finding
 from app.tools.doctor.machine import Machine
+from app.tools.doctor.profile_check import check_profile
 from robot.description.spec import RobotSpec
 
 
@@ -39,6 +41,7 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
     if serial_check.usable(of_wire):
         device = serial_check.device_of(machine, config.build_hat.serial_port)
         yield from check_board(device, spec.joints, config.build_hat, _tell)
+    yield check_profile(profile_file(config), spec)
     yield from check_camera(spec.lens, config.camera)
 
 

@@ -54,6 +54,12 @@ def add_replay(commands: Commands) -> None:
         help="a field of maps/, or an .svg or .yaml file (default: that in the recording)",
     )
     command.add_argument(
+        "--profile",
+        type=Path,
+        metavar="PROFILE.toml",
+        help="what `brickpose calibrate` has measured of the robot (default: what was known then)",
+    )
+    command.add_argument(
         "--seed", type=int, help="seed of the filter (default: that of the recording)"
     )
     command.add_argument("--host", help=f"address to listen on (default: {default.host})")

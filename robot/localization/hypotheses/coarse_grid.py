@@ -99,6 +99,12 @@ class CoarseGrid:
         )
 
 
+def costs_at(poses: Array, ends: Array, entries: EntryField, blur: float) -> Array:
+    """Return the costs (n,) of poses (n, 3), as ``CoarseGrid.score`` has them."""
+    table = entries.distances, entries.origin, entries.resolution
+    return np.array([_cost(pose, ends, *table, blur) for pose in poses])
+
+
 def _evenly(low: float, size: float, step: float) -> Array:
     count = max(1, math.ceil(size / step))
     half = step * (count - 1) / 2

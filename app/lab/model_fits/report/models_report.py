@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.patches import Ellipse
 from scipy.stats import chi2
 
-from app.lab.evaluation.report.report import embedded, page
 from app.lab.figure_style import svg_figure
 from app.lab.model_fits.motion_statistics import EndSpread, MotionStatistics
 from app.lab.model_fits.regions import Held
 from app.lab.model_fits.sensor_statistics import SensorStatistics
+from app.lab.report_page import embedded, page
 from app.settings.config import Config
 from app.settings.provenance import settings_of
 from robot.geometry import Array

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.recordings.attachments import SETTINGS, URDF
+from app.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.decoding import ContentError, pose_and_covariance_of
@@ -18,6 +18,7 @@ from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
 from app.settings.toml_file import parse_toml
+from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
@@ -69,7 +70,7 @@ class RecordedParts:
             map_file = facts.get("map_file", "")
             return cls(
                 Config() if SETTINGS in damaged else _config(reader),
-                RobotSpec.load(folder / URDF) if URDF in names else RobotSpec.load(),
+                _robot(folder, names),
                 load_field(str(folder / map_file), MAPS) if map_file in names else None,
                 SETTINGS in reader.attachments and SETTINGS not in damaged,
                 facts.get("from_start") == "true",
@@ -104,6 +105,12 @@ def _unpacked(reader: RecordingReader, folder: Path, damaged: Collection[str]) -
 def _names_file(name: str) -> bool:
     """Whether a foreign name can be that of a file, and does not lead out of its folder."""
     return name != ".." and name.isprintable() and len(name.encode()) <= LONGEST_NAME
+
+
+def _robot(folder: Path, names: Collection[str]) -> RobotSpec:
+    """Return the recorded robot as its profile corrects it, or the program's own."""
+    drawn = RobotSpec.load(folder / URDF) if URDF in names else RobotSpec.load()
+    return load_profile(folder / PROFILE).applied_to(drawn) if PROFILE in names else drawn
 
 
 def _config(reader: RecordingReader) -> Config:

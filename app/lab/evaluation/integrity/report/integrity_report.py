@@ -18,8 +18,8 @@ from app.lab.evaluation.integrity.drives import CARRY_STAMP
 from app.lab.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
 from app.lab.evaluation.integrity.summary import NO_ALERT, Row
-from app.lab.evaluation.report.report import embedded, page
 from app.lab.figure_style import svg_figure
+from app.lab.report_page import embedded, page
 from app.settings.provenance import settings_of
 from robot.geometry import Array
 from robot.localization.integrity import Cause, State

@@ -1,0 +1,92 @@
+"""``brickpose calibrate lens``: measures a lens by pictures of a board."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from app.console import say
+from app.files import atomic_file
+from app.lab.calibrate.kept_profile import profile_before, with_lens, write_profile
+from app.lab.calibrate.lens_report import lens_report
+from app.lab.calibrate.pictures import board_of, find_in, picture_files
+from robot.calibration.lens.board import Board
+from robot.calibration.lens.camera_info import camera_info, parameters
+from robot.calibration.lens.coverage import missing
+from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens
+from robot.calibration.lens.lens_table import MeasuredLens
+from robot.description.spec import RobotSpec
+from robot.settings import SettingError
+
+OUT = Path("camera.yaml")
+SUFFIXES = (".yaml", ".yml", ".toml")
+
+
+def calibrate_lens_command(given: dict[str, Any]) -> int:
+    """Run the command with its options by name; return 0.
+
+    Raises:
+        LensError: the pictures tell no lens; nothing is written then.
+        SettingError, OSError: says what cannot be used.
+    """
+    out = given.pop("out", OUT)
+    if out.suffix.lower() not in SUFFIXES:
+        raise SettingError(
+            f"--out is {out}; valid is a file that ends in .yaml (ROS's camera_info) or .toml (a "
+            "robot's profile)"
+        )
+    spec = RobotSpec.load()
+    before = profile_before(out, spec) if out.suffix == ".toml" else None
+    files = picture_files(given.pop("pictures"))
+    found_boards = find_in(files, board_of(given))
+    board = found_boards.board
+    result = calibrate_lens(found_boards.seen, board, found_boards.refused)
+    for line in lines_of(result, board):
+        say(line)
+    report = given.pop("report", out.with_suffix(".html"))
+    with atomic_file(report) as new:
+        new.write_text(lens_report(result, board), encoding="utf-8")
+    if before is None:
+        with atomic_file(out) as new:
+            new.write_text(yaml_of(result, board), encoding="utf-8")
+    else:
+        measured = MeasuredLens(result.lens, result.chosen.fit.sd)
+        profile = with_lens(before, measured, f"lens by {len(result.seen)} pictures")
+        profile.applied_to(spec)
+        write_profile(out, profile)
+    say(f"the lens is in {out}, a report in {report}")
+    return 0
+
+
+def yaml_of(result: LensCalibration, board: Board) -> str:
+    """Return the lens as the content of a camera_info file."""
+    described = RobotSpec.load().lens
+    title = (
+        f"By `brickpose calibrate lens`, from {len(result.seen)} pictures of a {board.words};\n"
+        f"held-out corners lie {result.chosen.rms:.3f} px off (root mean square)."
+    )
+    lens = replace(result.lens, readout=described.readout)
+    if described.readout:
+        title += "\nThe readout was not measured: it is that of the robot's description."
+    return camera_info(lens, result.chosen.fit.sd, title)
+
+
+def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:
+    """Yield what was found, for people."""
+    for name, reason in sorted(result.refused.items()):
+        yield f"refused {name}: {reason}"
+    yield f"{len(result.seen)} pictures count, of a {board.words}"
+    for rating in result.ratings:
+        mark = "  chosen" if rating is result.chosen else ""
+        yield (
+            f"{rating.model:<20} {rating.rms:.3f} px off in held-out pictures, "
+            f"{rating.fit.rms:.3f} px in its own{mark}"
+        )
+    sd = result.chosen.fit.sd
+    for (name, value), error in zip(parameters(result.lens).items(), sd, strict=True):
+        digits = 2 if name in ("fx", "fy", "cx", "cy") else 4
+        yield f"{name:<3}{value:>10.{digits}f} ± {1.96 * error:.{digits}f}"
+    for words in missing(list(result.seen.values()), board):
+        yield f"better with more pictures: {words}"

@@ -1,0 +1,151 @@
+"""``brickpose calibrate mounting``: measures how the camera is mounted, by one picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from app.console import say
+from app.files import atomic_file
+from app.lab.calibrate.floor_grid import draw_floor
+from app.lab.calibrate.kept_profile import (
+    profile_before,
+    with_lens,
+    with_mounting,
+    write_profile,
+)
+from app.lab.calibrate.pictures import board_of, find_in, read_grey
+from app.settings.config import MAPS, Config
+from robot.calibration.lens.camera_info import parameter_sd
+from robot.calibration.lens.lens_table import MeasuredLens
+from robot.calibration.lens.sighting import Grey, SightingError
+from robot.calibration.mounting.board_mounting import check_scale, mounting_by_board
+from robot.calibration.mounting.mounting import UNITS, Mounting, step_between
+from robot.calibration.mounting.tape_mounting import mounting_by_tape
+from robot.calibration.profile import Profile
+from robot.camera import Lens
+from robot.description.spec import RobotSpec
+from robot.fields.field_loading import load_field
+from robot.geometry import Pose2
+from robot.settings import SettingError
+
+OUT = Path("profile.toml")
+BOARD_OPTIONS = ("squares", "size", "type", "marker", "dictionary")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A mounting, and what it was measured by."""
+
+    mounting: Mounting
+    source: str
+    notes: tuple[str, ...] = ()
+    """What else was seen, for people."""
+
+
+def calibrate_mounting(given: dict[str, Any]) -> int:
+    """Run the command with its options by name; return 0.
+
+    Raises:
+        MountingError, SightingError: the picture does not tell the mounting; nothing is written.
+        SettingError, FieldError, SpecError, CameraError, OSError: says what cannot be used.
+    """
+    out = given.pop("out", OUT)
+    report = given.pop("report", out.with_suffix(".png"))
+    spec = RobotSpec.load()
+    before = profile_before(out, spec)
+    if "camera" in given:
+        path = given.pop("camera")
+        lens = Lens.from_yaml(path)
+        before = with_lens(before, MeasuredLens.of(lens, parameter_sd(path, lens)), "lens file")
+    seen_by = before.with_lens(spec)
+    file = given.pop("picture")
+    grey = read_grey(file)
+    _check_size(grey, seen_by.lens, file)
+    measured = _measured(given, file, grey, seen_by, before)
+    for line in lines_of(measured, spec):
+        say(line)
+    step = step_between(spec.robot_from_camera, measured.mounting.robot_from_camera)
+    sd = np.sqrt(np.diag(measured.mounting.covariance))
+    profile = with_mounting(before, step, sd, measured.source)
+    profile.applied_to(spec)
+    picture = draw_floor(grey, seen_by.lens, measured.mounting.robot_from_camera)
+    with atomic_file(report) as new:
+        cv2.imwrite(str(new), picture)
+    write_profile(out, profile)
+    say(f"the profile is {out}; {report} shows the floor's grid: does it lie on the floor?")
+    return 0
+
+
+def _check_size(grey: Grey, lens: Lens, file: Path) -> None:
+    height, width = grey.shape
+    if (width, height) != (lens.width, lens.height):
+        raise SightingError(
+            f"{file} is of {width} x {height} px, but the lens is for pictures of {lens.width} x "
+            f"{lens.height} px: take it at that size, or give --camera with that lens"
+        )
+
+
+def _measured(
+    given: dict[str, Any], file: Path, grey: Grey, spec: RobotSpec, before: Profile
+) -> Measured:
+    if "at" in given:
+        for name in ("map", "start"):
+            if name in given:
+                raise SettingError(f"--{name} has no effect with --at; valid is one of them")
+        return _by_board(given, file, grey, spec, before)
+    if "map" not in given:
+        raise SettingError(
+            "where is the board, or the robot? valid are --at X Y THETA for a board on the floor, "
+            "and --map FIELD, with --start X Y THETA, for tape"
+        )
+    for name in BOARD_OPTIONS:
+        if name in given:
+            raise SettingError(f"--{name} has no effect with --map; valid is with --at")
+    field = load_field(given["map"], MAPS)
+    placed = Pose2(*given["start"]) if "start" in given else field.start
+    settings = Config().scanner
+    mounting = mounting_by_tape(spec.lens, grey, field, placed, spec.robot_from_camera, settings)
+    return Measured(mounting, f"mounting by tape of {field.name} in {file.name}")
+
+
+def _by_board(
+    given: dict[str, Any], file: Path, grey: Grey, spec: RobotSpec, before: Profile
+) -> Measured:
+    found_boards = find_in([file], board_of(given))
+    if not found_boards.seen:
+        raise SightingError(f"{file}: {found_boards.refused[file.name]}")
+    board, sighting = found_boards.board, found_boards.seen[file.name]
+    sd = None if before.lens is None else before.lens.sd[:4]
+    mounting = mounting_by_board(
+        spec.lens,
+        sighting,
+        board,
+        Pose2(*given["at"]),
+        spec.robot_from_camera,
+        sd if sd is not None and np.isfinite(sd).all() else None,
+    )
+    width = check_scale(grey, spec.lens, mounting, sighting, board, Config().scanner)
+    note = (
+        "no tape beside the board: whether the board was printed at its true size is not checked"
+        if width is None
+        else f"the tape beside the board seems {1e3 * width:.1f} mm wide: the board's size is right"
+    )
+    return Measured(mounting, f"mounting by a {board.words} in {file.name}", (note,))
+
+
+def lines_of(measured: Measured, spec: RobotSpec) -> Iterator[str]:
+    """Yield what was measured, for people."""
+    mounting = measured.mounting
+    drawn = replace(mounting, robot_from_camera=spec.robot_from_camera).values
+    yield f"{'measured':<9}{'value':>10}{'95 %':>8}{'drawn':>10}"
+    for name, (unit, scale) in UNITS.items():
+        value, sd = scale * mounting.values[name], scale * mounting.sd[name]
+        yield f"{name:<9}{value:>z10.2f}{1.96 * sd:>8.2f}{scale * drawn[name]:>z10.2f} {unit}"
+    yield f"{len(mounting.errors)} numbers of the picture lie {mounting.rms:.2f} px off"
+    yield from measured.notes

@@ -1,0 +1,65 @@
+"""Pages of reports: one template each, with all figures embedded, so that they open anywhere."""
+
+from __future__ import annotations
+
+import base64
+import math
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+LAB = Path(__file__).parent
+FOLDERS = (
+    LAB / "evaluation" / "report",
+    LAB / "evaluation" / "integrity" / "report",
+    LAB / "model_fits" / "report",
+    LAB / "calibrate",
+)
+"""Folders that hold templates."""
+NOTHING = 1e-6
+"""A smaller value, in millimetres or milliradians, is a rounding error."""
+
+
+def page(template: str, **values: Any) -> str:
+    """Render the page of a template."""
+    environment = Environment(
+        loader=FileSystemLoader(FOLDERS),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"mm": millimetres, "mrad": milliradians, "s": seconds, "share": share}
+    return environment.get_template(template).render(**values)
+
+
+def embedded(svg: str) -> str:
+    """Return an SVG as a data URL, so that its ids do not collide with those of another SVG."""
+    return "data:image/svg+xml;base64," + base64.b64encode(svg.encode()).decode()
+
+
+def millimetres(value: float | None) -> str:
+    """Format a length [m] in millimetres, with three digits."""
+    return "-" if value is None else f"{_digits(1e3 * value)} mm"
+
+
+def milliradians(value: float | None) -> str:
+    """Format an angle [rad] in milliradians, with three digits."""
+    return "-" if value is None else f"{_digits(1e3 * value)} mrad"
+
+
+def seconds(value: float | None) -> str:
+    """Format a time [s] with two decimals."""
+    return "-" if value is None else f"{value:.2f} s"
+
+
+def share(value: float) -> str:
+    """Format a share (0 to 1) as a percentage."""
+    return f"{100 * value:.0f} %"
+
+
+def _digits(value: float) -> str:
+    if abs(value) < NOTHING or not math.isfinite(value):
+        return f"{value:.0f}"
+    return f"{value:.{max(2 - math.floor(math.log10(abs(value))), 0)}f}"

@@ -1,0 +1,113 @@
+"""Tells how the camera looks down from the tape alone, before anything else is known.
+
+Tape has two straight edges that are parallel, and as far apart as it is wide. They appear so only
+if the camera's roll, pitch, height and focal length are right; where the robot stands does not
+matter, nor what is drawn on the field.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from robot.calibration.sightings import FLOOR_SD, PIXEL_SD, FloorPoints, Sightings
+from robot.calibration.unknowns import COUNT, PRIORS, index_of
+from robot.geometry import Array
+
+TOLD = index_of(["camera_roll", "camera_pitch", "camera_z", "focal_length"])
+EXACT = np.array([math.radians(0.1), math.radians(0.2), 0.0003, 0.005])
+"""How exact they are at best, as lenses, corners and curves are not known: standard deviations of
+``TOLD`` [rad, rad, m, relative]. Errors of simulated robots are half as large."""
+MOST_PICTURES = 60
+"""Pictures that are looked at, spread over the drive."""
+RAYS = 5
+"""Neighbouring rays that see one piece of tape."""
+LEAST_PIECES = 100
+"""With fewer pieces of tape, nothing is told."""
+FAR_OFF, USUAL = 30.0, 3.0
+"""Distances from which on errors count less, in standard deviations: at first and at last."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What the unknowns seem to be, and how exactly."""
+
+    values: Array = field(default_factory=lambda: np.zeros(COUNT))
+    """(15,) differences from the description."""
+    sd: Array = field(default_factory=PRIORS.copy)
+    """(15,) their standard deviations."""
+
+
+def camera_from_tape(seen: Sightings, twists: Array, width: float) -> Guess:
+    """Return what the tape tells of the camera; of the other unknowns it tells nothing.
+
+    Args:
+        seen: the edges that were seen.
+        twists: (k, 2) the robot's velocity at each picture [m/s, rad/s].
+        width: of the tape [m].
+    """
+    every = max(1, len(twists) // MOST_PICTURES)
+    seen, twists = seen.every(every), twists[::every]
+    pieces = _Pieces(seen, twists, width)
+    if len(pieces.picture) < LEAST_PIECES:
+        return Guess()
+    shares = np.zeros(len(TOLD))
+    for scale in (FAR_OFF, USUAL):
+        solution = least_squares(pieces.errors, shares, loss="cauchy", f_scale=scale)
+        shares = solution.x
+    jacobian = np.asarray(solution.jac, np.float64)
+    covariance = np.linalg.inv(jacobian.T @ jacobian)
+    values, sd = np.zeros(COUNT), PRIORS.copy()
+    values[TOLD] = shares * PRIORS[TOLD]
+    sd[TOLD] = np.maximum(EXACT, np.sqrt(np.diag(covariance)) * PRIORS[TOLD])
+    return Guess(values, sd)
+
+
+class _Pieces:
+    """Pieces of tape, each seen by neighbouring rays of one picture."""
+
+    def __init__(self, seen: Sightings, twists: Array, width: float) -> None:
+        self._seen, self._twists, self._width = seen, twists, width
+        rays = seen.pixels.shape[1] // 2
+        whole = np.isfinite(seen.pixels[:, :rays, 0]) & np.isfinite(seen.pixels[:, rays:, 0])
+        runs = np.lib.stride_tricks.sliding_window_view(whole, RAYS, axis=1).all(axis=2)
+        picture, first = np.nonzero(runs)
+        self.picture = picture[:, None]
+        """(n, 1) of which picture."""
+        self._near = first[:, None] + np.arange(RAYS)
+        self._far = self._near + rays
+
+    def errors(self, shares: Array) -> Array:
+        """Return errors in standard deviations, and the priors' own.
+
+        They are of straightness (n, 10), of the widths (n,) and of the unknowns (4,).
+
+        Args:
+            shares: (4,) the unknowns, in standard deviations of a robot that was built by hand.
+        """
+        values = np.zeros(COUNT)
+        values[TOLD] = shares * PRIORS[TOLD]
+        floor = self._seen.floor_points(values, self._twists)
+        near, far = (floor.points[self.picture, side] for side in (self._near, self._far))
+        middles = [side.mean(axis=1) for side in (near, far)]
+        apart = middles[1] - middles[0]
+        around = np.concatenate([near - middles[0][:, None], far - middles[1][:, None]], axis=1)
+        _, axes = np.linalg.eigh(np.nan_to_num(np.einsum("nki,nkj->nij", around, around)))
+        across = axes[:, :, 0]
+        sd = self._sd(floor, across)
+        straight = np.einsum("nki,ni->nk", around, across) / sd
+        gap = np.abs((apart * across).sum(axis=1)) - self._width
+        gap_sd = np.sqrt(2 * (sd**2).mean(axis=1) / RAYS)
+        # Each ray is in as many pieces.
+        errors = np.concatenate([straight.ravel(), gap / gap_sd]) / math.sqrt(RAYS)
+        return np.concatenate([np.nan_to_num(errors, posinf=0.0, neginf=0.0), shares])
+
+    def _sd(self, floor: FloorPoints, across: Array) -> Array:
+        """Return the standard deviations (n, 10) of the distances across the tape [m]."""
+        rays = np.concatenate([self._near, self._far], axis=1)
+        by_pixel = np.einsum("ni,nkip->nkp", across, floor.by_pixel[self.picture, rays])
+        sd: Array = np.hypot(PIXEL_SD * np.linalg.norm(by_pixel, axis=2), FLOOR_SD)
+        return sd

@@ -1,0 +1,253 @@
+"""Finds the path of a drive in windows that grow, from where it may have begun.
+
+First the path is not known, and the camera may be degrees askew: then every adjustment of the whole
+drive ends in a wrong place. So the drive is adjusted in windows that grow. In each, the path is
+followed a little farther with what is known by then, and all of it is adjusted again.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.calibration.adjustment import (
+    Adjustment,
+    CalibrationError,
+    Solution,
+    State,
+    Weights,
+    residual_sd,
+)
+from robot.calibration.camera_from_tape import Guess, camera_from_tape
+from robot.calibration.drive_log import DriveLog
+from robot.calibration.sightings import Sightings
+from robot.calibration.start_poses import SECONDS, alike, entry_table, start_poses
+from robot.calibration.tracking import follow_path
+from robot.calibration.unknowns import COUNT, DELAY, LEFT, PRIORS, RIGHT, SEPARATION, index_of
+from robot.calibration.wheel_motion import WheelMotion
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2
+from robot.localization.models.entry_field import EntryField
+
+WINDOWS = (2.0, 3.5, 6.0, 10.0, 16.0, 26.0, 42.0, 70.0, 120.0, 200.0, 350.0, 600.0)
+"""Lengths of the drive's beginning that are adjusted one after the other [s]."""
+BEGINNING_S = 6.0
+"""How far the drive is followed from each pose where it may have begun [s]."""
+CLEARLY = 40.0
+"""A start fits better than another one if its cost is lower by this."""
+LEAST_SEEN, FAR_OFF = 0.7, 3.0
+"""A path fits if at least this share of the edges that were seen lies on the field's, and they lie
+at most so many times as far off as was expected."""
+TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
+"""A path is lost where less than this share lies on the field's of the edges that so many pictures
+saw, if these are enough."""
+MOST_SLIP = 0.3
+"""... or where a wheel had to slip more than this: seven standard deviations."""
+ALL_FREE_S = 12.0
+"""In windows longer than this, nothing is stiff [s]."""
+
+
+class Drive:
+    """A drive on a field, and what the tape tells of the camera."""
+
+    def __init__(self, log: DriveLog, spec: RobotSpec, taped: Field) -> None:
+        self.stamps = log.stamps - log.stamps[0]
+        """(k,) time since the first picture [s]."""
+        self.field = taped
+        self._log, self._spec = log, spec
+        self._seen = Sightings.of(log, spec, taped)
+
+    @cached_property
+    def guess(self) -> Guess:
+        """What the tape tells of the camera."""
+        if self.field.tape_width is None:
+            return Guess()
+        twists = WheelMotion.of(self._log, self._spec).twists(np.zeros(COUNT))
+        return camera_from_tape(self._seen, twists, self.field.tape_width)
+
+    @property
+    def edge_counts(self) -> NDArray[np.int64]:
+        """(k,) how many edges each picture saw."""
+        counts: NDArray[np.int64] = np.isfinite(self._log.pixels[:, :, 0]).sum(axis=1)
+        return counts
+
+    @cached_property
+    def entries(self) -> EntryField:
+        """The field, for edges to be laid on."""
+        return entry_table(self.field)
+
+    def window(self, count: int) -> tuple[Sightings, WheelMotion]:
+        """Return the first pictures, and the wheels between them."""
+        return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
+
+    def start_poses(self, given_pose: Pose2) -> list[Pose2]:
+        """Return where the drive may have begun, the likeliest pose first."""
+        seen, motion = self.window(int(np.searchsorted(self.stamps, SECONDS)))
+        values = self.guess.values
+        steps, _ = motion.steps(values, np.zeros((len(motion.stamps) - 1, 2)))
+        floor = seen.floor_points(values, motion.twists(values))
+        return start_poses(floor, steps, self.field, self.entries, given_pose)
+
+
+class DrivePath:
+    """A drive's path from one start, as far as it was followed."""
+
+    solution: Solution
+    """Of the longest window so far."""
+
+    def __init__(self, drive: Drive, start: Pose2, start_covariance: Array) -> None:
+        """Begin at a pose, with its covariance (3, 3) [m, m, rad]."""
+        self._drive, self._start = drive, start.to_array()
+        self._start_covariance = start_covariance
+        self._covariance = start_covariance
+        self._state = State(drive.guess.values.copy(), self._start[None].copy(), np.zeros((1, 2)))
+        self._adjustment: Adjustment | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How much of the drive was followed [s]."""
+        return float(self._drive.stamps[len(self._state.poses) - 1])
+
+    @property
+    def whole(self) -> bool:
+        """Whether all of the drive was followed."""
+        return len(self._state.poses) == len(self._drive.stamps)
+
+    @property
+    def start(self) -> Pose2:
+        """Where the drive began, as far as it is known."""
+        return Pose2(*self._state.poses[0].tolist())
+
+    @property
+    def fits(self) -> bool:
+        """Whether the edges that were seen lie on the field's."""
+        return self.solution.share >= LEAST_SEEN and residual_sd(self.solution.misses) <= FAR_OFF
+
+    @property
+    def lost_at(self) -> float:
+        """When the path seems to be wrong first [s]; nan if it never does.
+
+        That is where most edges lie off the field's, or the wheels had to slip too much.
+        """
+        state = self.solution.state
+        seen = self._drive.edge_counts[: len(state.poses)]
+        lying = np.bincount(self.solution.misses.picture, minlength=len(seen))
+        sums = [np.convolve(edges, np.ones(TOGETHER), "same") for edges in (seen, lying)]
+        lost = (sums[0] >= ENOUGH) & (sums[1] < LEAST_LYING * sums[0])
+        lost |= np.abs(state.slip).max(axis=1) > MOST_SLIP
+        return float(self._drive.stamps[np.argmax(lost)]) if lost.any() else math.nan
+
+    def grow(self, window: float) -> None:
+        """Follow the drive to a time after its first picture [s], and adjust all of it.
+
+        Raises:
+            CalibrationError: nothing explains the drive from this start.
+        """
+        first = self._adjustment is None
+        part, motion = self._drive.window(int(np.searchsorted(self._drive.stamps, window)))
+        state = follow_path(
+            self._state, self._covariance, part, motion, self._drive.entries, first=first
+        )
+        self._adjustment = Adjustment(part, motion, self._start, self._start_covariance)
+        for weights in _weights(window, self._drive.guess):
+            self.solution = self._adjustment.solve(state, weights)
+            state = self.solution.state
+        self._state, self._covariance = state, self.solution.pose_covariance
+
+    def adjusted_again(self, weights: Weights) -> Solution:
+        """Return the adjustment with other weights."""
+        assert self._adjustment is not None
+        return self._adjustment.solve(self._state, weights)
+
+
+def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
+    """Return the beginning of a drive's path, from the start as told if the drive fits there.
+
+    Raises:
+        CalibrationError: it fits nowhere, or at several places and not at the one that was told.
+    """
+    as_told = _begun(drive, start, start_covariance)
+    places = drive.start_poses(start)
+    images = [Pose2(), *drive.field.symmetries]
+    if as_told is not None and as_told.fits:
+        likeliest = places[0] if places else as_told.start
+        if any(alike(image @ likeliest, as_told.start) for image in images):
+            return as_told
+    paths = [as_told, *(_begun(drive, place, start_covariance) for place in places)]
+    fitting = sorted(
+        (path for path in paths if path is not None and path.fits),
+        key=lambda path: path.solution.cost,
+    )
+    if not fitting:
+        raise CalibrationError(
+            "the edges that were seen lie nowhere on the field's: this is another field, or the "
+            "robot was moved by hand"
+        )
+    best = fitting[0]
+    if as_told is not None and as_told.fits and not _is_clearly_better(best, as_told):
+        return as_told
+    rivals = [
+        path
+        for path in fitting[1:]
+        if not _is_clearly_better(best, path) and not alike(path.start, best.start)
+    ]
+    if rivals:
+        raise CalibrationError(
+            f"the drive may have begun at {_text(best.start)} and at {_text(rivals[0].start)}, and "
+            f"not at {_text(start)}, as told; valid is a start within some centimetres"
+        )
+    return best
+
+
+def _is_clearly_better(a: DrivePath, b: DrivePath) -> bool:
+    return a.solution.cost + CLEARLY < b.solution.cost
+
+
+def _text(pose: Pose2) -> str:
+    return f"({pose.x:.2f} m, {pose.y:.2f} m, {np.degrees(pose.theta):.0f} degrees)"
+
+
+def _begun(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath | None:
+    """Return the beginning of a path from a start; None if nothing explains it."""
+    path = DrivePath(drive, start, start_covariance)
+    try:
+        for window in WINDOWS:
+            if window <= BEGINNING_S and (window == WINDOWS[0] or not path.whole):
+                path.grow(window)
+    except CalibrationError:
+        return None
+    return path
+
+
+def _weights(window: float, guess: Guess) -> list[Weights]:
+    """Return how much is believed in the adjustments of a window [s], one after the other.
+
+    In short windows the wheels and the place of the camera are stiff: with all free, a drive of two
+    seconds is explained best by a robot of twice the size, or by one that looks aside.
+    """
+    free = np.ones(COUNT)
+    if window < 3:
+        turned = 0.1 * free
+        turned[index_of(["camera_roll", "camera_pitch"])] = 1.0
+        return [
+            _guessed(guess, 0.01 * free, gate=0.25, doubt=100.0),
+            _guessed(guess, turned, gate=0.15, doubt=30.0),
+            _guessed(guess, turned, gate=0.08, doubt=8.0),
+        ]
+    if window < 6:
+        free[[LEFT, RIGHT, SEPARATION, DELAY, *index_of(["camera_x", "camera_y"])]] = 0.1
+        return [
+            _guessed(guess, free, gate=0.06, doubt=8.0),
+            _guessed(guess, free, gate=0.03, doubt=2.0),
+        ]
+    if window < ALL_FREE_S:
+        return [_guessed(guess, free, gate=0.06, doubt=4.0), Weights(gate=0.03)]
+    return [Weights()]
+
+
+def _guessed(guess: Guess, stiffness: Array, gate: float, doubt: float) -> Weights:
+    return Weights(guess.values, np.minimum(guess.sd, stiffness * PRIORS), gate, doubt)

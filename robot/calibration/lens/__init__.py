@@ -1,0 +1,1 @@
+"""The lens, by pictures of a printed board."""

@@ -1,0 +1,1 @@
+"""How the camera is mounted, by one picture of the floor."""

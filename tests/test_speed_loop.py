@@ -1,0 +1,35 @@
+"""When a wheel that does not move is taken for blocked."""
+
+import pytest
+
+from robot.description.motor_kinds import KINDS
+from robot.hat.joint_track import JointTrack
+from robot.hat.speed_loop import HELD_S, HELD_TRAVEL, SpeedLoop
+
+DT = 0.01
+
+
+def is_held_on_the_spot(wanted, seconds):
+    """Whether a shaft counts as blocked that stays where it is; it was told a speed [degree/s]."""
+    loop, track = SpeedLoop(next(iter(KINDS.values())), position_gain=5.0), JointTrack()
+    held = False
+    for tick in range(round(seconds / DT)):
+        track.report(tick * DT, 0, 0)
+        loop.update(wanted, tick * DT, track, 8.0)
+        held = held or loop.is_held
+    return held
+
+
+@pytest.mark.parametrize("way", [-1, 1])
+def test_a_wheel_is_blocked_that_should_have_turned_and_did_not(way):
+    assert is_held_on_the_spot(way * 100, 3 * HELD_S)
+
+
+def test_a_slow_wheel_may_stay_on_one_degree_for_longer():
+    slow = 0.5 * HELD_TRAVEL / (3 * HELD_S)
+    assert not is_held_on_the_spot(slow, 3 * HELD_S)
+    assert is_held_on_the_spot(slow, 9 * HELD_S)
+
+
+def test_a_quick_wheel_may_stay_for_a_moment():
+    assert not is_held_on_the_spot(1000, 0.9 * HELD_S)
