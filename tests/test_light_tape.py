@@ -214,7 +214,7 @@ def test_settings_overrule_the_field() -> None:
     assert not dark.light and dark.widths.tolist() == [0.03]
     assert [look.light for look in looks("either", 0.0, ())] == [False, True]
     counted = np.array([True, True, False])
-    nearest = nearest_widths(np.array([0.045, 0.027, 0.03]), counted, (field_look,))
+    nearest = nearest_widths(np.array([0.045, 0.027, 0.03]), counted, np.array([0.024, 0.048]))
     assert nearest[:2].tolist() == [0.048, 0.024] and math.isnan(nearest[2])
 
 

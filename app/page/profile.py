@@ -50,7 +50,7 @@ def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:
     darker, brighter = "dark", "bright"
     if all(look.light for look in scanner.looks):
         darker, brighter = brighter, darker
-    known = {width for look in scanner.looks for width in (*look.widths, *look.dashes[:, 0])}
+    known = {width for look in scanner.looks for width in look.all_widths}
     widths = " or ".join(f"{width * 1e3:.0f}" for width in sorted(known))
     reasons = {
         Verdict.COUNTED: f"Counted: a straight {darker} line, {width * 1e3:.1f} mm wide.",

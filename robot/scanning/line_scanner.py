@@ -43,8 +43,6 @@ class LineScan:
     """(k, 2) entry and exit of the judged pair [samples along the ray]; nan without a pair."""
     widths: Array = field(repr=False)
     """(k,) width of the stripe across its line [m]; nan where no line was tape."""
-    tape_widths: Array = field(repr=False)
-    """(k,) width of the kind of tape that each reading is of [m]; nan where none counts."""
     noise: float
     """Measured standard deviation of the picture's noise [grey levels]."""
     kernel: int
@@ -55,6 +53,13 @@ class LineScan:
     """Where the rays run."""
     main_width: float
     """Width of the first kind of tape [m]."""
+    known_widths: Array = field(repr=False)
+    """(n,) widths of all kinds of tape that were searched for [m]."""
+
+    @property
+    def tape_widths(self) -> Array:
+        """(k,) width of the kind of tape that each reading is of [m]; nan where none counts."""
+        return nearest_widths(self.widths, self.verdicts == Verdict.COUNTED, self.known_widths)
 
     @property
     def tape_width(self) -> float:
@@ -98,6 +103,7 @@ class LineScanner:
         """What is searched for."""
         self.main_width = settings.tape_width or (tape or (BLACK_TAPE,))[0].width
         """Width of the main kind of tape [m]."""
+        self._known_widths = np.unique([w for look in self.looks for w in look.all_widths])
         half = settings.field_of_view / 2
         self.settings = settings
         self.view = view
@@ -148,12 +154,12 @@ class LineScanner:
             tape.verdicts,
             edges,
             tape.widths,
-            nearest_widths(tape.widths, tape.verdicts == Verdict.COUNTED, self.looks),
             tape.noise,
             tape.kernel,
             picture,
             table,
             self.main_width,
+            self._known_widths,
         )
 
     def entries_and_exits(self, image: NDArray[np.uint8]) -> Array:

@@ -24,6 +24,11 @@ class Look:
     dashes: Array
     """(m, 2) width and length of dashes [m]."""
 
+    @property
+    def all_widths(self) -> list[float]:
+        """Widths of tape with and without gaps [m]."""
+        return [*self.widths.tolist(), *self.dashes[:, 0].tolist()]
+
 
 def looks(brightness: str, width: float, tape: tuple[Tape, ...]) -> tuple[Look, ...]:
     """Return what is searched for: dark tape, light tape, or both one after the other.
@@ -54,15 +59,10 @@ def _look(light: bool, kinds: list[Tape]) -> Look:
     return Look(light, np.array(solid), np.array(dashed).reshape(-1, 2))
 
 
-def nearest_widths(
-    measured: Array, counted: NDArray[np.bool_], searched: tuple[Look, ...]
-) -> Array:
-    """Return the width of tape (k,) [m] that is nearest to each that was measured (k,).
+def nearest_widths(measured: Array, counted: NDArray[np.bool_], known: Array) -> Array:
+    """Return which width (k,) of those of tape (n,) is nearest to each that was measured (k,) [m].
 
     It is nan where a reading does not count.
     """
-    known = np.unique(np.concatenate([(*look.widths, *look.dashes[:, 0]) for look in searched]))
-    if len(known) == 1:
-        return np.where(counted, known[0], np.nan)
     places = np.abs(np.nan_to_num(measured)[:, None] - known).argmin(axis=1)
     return np.where(counted, known[places], np.nan)
