@@ -15,6 +15,7 @@ from websockets.sync.client import connect
 from app.page.token_guard import SUBPROTOCOL
 from app.recordings.remote_robot import RemoteRobot, RemoteRobotError
 from app.ros2.foxglove.protocol import SUBPROTOCOLS
+from benchmarks.programs import START_S, estimated
 from benchmarks.programs import server as started
 
 PAGES = (
@@ -31,7 +32,7 @@ def server() -> Iterator[Server]:
     arguments = ["--token", "drive-me", "--watch-token", "watch-me", "--foxglove"]
     with started("--robot", "kinematic", "--map", "stub", *arguments) as running:
         with socket_at(running, "/api/live", "drive-me") as socket:
-            until(socket, lambda now: now["estimate"])
+            until(socket, estimated, START_S)
         yield running
 
 

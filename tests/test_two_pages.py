@@ -10,6 +10,7 @@ from playwright.sync_api import Page, expect
 from serving import Server, until
 from websockets.sync.client import connect
 
+from benchmarks.programs import START_S, estimated
 from benchmarks.programs import server as started
 
 pytestmark = pytest.mark.browser
@@ -21,6 +22,7 @@ SIZE = {"width": 1100, "height": 760}
 def server() -> Iterator[Server]:
     arguments = ["--token", "drive-me", "--watch-token", "watch-me"]
     with started("--robot", "kinematic", "--map", "stub", *arguments) as running:
+        wait(running, estimated)
         yield running
 
 
@@ -29,7 +31,7 @@ def wait(server, condition) -> dict:
     header = {"Authorization": "Bearer watch-me"}
     address = f"{server.url.replace('http', 'ws')}/api/live"
     with connect(address, additional_headers=header, max_queue=None) as socket:
-        return until(socket, condition)
+        return until(socket, condition, START_S)
 
 
 @contextmanager
