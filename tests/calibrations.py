@@ -1,5 +1,6 @@
 """Drives of simulated robots that calibrate themselves."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -25,6 +26,9 @@ START_COVARIANCE = np.diag(np.square([0.05, 0.05, 0.17]))
 def driven(world: str, seed: int, seconds: float) -> tuple[DriveLog, Array, Array]:
     """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
     config = apply_condition(Config(robot="sim"), world)
+    # More pictures than the recorder takes would only be rendered.
+    camera = replace(config.sim.camera, frame_rate=10.0)
+    config = replace(config, sim=replace(config.sim, camera=camera))
     true = draw(SPEC, config.sim.imperfections, Streams.of(seed).robot)
     robot = build_simulated(config, SPEC, SQUARE, Streams.of(seed).robot, no_wait)
     recorder, drive = DriveRecorder(SPEC, config.scanner), DifferentialDrive(SPEC)
