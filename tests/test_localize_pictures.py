@@ -141,6 +141,8 @@ def test_options_of_the_other_kind_are_refused(road_drive, tmp_path, capsys) -> 
     assert code == 2 and "--scan-topic has no effect with a folder of pictures" in line
     code, line = refused(capsys, tmp_path / "x.bag", "--map", "m.yaml", "--overlays", tmp_path)
     assert code == 2 and "--overlays has no effect with a bag" in line
+    code, line = refused(capsys, *given, "--profile", tmp_path / "none.toml")
+    assert code == 1 and "none.toml cannot be read" in line
     code, line = refused(capsys, *given, "--initial-pose", 9, 9, 0)
     assert code == 2 and "is not on the field road" in line
 

@@ -82,7 +82,11 @@ def _add_pictures(command: argparse.ArgumentParser) -> None:
     group = command.add_argument_group("of a folder of pictures")
     for name, metavar, words in (
         ("camera", "CAMERA.yaml", "the camera's lens and mounting (default: the robot's own)"),
-        ("profile", "PROFILE.toml", "what `brickpose calibrate` has measured of the robot"),
+        (
+            "profile",
+            "PROFILE.toml",
+            "what `brickpose calibrate` has measured (none: nothing)",
+        ),
         ("odometry", "FILE.tum", "its motion (default: it goes on as it went)"),
         ("stamps", "FILE", "a list of stamps and file names (default: the names tell the stamps)"),
         ("overlays", "DIR", "write each picture with the edges that were found"),

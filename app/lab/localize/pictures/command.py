@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.console import say
+from app.engine.build import robot_spec
 from app.lab.localize.localize import Start
 from app.lab.localize.pictures.follow import LocatedPictures, PictureRun
 from app.lab.localize.pictures.motion import RecordedOdometry
@@ -17,7 +18,6 @@ from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.trajectories.files.tum import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.config import MAPS, Config, load_config
-from robot.calibration.profile import load_profile
 from robot.description.camera_file import with_camera
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field, FieldError
@@ -38,7 +38,7 @@ def localize_pictures(parsed: argparse.Namespace) -> int:
     field = load_field(str(parsed.map), MAPS)
     if not field.tape:
         raise FieldError(f"the field {field.name} is not of tape; valid is a drawing (.svg)")
-    spec = _spec(parsed)
+    spec = _spec(parsed, config)
     pictures = read_sequence(parsed.bag, parsed.stamps)
     odometry = None
     if parsed.odometry is not None:
@@ -58,10 +58,10 @@ def localize_pictures(parsed: argparse.Namespace) -> int:
     return 0
 
 
-def _spec(parsed: argparse.Namespace) -> RobotSpec:
-    spec = RobotSpec.load()
+def _spec(parsed: argparse.Namespace, config: Config) -> RobotSpec:
     if parsed.profile is not None:
-        spec = load_profile(parsed.profile).applied_to(spec)
+        config = replace(config, profile=str(parsed.profile))
+    spec = robot_spec(config)
     return spec if parsed.camera is None else with_camera(spec, parsed.camera)
 
 
