@@ -82,7 +82,7 @@ def _add_printed_board(kinds: Commands) -> None:
         argument_default=argparse.SUPPRESS,
         allow_abbrev=False,
     )
-    add_board(board)
+    add_board(board, seen=False)
     board.add_argument("--paper", metavar="NAME", help="a4, a3 or letter (default: a4)")
     board.add_argument(
         "--out", type=Path, metavar="FILE.pdf|FILE.svg", help="the page (default: board.pdf)"
@@ -189,16 +189,16 @@ def _add_undo(kinds: Commands) -> None:
     undo.set_defaults(command=_undo)
 
 
-def add_board(command: argparse.ArgumentParser) -> None:
-    """Add the options that say which board it is."""
+def add_board(command: argparse.ArgumentParser, *, seen: bool = True) -> None:
+    """Add the options that say which board it is: one that is seen, or one to be printed."""
+    corners = "; of a chessboard its inner corners will do, as ROS counts them" if seen else ""
     command.add_argument(
         "--type", choices=("chessboard", "charuco"), help="kind of board (default: chessboard)"
     )
     command.add_argument(
         "--squares",
         metavar="CxR",
-        help="its squares across and up; of a chessboard its inner corners will do, as ROS counts "
-        "them (default: 10x7)",
+        help=f"its squares across and up{corners} (default: 10x7)",
     )
     command.add_argument(
         "--size", type=float, metavar="M", help="side of a square [m] (default: 0.025)"
