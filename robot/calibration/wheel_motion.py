@@ -76,7 +76,7 @@ class WheelMotion:
         turns = self._turns(values[DELAY])
         sizes = values[[LEFT, RIGHT, SEPARATION]]
         moved = self._moved(turns, sizes, slip)
-        derivatives = np.empty((*moved.shape, 6))
+        derivatives = np.zeros((*moved.shape, 6))
         for column, change in enumerate(SMALL * np.eye(3)):
             derivatives[:, :, column] = self._moved(turns, sizes + change, slip) - moved
         for wheel, change in enumerate(SMALL * np.eye(2)):
