@@ -19,7 +19,6 @@ from pydantic import TypeAdapter, ValidationError
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
-from app.settings.toml_file import read_toml
 from robot.cameras.settings import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.figure_eight import FigureEight
@@ -28,6 +27,7 @@ from robot.hat.settings import BuildHatSettings
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, describe, setting
+from robot.toml_file import read_toml
 from sim.floor_camera import CameraSettings
 from sim.settings import SimSettings
 

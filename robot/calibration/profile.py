@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,9 +15,9 @@ from robot.calibration.unknowns import NAMES, PRIORS, ROBOT, UNKNOWNS, Differenc
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
 from robot.geometry import Array
+from robot.settings import SettingError
+from robot.toml_file import read_toml
 
-LONGEST = 1_000_000
-"""Longest file [bytes]."""
 SOLVER_UNITS = {"degree": "rad", "mm": "m", "ms": "s", "%": "relative"}
 """Units in the file, by those in which people read the numbers."""
 MOST_SD = 10.0
@@ -92,16 +91,11 @@ def load_profile(path: Path) -> Profile:
         SpecError: the file cannot be read, or a value is missing or impossible; names it.
     """
     try:
-        content = path.read_bytes()
-        if len(content) > LONGEST:
-            raise SpecError(f"{path} is too long; valid are up to {LONGEST} bytes")
-        return profile_of(tomllib.loads(content.decode("utf-8")))
-    except OSError as error:
-        raise SpecError(f"{path} cannot be read: {error.strerror}") from error
+        return profile_of(read_toml(path))
+    except SettingError as error:
+        raise SpecError(str(error)) from error
     except SpecError as error:
         raise SpecError(f"{path}: {error}") from error
-    except (ValueError, RecursionError) as error:
-        raise SpecError(f"{path} is no TOML: {error}") from error
 
 
 def profile_of(content: dict[str, Any]) -> Profile:

@@ -15,6 +15,8 @@ from mutations import NUMBERS, changed, changes, mutated, pick
 
 from app.settings.config import Config
 from app.settings.provenance import settings_of
+from robot.calibration.unknowns import NAMES as UNKNOWN_NAMES
+from robot.calibration.unknowns import ROBOT
 from robot.description.spec import SPIKE
 
 
@@ -44,6 +46,15 @@ SWEEP_LINES = st.builds(
     st.sampled_from(["seeds", "laps", "worlds", "offset", "sample", "conditions", "first_seed"]),
     TOML_VALUES | st.sampled_from(['["sim"]', "[0, 0, 0.1]", '["default", "late"]']),
 )
+PROFILE_LINES = st.one_of(
+    st.builds(
+        "{} = {}".format,
+        st.sampled_from(["robot", "made", "source", "value", "sd", "width", "model"]),
+        TOML_VALUES | st.sampled_from(['"spike"', "2026-01-02T03:04:05Z", "0.01"]),
+    ),
+    st.builds("[{}]".format, st.sampled_from([*UNKNOWN_NAMES[:ROBOT], "lens"])),
+)
+PROFILE = st.lists(PROFILE_LINES, max_size=8).map(joined)
 CHOICES = st.one_of(
     st.lists(TOML_VALUES, max_size=3).map(lambda items: f"[{', '.join(items)}]"),
     st.builds("{{ low = {}, high = {} }}".format, TOML_VALUES, TOML_VALUES),

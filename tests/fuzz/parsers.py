@@ -39,6 +39,7 @@ from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
 from app.ros2.rosbridge.bridge import Bridge
 from app.settings.config import MAPS, load_config
+from robot.calibration.profile import load_profile
 from robot.camera import CameraError, Lens
 from robot.description.spec import SPIKE, RobotSpec, SpecError
 from robot.driving.differential_drive import DifferentialDrive
@@ -267,6 +268,15 @@ def lens_view(path: Path) -> None:
     assert 0 <= lens.readout < 1
 
 
+def profile_view(path: Path) -> None:
+    """Load a robot's profile; the robot that it makes has finite numbers."""
+    spec = load_profile(path).applied_to(RobotSpec.load())
+    assert min(spec.wheel_radius, spec.track) > 0
+    assert np.isfinite(spec.robot_from_camera).all()
+    assert np.isfinite(spec.lens.matrix).all()
+    assert np.isfinite(spec.picture_delay)
+
+
 def replay_settings(path: Path) -> None:
     """Settings of a replay."""
     read_filter_config(path)
@@ -274,6 +284,7 @@ def replay_settings(path: Path) -> None:
 
 SETTINGS = of_file("config.toml", load_config, SettingError)
 REPLAY_SETTINGS = of_file("filter.toml", replay_settings, SettingError)
+PROFILE = of_file("profile.toml", profile_view, SpecError, SettingError)
 SWEEP = of_file("sweep.toml", load_sweep, SettingError)
 TRAJECTORY = of_file("path.txt", read_trajectory, TrajectoryError)
 DRAWING = of_file("drawing.svg", svg, FieldError)

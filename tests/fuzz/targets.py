@@ -70,6 +70,7 @@ TARGETS = {
     "settings": Target(parsers.SETTINGS, files.SETTINGS, (b"[sim]", b"[camera]", b"robot =")),
     "replay_settings": Target(parsers.REPLAY_SETTINGS, files.SETTINGS, (b"[localization]",)),
     "sweep": Target(parsers.SWEEP, files.SWEEP, (b"[sweep]", b"sample = 3\n", b"low = 1")),
+    "profile": Target(parsers.PROFILE, files.PROFILE, (b"[camera_roll]", b"value =", b"[lens]")),
     "pose": Target(parsers.POSE, messages.SAVED_POSES),
 }  # fmt: skip
 

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from app.settings.config import by_path, with_settings
-from app.settings.toml_file import read_toml
 from robot.localization.models.motion_parameters import MotionParameters
 from robot.localization.models.sensor_parameters import SensorParameters
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.settings import SettingError, check_settings, describe, setting
+from robot.toml_file import read_toml
 
 LASER = LocalizationParameters(
     motion=MotionParameters(alpha1=0.1, alpha2=0.1, alpha3=0.1, alpha4=0.1, alpha5=0.1),

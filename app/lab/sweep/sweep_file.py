@@ -14,8 +14,8 @@ from app.lab.evaluation.worlds import WORLDS
 from app.settings.conditions import condition_names, require_condition
 from app.settings.config import Config, from_table
 from app.settings.provenance import settings_of
-from app.settings.toml_file import parse_toml, read_toml_text
 from robot.settings import SettingError, check_settings, setting
+from robot.toml_file import parse_toml, read_toml_text
 
 NOT_SWEPT = ("robot", "host", "port", "seed")
 """Settings that cannot be swept: the worlds and seeds of a sweep set robot and seed."""

@@ -23,7 +23,6 @@ from app.recordings.replay.replay import Replay
 from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config, by_path, with_settings
-from app.settings.toml_file import read_toml
 from robot.calibration.profile import load_profile
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
@@ -31,6 +30,7 @@ from robot.fields.field_loading import load_field
 from robot.localization.models.entry_field import EntryField
 from robot.scanning.line_scanner import LineScanner
 from robot.settings import SettingError
+from robot.toml_file import read_toml
 
 TABLES = ("localization", "scanner", "odometry", "drive", "start_pose")
 """The tables of settings that affect a replay."""

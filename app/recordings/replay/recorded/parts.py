@@ -17,13 +17,13 @@ from app.recordings.replay.recorded.decoding import ContentError, pose_and_covar
 from app.recordings.replay.recorded.topics import RecordedTopics
 from app.ros2.message_types import MessageError
 from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
-from app.settings.toml_file import parse_toml
 from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
 from robot.settings import SettingError
+from robot.toml_file import parse_toml
 
 TAKEN = ("drive", "odometry", "scanner", "localization", "start_pose", "seed")
 """Settings that are taken from the recording; where to listen and what to publish are not."""
