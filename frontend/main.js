@@ -157,6 +157,7 @@ async function loadField(name) {
   try {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
+    topBar.setField(field);
     drive.setField(field);
     problems.setField(field);
     tape.setField(field);

@@ -85,6 +85,8 @@ export interface FieldMessage {
   start: PoseMessage;
   /** The robot's outline on the floor [m], in the robot frame. */
   robot_outline: [number, number][];
+  /** When and from what a calibration measured the robot; empty if it is as described. */
+  robot_measured: string;
   max_v: number;
   max_omega: number;
   /** How long a drive command holds that is not renewed [s]. */

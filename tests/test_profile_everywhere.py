@@ -9,6 +9,7 @@ from engine_runs import kinematic
 from recordings import record
 
 from app.command_line import main
+from app.page.telemetry import field_message
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import PRIORS, ROBOT
@@ -48,6 +49,12 @@ def test_the_camera_s_body_moves_with_its_frame():
     moved = RobotSpec.from_urdf(BUILT.urdf, SPIKE.parent)
     np.testing.assert_allclose(moved.robot_from_camera, BUILT.robot_from_camera, atol=1e-12)
     assert not np.array_equal(moved.outline, DRAWN.outline)
+
+
+def test_the_page_says_when_the_robot_was_measured(profile):
+    measured = field_message(kinematic(profile=str(profile))).robot_measured
+    assert measured == f"{datetime.now(UTC):%Y-%m-%d}, a test"
+    assert field_message(kinematic()).robot_measured == ""
 
 
 def test_a_recording_keeps_the_profile_and_a_replay_may_have_another(profile, tmp_path):

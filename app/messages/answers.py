@@ -33,6 +33,8 @@ class FieldMessage(Message):
     start: PoseMessage
     robot_outline: list[tuple[float, float]]
     """The robot's outline on the floor [m], in the robot frame."""
+    robot_measured: str
+    """When and from what a calibration measured the robot; empty if it is as described."""
     max_v: float
     max_omega: float
     drive_timeout: float

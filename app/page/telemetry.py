@@ -136,6 +136,7 @@ def field_message(program: Program) -> FieldMessage:
         extent=list(field.floor.extent),
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
+        robot_measured=spec.measured,
         max_v=drive.max_velocity,
         max_omega=drive.max_angular_velocity,
         drive_timeout=drive.cmd_vel_timeout,

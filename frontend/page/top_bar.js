@@ -3,6 +3,7 @@ import { find, setText } from "./elements.js";
 import { distance, millimetres, minutes, plain } from "./format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
 const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight" };
@@ -12,6 +13,7 @@ const LINKS = { connecting: "connecting", lost: "disconnected" };
 export class TopBar {
   #name = find("robot-name", HTMLElement);
   #state = find("robot-state", HTMLElement);
+  #measured = find("robot-measured", HTMLElement);
   #dot = find("robot-dot", HTMLElement);
   #time = find("stat-time", HTMLElement);
   #field = find("stat-field", HTMLElement);
@@ -34,6 +36,12 @@ export class TopBar {
     setText(this.#error, millimetres(truth && estimate && distance(truth, estimate), 1));
     setText(this.#loop, `${plain(telemetry.loop.step_hz)} Hz`);
     setText(this.#delay, delay === null ? "–" : `${plain(delay)} ms`);
+  }
+
+  /** @param {FieldMessage} field */
+  setField(field) {
+    this.#measured.hidden = !field.robot_measured;
+    this.#measured.title = `Calibrated ${field.robot_measured}`;
   }
 
   /** @param {LinkState} link is shown while no telemetry comes */

@@ -54,7 +54,8 @@ class Profile:
         if spec.name != self.robot:
             raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
         built = Differences(self.values).applied_to(self.with_lens(spec))
-        return replace(built, drawing=spec.as_drawn)
+        measured = f"{self.made:%Y-%m-%d}, {self.source or 'nobody knows from what'}"
+        return replace(built, measured=measured, drawing=spec.as_drawn)
 
     def with_lens(self, spec: RobotSpec) -> RobotSpec:
         """Return a description with the profile's lens, if it has one, and else as it is.

@@ -41,6 +41,8 @@ class RobotSpec:
     """The description as text, with inertia filled in."""
     picture_delay: float = 0.0
     """How much later than its exposure a picture is stamped [s]."""
+    measured: str = ""
+    """When and from what a calibration measured the robot; empty if none did."""
     drawing: RobotSpec | None = field(default=None, repr=False)
     """The description before a calibration corrected it; None if none did."""
 
