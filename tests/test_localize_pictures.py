@@ -59,7 +59,13 @@ def test_a_robot_is_followed_by_pictures_and_odometry(road_drive, tmp_path, caps
 
 def test_without_odometry_it_goes_on_as_it_went(road_drive, tmp_path) -> None:
     trajectory = located(road_drive, tmp_path / "out.tum")
-    assert errors(road_drive, trajectory)[3:].max() < 0.03
+    true = np.array([pose.to_array() for pose in road_drive.truth])
+    off = np.abs(trajectory.poses - true)[3:]
+    assert off[:-6, :2].max() < 0.012
+    # At the end all tape in sight runs along y: of that nothing tells, and a motion that goes on as
+    # it went drifts.
+    assert off[-6:, 0].max() < 0.004
+    assert off[-6:, 1].max() < 0.05
 
 
 def test_a_stale_picture_is_told_by_name_and_left_out(road_drive, tmp_path, capsys) -> None:

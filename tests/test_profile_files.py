@@ -18,7 +18,7 @@ from robot.description.spec import RobotSpec
 from robot.settings import SettingError
 
 SPEC = RobotSpec.load()
-UNMEASURED = Profile.unmeasured(SPEC.name, "a test")
+UNMEASURED = replace(Profile.unmeasured(SPEC.name, "a test"), made=datetime.now(UTC))
 HAT = Config(robot="buildhat")
 
 

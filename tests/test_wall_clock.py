@@ -20,10 +20,12 @@ WALL_CLOCK = re.compile(
 
 READERS = {
     "app/lab/calibrate/command.py",  # the date of a profile
+    "app/lab/calibrate/kept_profile.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
     "app/ros2/source.py",  # ROS time
     "app/ros2/rosbridge/rosapi.py",
+    "app/tools/doctor/profile_check.py",  # the age of a profile
     "robot/compiled_code.py",  # the age of files
 }
 """Who needs the date; everything else counts time that passes."""

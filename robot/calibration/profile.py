@@ -18,6 +18,8 @@ from robot.geometry import Array
 from robot.settings import SettingError
 from robot.toml_file import read_toml
 
+NEVER = datetime(1970, 1, 1, tzinfo=UTC)
+"""When a robot was measured of which nothing is known."""
 SOLVER_UNITS = {"degree": "rad", "mm": "m", "ms": "s", "%": "relative"}
 """Units in the file, by those in which people read the numbers."""
 MOST_SD = 10.0
@@ -43,7 +45,7 @@ class Profile:
     @classmethod
     def unmeasured(cls, robot: str, source: str) -> Profile:
         """Return the profile of a robot of which nothing is known yet."""
-        return cls(robot, datetime.now(UTC), source, np.zeros(ROBOT), PRIORS[:ROBOT].copy())
+        return cls(robot, NEVER, source, np.zeros(ROBOT), PRIORS[:ROBOT].copy())
 
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
         """Return the description of the built robot.

@@ -35,11 +35,11 @@ def localize_pictures(parsed: argparse.Namespace) -> int:
             cannot be used.
     """
     config = load_config(parsed.config) if parsed.config else Config()
+    pictures = read_sequence(parsed.bag, parsed.stamps)
     field = load_field(str(parsed.map), MAPS)
     if not field.tape:
         raise FieldError(f"the field {field.name} is not of tape; valid is a drawing (.svg)")
     spec = _spec(parsed, config)
-    pictures = read_sequence(parsed.bag, parsed.stamps)
     odometry = None
     if parsed.odometry is not None:
         odometry = RecordedOdometry(read_trajectory(parsed.odometry).without_repeats())
