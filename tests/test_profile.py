@@ -97,5 +97,5 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     with pytest.raises(SpecError, match=r"nowhere\.toml cannot be read: No such file"):
         load_profile(tmp_path / "nowhere.toml")
     large = written(tmp_path, "#" * 1_000_001)
-    with pytest.raises(SpecError, match="is too long; valid are up to 1000000 bytes"):
+    with pytest.raises(SpecError, match="is too long; valid are up to 1000000 characters"):
         load_profile(large)
