@@ -11,6 +11,7 @@ export type Command =
   | ResetCommand
   | ResumeCommand
   | ScatterCommand
+  | SetCalibrationCommand
   | SetParametersCommand
   | SetParticlesCommand
   | SetPoseCommand
@@ -382,6 +383,18 @@ export interface ScatterCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "scatter";
+}
+
+/**
+ * Change what is known of the robot: how it differs from its description. What is left out stays
+ * as it is.
+ */
+export interface SetCalibrationCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_calibration";
+  /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
+  values: Record<string, number>;
 }
 
 /** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */

@@ -12,7 +12,14 @@ from engine_runs import EIGHT, drive, kinematic, run
 from app.engine.build import build_program
 from app.engine.commands import MOST_WAITING, RULES, check
 from app.engine.mailboxes.backlog import MOST_TAKEN
-from app.messages.commands import Command, PauseCommand, PingCommand, ShowCommand, StopCommand
+from app.messages.commands import (
+    Command,
+    PauseCommand,
+    PingCommand,
+    SetCalibrationCommand,
+    ShowCommand,
+    StopCommand,
+)
 from app.settings.config import Config
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import NAMES, ROBOT
@@ -234,3 +241,32 @@ def test_a_profile_s_delay_is_taken_off_a_picture_s_stamp(tmp_path):
     shown = run(kinematic(profile=str(tmp_path / "profile.toml")), 1.0, drive(v=0.15))
     pictures = [(s.frame.stamp, s.line_scan.scan.stamp) for s in shown if s.line_scan is not None]
     assert {round(stamp - exposed, 6) for stamp, exposed in pictures} == {0.03}
+
+
+def test_a_calibration_changes_camera_wheels_and_delay() -> None:
+    program = build_program(Config(robot="kinematic"))
+    engine, spec = program.engine, program.robot.spec
+    engine.step()
+    rays = engine.localization.scanner.table.lines(3)
+    values = {"camera_pitch": 0.02, "left_radius": 0.03, "picture_delay": 0.04}
+    engine.commands.put(SetCalibrationCommand(type="set_calibration", values=values))
+    engine.step()
+    controls = engine.controls
+    left = spec.axle[0]
+    assert controls.odometry.drive.radii[left] == pytest.approx(1.03 * spec.joints[left].radius)
+    assert controls.driving.kinematics is controls.odometry.drive
+    assert controls.spec.picture_delay == pytest.approx(0.04)
+    assert not np.allclose(engine.localization.scanner.table.lines(3), rays)
+    engine.commands.put(
+        SetCalibrationCommand(type="set_calibration", values=dict.fromkeys(values, 0.0))
+    )
+    engine.step()
+    np.testing.assert_allclose(engine.localization.scanner.table.lines(3), rays)
+    assert controls.odometry.drive.radii[left] == pytest.approx(spec.joints[left].radius)
+
+
+@pytest.mark.parametrize("values", [{"camera_picth": 0.0}, {"left_radius": 0.9}])
+def test_an_impossible_calibration_is_refused(values: dict[str, float]) -> None:
+    program = build_program(Config(robot="kinematic"))
+    with pytest.raises(CommandError, match="valid"):
+        check(SetCalibrationCommand(type="set_calibration", values=values), program)

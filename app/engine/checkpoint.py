@@ -14,15 +14,16 @@ from dataclasses import dataclass, field
 from typing import Any
 from weakref import WeakValueDictionary
 
+from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.errors import BrickPoseError
 from robot.localization.models.entry_field import EntryField
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScan
+from robot.scanning.line_scanner import LineScan, LineScanner
 
-IMMUTABLE = (DifferentialDrive, EntryField, RayEvidence, ScanMatcher, Scan)
+IMMUTABLE = (DifferentialDrive, EntryField, LineScanner, RayEvidence, RobotSpec, Scan, ScanMatcher)
 """Types of frozen objects with arrays that nobody writes to; these objects are referenced."""
 
 LEFT_OUT = (LineScan,)

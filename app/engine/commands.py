@@ -25,6 +25,7 @@ from app.messages.commands import (
     ResetCommand,
     ResumeCommand,
     ScatterCommand,
+    SetCalibrationCommand,
     SetParametersCommand,
     SetParticlesCommand,
     SetPoseCommand,
@@ -34,7 +35,9 @@ from app.messages.commands import (
     UndoCommand,
     UpdateCommand,
 )
+from robot.calibration.profile import check_values
 from robot.covariance import CovarianceError
+from robot.description.urdf import SpecError
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
@@ -225,6 +228,19 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
         raise CommandError(str(error)) from error
 
 
+def _set_calibration(
+    command: SetCalibrationCommand, controls: Controls, _odometry: OdometryState
+) -> None:
+    controls.calibrate(command.values)
+
+
+def _check_calibration(command: SetCalibrationCommand, _field: Field) -> None:
+    try:
+        check_values(command.values)
+    except SpecError as error:
+        raise CommandError(str(error)) from error
+
+
 def _show(command: ShowCommand, controls: Controls, _odometry: OdometryState) -> None:
     shown = {command.layer} if command.visible else set()
     controls.layers = controls.layers - {command.layer} | shown
@@ -251,6 +267,9 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PlaceCommand: Rule(_place, Repeat.RECORDED, _check_placeable, _check_inside),
         ResetCommand: Rule(_reset, Repeat.SETTING),
         SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),
+        SetCalibrationCommand: Rule(
+            _set_calibration, Repeat.MOMENT, check_field=_check_calibration
+        ),
         ShowCommand: Rule(_show, Repeat.NEVER),
         ReplayCommand: Rule(_nothing, Repeat.NEVER, _check_replay),
         RecordCommand: Rule(_nothing, Repeat.NEVER),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer
+from robot.calibration.unknowns import Differences
+from robot.description.spec import RobotSpec
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame, RepositionableRobot, Robot
@@ -24,6 +27,7 @@ from robot.settings import SettingError
 class EngineState:
     """The state that the next ticks depend on, except for the robot and who drives."""
 
+    spec: RobotSpec
     odometry: Odometry
     localization: Localization
     map_from_odom: Pose2
@@ -45,6 +49,8 @@ class Controls:
         start: Pose2,
     ) -> None:
         self.robot = robot
+        self.spec = robot.spec
+        """The robot as it is known now: a calibration may change it."""
         self.odometry = odometry
         self.follower = follower
         """Follows the robot by its measurements."""
@@ -72,11 +78,18 @@ class Controls:
         """The state that the next ticks depend on."""
         stamp = None if self.frame is None else self.frame.stamp
         return EngineState(
-            self.odometry, self.localization, self.map_from_odom, self.odom_from_scan, stamp
+            self.spec,
+            self.odometry,
+            self.localization,
+            self.map_from_odom,
+            self.odom_from_scan,
+            stamp,
         )
 
     def restore(self, state: EngineState) -> None:
         """Continue from another state."""
+        self.spec = state.spec
+        self.driving.kinematics = state.odometry.drive
         self.odometry = state.odometry
         self.follower = state.localization
         self.map_from_odom = state.map_from_odom
@@ -127,6 +140,16 @@ class Controls:
             self.halt()
         self.stop_if_slow(wanted)
         localization.choose(own, wanted)
+
+    def calibrate(self, values: Mapping[str, float]) -> None:
+        """Change what is known of the robot: its differences from the description, by name.
+
+        What is left out stays as it is.
+        """
+        differences = Differences.of(self.spec).changed(values)
+        self.spec = differences.applied_to(self.spec.uncalibrated)
+        self.odometry.drive = self.driving.kinematics = self.odometry.drive.of(self.spec)
+        self.localization.use_view(self.spec.floor_view)
 
     def reset(self) -> None:
         """Restore the configured parameters, and put the filter back to its start."""

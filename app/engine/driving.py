@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
+from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
@@ -24,6 +25,15 @@ class Driving:
         self._eight = eight or FigureEight()
         self._began = 0.0
         self._renewed = 0.0
+
+    @property
+    def kinematics(self) -> DifferentialDrive:
+        """The wheels that limit the robot's speed."""
+        return self._controller.kinematics
+
+    @kinematics.setter
+    def kinematics(self, kinematics: DifferentialDrive) -> None:
+        self._controller.kinematics = kinematics
 
     def drive(self, twist: Twist2, stamp: float) -> None:
         """Drive with the twist that a person commands."""

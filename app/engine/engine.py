@@ -156,7 +156,7 @@ class Engine:
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
         controls.frame = reading.frame or controls.frame
-        seen = _exposed(reading.frame, controls.robot.spec.picture_delay) or reading.scan
+        seen = _exposed(reading.frame, controls.spec.picture_delay) or reading.scan
         if seen is not None:
             self._meter.frame(seen.stamp)
             self._measure(seen)

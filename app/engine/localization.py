@@ -10,6 +10,7 @@ import numpy as np
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
+from robot.camera import FloorView
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -206,6 +207,14 @@ class Localization(Follower):
         """Update with the next picture, even if the filter is paused or the robot stands."""
         self._once = True
         self._localizer.force_update()
+
+    def use_view(self, view: FloorView) -> None:
+        """See through a camera that was calibrated anew; the filter keeps its belief."""
+        self.scanner = self.scanner.seen_through(view)
+        # What was found of the camera's and the wheels' errors was of the robot before.
+        self._monitor = Monitor(self._setup().evidence, _mounting(self.scanner))
+        self._localizer.monitor = self._monitor
+        self.earlier.clear()
 
     def reset(self) -> None:
         """Restore the configured parameters and models, and start the filter again."""

@@ -129,6 +129,17 @@ class ResetCommand(CommandMessage):
     type: Literal["reset"]
 
 
+class SetCalibrationCommand(CommandMessage):
+    """Change what is known of the robot: how it differs from its description.
+
+    What is left out stays as it is.
+    """
+
+    type: Literal["set_calibration"]
+    values: Annotated[dict[str, float], Field(min_length=1, max_length=11)]
+    """Differences by name, in the units of the profile's file [rad, m, s, relative]."""
+
+
 class SetParametersCommand(CommandMessage):
     """Change parameters of the filter: all or none; ``/api/parameters`` lists their names."""
 
@@ -185,6 +196,7 @@ Command = Annotated[
     | UpdateCommand
     | ResetCommand
     | SetParametersCommand
+    | SetCalibrationCommand
     | ShowCommand
     | RecordCommand
     | ReplayCommand

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -125,6 +126,19 @@ def profile_of(content: dict[str, Any]) -> Profile:
         sd[place] = _number(table, name, "sd", 0.0, most)
     lens = lens_of_table(content["lens"]) if "lens" in content else None
     return Profile(robot, made, str(content.get("source", "")), values, sd, lens)
+
+
+def check_values(values: Mapping[str, float]) -> None:
+    """Refuse differences that no robot has.
+
+    Raises:
+        SpecError: a name is unknown, or a value impossible; names what is valid.
+    """
+    for name, value in values.items():
+        if name not in NAMES[:ROBOT]:
+            raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
+        most = MOST_SD * PRIORS[NAMES.index(name)]
+        _number({"value": value}, name, "value", -most, most)
 
 
 def _number(table: dict[str, Any], name: str, key: str, low: float, high: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -76,6 +76,13 @@ class Differences:
         pose[:3, 3] += self.values[SHIFT]
         return pose
 
+    def changed(self, values: Mapping[str, float]) -> Differences:
+        """Return them with some values changed, by the unknowns' names."""
+        changed = self.values.copy()
+        for name, value in values.items():
+            changed[NAMES.index(name)] = value
+        return Differences(changed)
+
     @property
     def delay(self) -> float:
         """How much later than its exposure a picture is stamped [s]."""
@@ -92,7 +99,13 @@ class Differences:
         lens = replace(spec.lens, matrix=matrix)
         built = wheels.with_camera(lens, self.robot_from_camera(spec))
         delay = spec.picture_delay + self.delay
-        return replace(built, picture_delay=delay, drawing=spec.as_drawn)
+        return replace(built, picture_delay=delay, drawing=spec.as_drawn, base=spec)
+
+    @classmethod
+    def of(cls, built: RobotSpec) -> Differences:
+        """Return how a built robot differs from its description; zero if nobody measured it."""
+        spec = built.uncalibrated
+        return cls.between(spec, built, built.picture_delay - spec.picture_delay)
 
     @classmethod
     def between(cls, spec: RobotSpec, built: RobotSpec, delay: float) -> Differences:

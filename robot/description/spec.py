@@ -45,6 +45,9 @@ class RobotSpec:
     """When and from what a calibration measured the robot; empty if none did."""
     drawing: RobotSpec | None = field(default=None, repr=False)
     """The description before a calibration corrected it; None if none did."""
+    base: RobotSpec | None = field(default=None, repr=False)
+    """The description from which the calibration's differences count: the drawing, with its lens
+    as measured; None if none did."""
 
     @classmethod
     def load(cls, path: Path = SPIKE) -> RobotSpec:
@@ -133,6 +136,11 @@ class RobotSpec:
     def as_drawn(self) -> RobotSpec:
         """The robot as its URDF has it, without a calibration."""
         return self.drawing or self
+
+    @property
+    def uncalibrated(self) -> RobotSpec:
+        """The robot as drawn, with its lens as measured: what differences count from."""
+        return self.base or self
 
     @property
     def axle(self) -> tuple[int, int]:

@@ -28,6 +28,7 @@ class DifferentialDrive:
     def __init__(self, spec: RobotSpec, multipliers: WheelMultipliers | None = None) -> None:
         used = multipliers or WheelMultipliers()
         self.spec = spec
+        self._multipliers = used
         self.left, self.right = spec.axle
         self.track = used.separation * spec.track
         """Corrected distance between the wheels [m]."""
@@ -39,6 +40,10 @@ class DifferentialDrive:
         self._limits = np.array([joint.max_velocity for joint in spec.joints])
         self._wheels_from_twist = np.column_stack([1 / radii, -offsets / radii])
         self._twist_from_wheels = np.linalg.inv(self._wheels_from_twist)
+
+    def of(self, spec: RobotSpec) -> DifferentialDrive:
+        """Return the kinematics of a robot that was calibrated anew, with the same multipliers."""
+        return DifferentialDrive(spec, self._multipliers)
 
     def wheels(self, twist: Twist2) -> Array:
         """Return the joint velocities (j,) [rad/s] that give a twist."""

@@ -63,7 +63,8 @@ class DriveController:
     """Holds the newest command and gives the twist to apply now."""
 
     def __init__(self, drive: DifferentialDrive, settings: DriveSettings) -> None:
-        self._drive = drive
+        self.kinematics = drive
+        """The wheels, which limit the speed."""
         self._settings = settings
         self._wanted = Twist2()
         self._until = float("-inf")
@@ -96,7 +97,7 @@ class DriveController:
         limits = self._settings
         v = _clamp(self._wanted.v, limits.max_velocity)
         omega = _clamp(self._wanted.omega, limits.max_angular_velocity)
-        wanted = self._drive.limit(Twist2(v, omega))
+        wanted = self.kinematics.limit(Twist2(v, omega))
         self._applied = Twist2(
             _ramp(
                 self._applied.v,

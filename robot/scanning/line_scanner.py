@@ -99,6 +99,7 @@ class LineScanner:
             settings: how pictures are searched; they may overrule what the tape looks like.
             tape: the kinds of tape on the field (``Field.tape``), the main one first.
         """
+        self._tape = tape
         self.looks = looks(settings.tape_brightness, settings.tape_width, tape)
         """What is searched for."""
         self.main_width = settings.tape_width or (tape or (BLACK_TAPE,))[0].width
@@ -121,6 +122,10 @@ class LineScanner:
         self._directions = heading_vectors(self.table.bearings)
         self._start = Pose2(settings.centre_x)
         self._apart = math.ceil(1.5 / settings.step)
+
+    def seen_through(self, view: FloorView) -> LineScanner:
+        """Return a scanner with the same settings for another view of the floor."""
+        return LineScanner(view, self.settings, self._tape)
 
     def scan(self, frame: Frame, twist: Twist2 = Twist2()) -> LineScan:
         """Search one picture.

@@ -121,9 +121,9 @@ class Timeline:
         self._pure = True
         """Whether the state depends only on the recording, the settings and the time."""
         self._can_keep = True
-        own, scanner = engine.localization.own, engine.localization.scanner
+        own = engine.localization.own
         self._saves = own.saves
-        self._keeper = CheckpointWriter([field, field.edges, scanner, own])
+        self._keeper = CheckpointWriter([field, field.edges, own])
 
     @property
     def log_ns(self) -> int:
