@@ -395,6 +395,8 @@ export interface SetCalibrationCommand {
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
+  /** Their standard deviations. */
+  sd?: Record<string, number>;
 }
 
 /** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */

@@ -135,6 +135,7 @@ def build_engine(
         entries,
         begin.hypotheses,
         config.localization,
+        robot.spec,
     )
     return connect(config, robot, localization, _odometry_start(begin, robot, field))
 

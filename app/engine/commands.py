@@ -231,12 +231,12 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
 def _set_calibration(
     command: SetCalibrationCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
-    controls.calibrate(command.values)
+    controls.calibrate(command.values, command.sd)
 
 
 def _check_calibration(command: SetCalibrationCommand, _field: Field) -> None:
     try:
-        check_values(command.values)
+        check_values(command.values, command.sd)
     except SpecError as error:
         raise CommandError(str(error)) from error
 

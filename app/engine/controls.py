@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer
-from robot.calibration.unknowns import Differences
+from robot.calibration.unknowns import PRIORS, ROBOT, Differences, with_named
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2
@@ -141,15 +141,16 @@ class Controls:
         self.stop_if_slow(wanted)
         localization.choose(own, wanted)
 
-    def calibrate(self, values: Mapping[str, float]) -> None:
+    def calibrate(self, values: Mapping[str, float], sd: Mapping[str, float]) -> None:
         """Change what is known of the robot: its differences from the description, by name.
 
-        What is left out stays as it is.
+        What is left out stays as it is, values and their standard deviations.
         """
-        differences = Differences.of(self.spec).changed(values)
-        self.spec = differences.applied_to(self.spec.uncalibrated)
+        before = PRIORS[:ROBOT] if self.spec.measured_sd is None else self.spec.measured_sd
+        built = Differences.of(self.spec).changed(values).applied_to(self.spec.uncalibrated)
+        self.spec = replace(built, measured_sd=with_named(before, sd))
         self.odometry.drive = self.driving.kinematics = self.odometry.drive.of(self.spec)
-        self.localization.use_view(self.spec.floor_view)
+        self.localization.use_robot(self.spec)
 
     def reset(self) -> None:
         """Restore the configured parameters, and put the filter back to its start."""

@@ -10,7 +10,7 @@ import numpy as np
 from app.engine.earlier_beliefs import EarlierBeliefs
 from app.engine.follower import Follower
 from app.engine.own_models.own_models import OwnChoice, OwnModels
-from robot.camera import FloorView
+from robot.description.spec import RobotSpec
 from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -26,6 +26,7 @@ from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
 from robot.localization.monitoring.mounting import Mounting
+from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
 from robot.localization.setup import Setup
@@ -48,6 +49,7 @@ class Localization(Follower):
         entries: EntryField | None = None,
         start: tuple[Hypothesis, ...] = (),
         configured: LocalizationParameters | None = None,
+        spec: RobotSpec | None = None,
     ) -> None:
         """Make the filter and put it at the start.
 
@@ -62,6 +64,7 @@ class Localization(Follower):
             start: where the filter starts, and where ``reset`` puts it; empty is the field's start
                 with the filter's own spread.
             configured: the parameters that ``reset`` restores; by default ``parameters``.
+            spec: the robot, for what its calibration leaves open; by default nobody measured it.
         """
         self.scanner = scanner
         self.own = own or OwnModels(field)
@@ -79,7 +82,7 @@ class Localization(Follower):
         self._once = False
         self.earlier = EarlierBeliefs()
         setup = self._setup()
-        self._monitor = Monitor(setup.evidence, _mounting(scanner))
+        self._monitor = Monitor(setup.evidence, _mounting(scanner), _steady_errors(spec))
         self._localizer = Localizer(
             make_filter(setup, rng),
             parameters.filter,
@@ -208,11 +211,12 @@ class Localization(Follower):
         self._once = True
         self._localizer.force_update()
 
-    def use_view(self, view: FloorView) -> None:
-        """See through a camera that was calibrated anew; the filter keeps its belief."""
-        self.scanner = self.scanner.seen_through(view)
+    def use_robot(self, spec: RobotSpec) -> None:
+        """Follow a robot that was calibrated anew; the filter keeps its belief."""
+        self.scanner = self.scanner.seen_through(spec.floor_view)
         # What was found of the camera's and the wheels' errors was of the robot before.
-        self._monitor = Monitor(self._setup().evidence, _mounting(self.scanner))
+        evidence, mounting = self._setup().evidence, _mounting(self.scanner)
+        self._monitor = Monitor(evidence, mounting, _steady_errors(spec))
         self._localizer.monitor = self._monitor
         self.earlier.clear()
 
@@ -298,6 +302,12 @@ class Localization(Follower):
         if self.own.sensor is not None:
             return self.own.sensor
         return sensor_model(wanted, self._entries, self._field.edges)
+
+
+def _steady_errors(spec: RobotSpec | None) -> SteadyErrors:
+    if spec is None or spec.measured_sd is None:
+        return SteadyErrors()
+    return SteadyErrors.calibrated(spec.measured_sd, spec.track)
 
 
 def _mounting(scanner: LineScanner) -> Mounting:

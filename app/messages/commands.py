@@ -138,6 +138,8 @@ class SetCalibrationCommand(CommandMessage):
     type: Literal["set_calibration"]
     values: Annotated[dict[str, float], Field(min_length=1, max_length=11)]
     """Differences by name, in the units of the profile's file [rad, m, s, relative]."""
+    sd: Annotated[dict[str, float], Field(default_factory=dict, max_length=11)]
+    """Their standard deviations."""
 
 
 class SetParametersCommand(CommandMessage):

@@ -58,7 +58,7 @@ class Profile:
             raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
         built = Differences(self.values).applied_to(self.with_lens(spec))
         measured = f"{self.made:%Y-%m-%d}, {self.source or 'nobody knows from what'}"
-        return replace(built, measured=measured, drawing=spec.as_drawn)
+        return replace(built, measured=measured, measured_sd=self.sd)
 
     def with_lens(self, spec: RobotSpec) -> RobotSpec:
         """Return a description with the profile's lens, if it has one, and else as it is.
@@ -128,17 +128,18 @@ def profile_of(content: dict[str, Any]) -> Profile:
     return Profile(robot, made, str(content.get("source", "")), values, sd, lens)
 
 
-def check_values(values: Mapping[str, float]) -> None:
-    """Refuse differences that no robot has.
+def check_values(values: Mapping[str, float], sd: Mapping[str, float]) -> None:
+    """Refuse differences, or standard deviations, that no robot has.
 
     Raises:
         SpecError: a name is unknown, or a value impossible; names what is valid.
     """
-    for name, value in values.items():
-        if name not in NAMES[:ROBOT]:
-            raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
-        most = MOST_SD * PRIORS[NAMES.index(name)]
-        _number({"value": value}, name, "value", -most, most)
+    for key, numbers, lowest in (("value", values, -1.0), ("sd", sd, 0.0)):
+        for name, number in numbers.items():
+            if name not in NAMES[:ROBOT]:
+                raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
+            most = MOST_SD * PRIORS[NAMES.index(name)]
+            _number({key: number}, name, key, lowest * most, most)
 
 
 def _number(table: dict[str, Any], name: str, key: str, low: float, high: float) -> float:

@@ -78,10 +78,7 @@ class Differences:
 
     def changed(self, values: Mapping[str, float]) -> Differences:
         """Return them with some values changed, by the unknowns' names."""
-        changed = self.values.copy()
-        for name, value in values.items():
-            changed[NAMES.index(name)] = value
-        return Differences(changed)
+        return Differences(with_named(self.values, values))
 
     @property
     def delay(self) -> float:
@@ -121,6 +118,13 @@ class Differences:
         values[LEFT], values[RIGHT] = radii[left], radii[right]
         values[SEPARATION] = built.track / spec.track - 1
         return cls(values)
+
+
+def with_named(numbers: Array, named: Mapping[str, float]) -> Array:
+    """Return a copy of numbers (11,), with those changed that are given by the unknowns' names."""
+    changed = numbers.copy()
+    changed[index_of(list(named))] = list(named.values())
+    return changed
 
 
 def index_of(names: Sequence[str]) -> list[int]:

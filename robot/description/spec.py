@@ -45,6 +45,8 @@ class RobotSpec:
     """When and from what a calibration measured the robot; empty if none did."""
     drawing: RobotSpec | None = field(default=None, repr=False)
     """The description before a calibration corrected it; None if none did."""
+    measured_sd: Array | None = field(default=None, repr=False)
+    """(11,) standard deviations of what was measured, as in the profile; None if nothing was."""
     base: RobotSpec | None = field(default=None, repr=False)
     """The description from which the calibration's differences count: the drawing, with its lens
     as measured; None if none did."""

@@ -21,6 +21,7 @@ from robot.localization.monitoring.mounting_check import MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.pose_errors import pose_errors
 from robot.localization.monitoring.scan_residuals import residual_sums
+from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
@@ -85,11 +86,23 @@ NO_DOUBT = Doubt(np.zeros((3, 3)), np.zeros((3, 3)), (), True)
 class Monitor:
     """Checks each estimate, together with the scan that it was made from."""
 
-    def __init__(self, evidence: RayEvidence, mounting: Mounting = LASER) -> None:
+    def __init__(
+        self,
+        evidence: RayEvidence,
+        mounting: Mounting = LASER,
+        errors: SteadyErrors = SteadyErrors(),
+    ) -> None:
+        """Make a monitor of a robot of which nothing was seen yet.
+
+        Args:
+            evidence: judges how well scans fit.
+            mounting: where the camera sits.
+            errors: how large the robot's steady errors may be.
+        """
         self.use(evidence)
         self._mounting = mounting
-        self._odometry = OdometryCheck()
-        self._camera = MountingCheck()
+        self._odometry = OdometryCheck(errors)
+        self._camera = MountingCheck(errors)
         self._tilt_of_steps = np.zeros(2)
         """Pitch and roll [rad] that were taken off the scans of the steps compared."""
         self._causes = Causes()

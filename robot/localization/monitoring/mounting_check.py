@@ -15,6 +15,7 @@ from numba import njit
 
 from robot.geometry import Array
 from robot.localization.kernels.matrices import inverse
+from robot.localization.monitoring.steady_errors import SteadyErrors
 
 MEMORY = 20.0
 """Scans older than this hardly count [s]."""
@@ -24,8 +25,6 @@ EXACT, INEXACT, ADAPTED = 0.15, 4.0, 0.1
 """Least and largest distance of rays from their edges, in usual spreads, and the share of it that
 is learnt from one scan. Without this, a few rays that meet a wrong edge would count for more than
 all exact ones."""
-PRIOR = np.diag(1 / np.square([math.radians(0.3), math.radians(0.3), 0.0015]))
-"""Prior information on pitch, roll and scale: for a camera that was mounted with care."""
 HELD = np.diag(1 / np.square([0.03, 0.03, 0.1]))
 """Information besides a scan, which holds a pose where it was [1/m², 1/m², 1/rad²]."""
 DIRECTION_SD = 0.05
@@ -35,6 +34,7 @@ where edges cross at a milliradian."""
 STANDS_OUT, EXPLAINS = 2.0, 0.3
 """A tilt is taken off the scans if it exceeds this many standard deviations, and explains more than
 this share of the residuals."""
+USUAL = SteadyErrors()
 BLEND = 0.2
 """Share of a change of the tilt that is taken off the next scan."""
 
@@ -65,7 +65,9 @@ class MountingError:
 class MountingCheck:
     """Estimates the mounting error from the sums of all scans."""
 
-    def __init__(self) -> None:
+    def __init__(self, errors: SteadyErrors = USUAL) -> None:
+        """Begin with how large the errors may be."""
+        self._prior = np.diag(errors.mounting**-2)
         self._sums = np.zeros((4, 4))
         self._rays = 0.0
         self._pose_by_errors = np.zeros((3, 3))
@@ -109,7 +111,7 @@ class MountingCheck:
         self.applied = self.applied + BLEND * (wanted - self.applied)
 
     def _likeliest(self) -> MountingError:
-        values, covariance, explained, rest = _solve(self._sums, self._rays)
+        values, covariance, explained, rest = _solve(self._sums, self._rays, self._prior)
         pitch, roll, scale = values.tolist()
         return MountingError(pitch, roll, scale, covariance, explained, rest)
 
@@ -134,15 +136,17 @@ class MountingCheck:
 
 
 @njit(cache=True, nogil=True)
-def _solve(sums: Array, rays: float) -> tuple[Array, Array, float, float]:
+def _solve(sums: Array, rays: float, prior: Array) -> tuple[Array, Array, float, float]:
     """Return pitch, roll and scale (3,) that explain most of the residuals in sums (4, 4).
+
+    ``prior`` is the information (3, 3) on them before any scan.
 
     Also returns their covariance (3, 3), the share that they explain, and the mean square of the
     rest.
     """
     columns = np.ascontiguousarray(sums[:3, :3])
     pull = np.ascontiguousarray(sums[:3, 3])
-    covariance = inverse(RAYS_WORTH * columns + PRIOR)
+    covariance = inverse(RAYS_WORTH * columns + prior)
     values = covariance @ (RAYS_WORTH * pull)
     whole = max(sums[3, 3], 1e-12)
     explained = 2 * values @ pull - values @ (columns @ values)

@@ -16,11 +16,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.geometry import Array, Pose2, Twist2
+from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.monitoring.step_sums import StepSums, add_step, estimate_errors
 
 LAG, LONGEST = 0.33, 1.2
 """Time over which steps are compared, and the longest such time when pictures are rare [s]."""
 ERRORS = ("late", "forward", "turn_by_way", "turn", "ahead", "aside", "yaw")
+USUAL = SteadyErrors()
 SETTLING = 1.5
 """Until the robot has driven for this long after a place was given or found, steps ahead and aside
 do not contradict odometry [s]. Time at rest does not count, as the filter then takes no scans."""
@@ -62,9 +64,11 @@ class _Step:
 class OdometryCheck:
     """Compares each pose with the pose a third of a second earlier."""
 
-    def __init__(self) -> None:
+    def __init__(self, errors: SteadyErrors = USUAL) -> None:
+        """Begin with how large the errors may be."""
         self._steps: deque[_Step] = deque()
-        self._sums = StepSums(*(np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2)))
+        empty = (np.zeros(size) for size in ((7, 7), 7, 3, 3, 3, 2))
+        self._sums = StepSums(np.diag(errors.odometry**-2), *empty)
         self._last: tuple[float, Pose2] | None = None
         """Stamp and odometry of the last pose; where odometry is, no jump of the pose changes."""
         self._followed = 0.0

@@ -17,9 +17,6 @@ RECENT = 3.0
 """The same for the unexplained rest [s]."""
 CORRELATION = 5.0
 """This many steps at the same speed are worth one, because slip lasts for about a second."""
-PRIOR_SD = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
-"""Standard deviations of the errors of an uncalibrated robot [s, -, rad/m, -, m, m, rad]."""
-PRIOR = np.diag(PRIOR_SD**-2)
 TELLING, CHANGE_V, CHANGE_OMEGA = 2.0, 0.05, 0.4
 """A step over which the speed changes by more than CHANGE [m/s, rad/s] is worth TELLING steps: slip
 is the same before and after it, and lateness shows."""
@@ -33,8 +30,10 @@ TAIL = 9.0
 class StepSums(NamedTuple):
     """Sums over steps; older steps count less."""
 
+    prior: Array
+    """(7, 7) information on the errors before any step."""
     information: Array
-    """(7, 7) information on the errors."""
+    """(7, 7) information on the errors by the steps."""
     pull: Array
     """(7,) information times errors."""
     left: Array
@@ -129,7 +128,7 @@ def _add(sums: StepSums, columns: Array, offset: Array, weights: Array) -> None:
 @njit(cache=True, nogil=True)
 def estimate_errors(sums: StepSums) -> tuple[Array, Array, Array]:
     """Return the errors (7,), their covariance (7, 7), and the unexplained rest of steps (3,)."""
-    covariance = inverse(sums.information + PRIOR)
+    covariance = inverse(sums.information + sums.prior)
     # The sums begin as if one usual step came before all others.
     rest = np.sqrt((sums.squares + 1) / (sums.counts[1] + 1))
     return covariance @ sums.pull, covariance, rest

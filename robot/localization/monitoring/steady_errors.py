@@ -1,0 +1,46 @@
+"""How large the steady errors of a robot may be, before its monitor has seen any of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from robot.geometry import Array
+
+UNCALIBRATED = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
+"""Of wheels, clock and place of the camera, in the order of ``odometry_check.ERRORS`` [s, -, rad/m,
+-, m, m, rad]."""
+CHANGED = np.array([0.002, 0.005, 0.1, 0.01, 0.0003, 0.0003, 0.001])
+"""How far a calibrated robot may have changed since: tyres wear, cameras are late by turns."""
+CAREFUL_MOUNT = np.array([math.radians(0.3), math.radians(0.3), 0.0015])
+"""Of the camera's pitch and roll [rad], if it was mounted with care, and of the map's scale."""
+SAME_MOUNT = math.radians(0.03)
+"""How far a mast may have bent since its calibration [rad]."""
+
+
+@dataclass(frozen=True, slots=True)
+class SteadyErrors:
+    """Standard deviations of errors that stay the same over a drive."""
+
+    odometry: Array = field(default_factory=UNCALIBRATED.copy, repr=False)
+    """(7,) in the order of ``odometry_check.ERRORS``."""
+    mounting: Array = field(default_factory=CAREFUL_MOUNT.copy, repr=False)
+    """(3,) of pitch, roll [rad] and the map's scale [-]."""
+
+    @classmethod
+    def calibrated(cls, sd: Array, track: float) -> SteadyErrors:
+        """Return what a calibration leaves open.
+
+        Args:
+            sd: (11,) standard deviations of what was measured, as in a robot's profile.
+            track: distance between the wheels [m].
+        """
+        roll, pitch, yaw, x, y, _, _, delay, left, right, separation = sd.tolist()
+        radii = math.hypot(left, right)
+        left_open = np.array([delay, radii / 2, radii / track, separation, x, y, yaw])
+        # A drive that told nothing of some of them leaves them as wide as they were.
+        odometry = np.minimum(np.hypot(left_open, CHANGED), UNCALIBRATED)
+        tilt = np.minimum(np.hypot([pitch, roll], SAME_MOUNT), CAREFUL_MOUNT[:2])
+        return cls(odometry, np.append(tilt, CAREFUL_MOUNT[2]))
