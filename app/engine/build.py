@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from app.engine.calibration_tracking import CalibrationTracking
 from app.engine.commands import apply
 from app.engine.controls import Controls
 from app.engine.driving import Driving
@@ -20,6 +21,7 @@ from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
 from app.settings.profiles import profile_file
 from robot.calibration.profile import load_profile
+from robot.calibration.tracker import CalibrationTracker
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
@@ -137,7 +139,11 @@ def build_engine(
         config.localization,
         robot.spec,
     )
-    return connect(config, robot, localization, _odometry_start(begin, robot, field))
+    tracking = None
+    if config.calibration.track:
+        tracking = CalibrationTracking(CalibrationTracker(robot.spec, field, config.scanner))
+    start_pose = _odometry_start(begin, robot, field)
+    return connect(config, robot, localization, start_pose, tracking=tracking)
 
 
 def connect(
@@ -146,6 +152,7 @@ def connect(
     follower: Follower,
     start_pose: Pose2 = Pose2(),
     driving: Driving | None = None,
+    tracking: CalibrationTracking | None = None,
 ) -> Engine:
     """Connect given parts to an engine before its first tick.
 
@@ -155,6 +162,7 @@ def connect(
         follower: follows the robot by its pictures or scans; ``Follower()`` is none.
         start_pose: the robot's pose in the map where dead reckoning begins.
         driving: decides where to drive; by default as commands say.
+        tracking: follows the robot's calibration; by default it stays as it is.
     """
     kinematics = DifferentialDrive(robot.spec, config.drive.multipliers)
     driving = driving or Driving(
@@ -163,7 +171,7 @@ def connect(
         config.figure_eight,
     )
     odometry = Odometry(kinematics, config.odometry)
-    return Engine(Controls(robot, odometry, follower, driving, start_pose), apply)
+    return Engine(Controls(robot, odometry, follower, driving, start_pose), apply, tracking)
 
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:

@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 
+from app.engine.calibration_tracking import CalibrationTracking
 from app.engine.controls import Controls
 from app.engine.localization import Localization
 from app.engine.loop_statistics import LoopMeter
@@ -41,12 +42,15 @@ Apply = Callable[[Command, Controls, OdometryState], None]
 class Engine:
     """Steps robot, odometry, filter and drive; one thread calls it."""
 
-    def __init__(self, controls: Controls, apply: Apply) -> None:
+    def __init__(
+        self, controls: Controls, apply: Apply, tracking: CalibrationTracking | None = None
+    ) -> None:
         """Make an engine before its first tick.
 
         Args:
             controls: robot, odometry, filter and driving.
             apply: carries out a command; ``app.engine.commands`` has the table.
+            tracking: follows the robot's calibration; None leaves it as it is.
         """
         self.controls = controls
         self.latest: Latest[Snapshot] = Latest()
@@ -55,6 +59,7 @@ class Engine:
         self.failure: str | None = None
         """Why the engine failed; None while it has not."""
         self._apply = apply
+        self._tracking = tracking
         self._meter = LoopMeter()
         self._applied: tuple[Reading, Twist2] | None = None
         """The last tick's reading and velocity."""
@@ -133,6 +138,8 @@ class Engine:
             self.fail(f"The robot stopped: {error}")
         finally:
             self.controls.robot.close()
+            if self._tracking is not None:
+                self._tracking.close()
 
     def _advance(self, reading: Reading, commands: tuple[Command, ...]) -> Snapshot:
         self._meter.begin()
@@ -140,8 +147,12 @@ class Engine:
         controls.stamp = reading.stamp
         odometry = controls.odometry.update(reading)
         controls.reload_own_models()
+        if self._tracking is not None:
+            commands += self._tracking.commands(odometry.odom_from_robot, controls)
         self._take(commands, odometry)
         self._localize(reading)
+        if self._tracking is not None:
+            self._tracking.add(reading, controls)
         controls.stop_while_faulty(connected=reading.connected, faults=reading.faults)
         kinematics = controls.odometry.drive
         wheels = controls.robot.write(kinematics.wheels(driving.update(odometry)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from robot.interface import Frame
 from robot.localization.estimate import Belief, Estimate, Hypothesis
 from robot.localization.filter import Cloud
 from robot.localization.filters import make_filter, transfer_belief
-from robot.localization.integrity import Integrity
+from robot.localization.integrity import Alert, Integrity
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
@@ -81,6 +82,8 @@ class Localization(Follower):
         self._entries = entries
         self._once = False
         self.earlier = EarlierBeliefs()
+        self.remarks: tuple[Alert, ...] = ()
+        """Reasons for doubt besides those that the monitor finds."""
         setup = self._setup()
         self._monitor = Monitor(setup.evidence, _mounting(scanner), _steady_errors(spec))
         self._localizer = Localizer(
@@ -111,9 +114,9 @@ class Localization(Follower):
 
     def integrity_at(self, odom_from_robot: Pose2) -> Integrity:
         """Return the integrity of the estimate carried forward: odometry adds its errors."""
-        return propagate_claim(
-            self.integrity, self.belief.moved(odom_from_robot) if self.belief else Pose2()
-        )
+        moved = self.belief.moved(odom_from_robot) if self.belief else Pose2()
+        claim = propagate_claim(self.integrity, moved)
+        return replace(claim, alerts=self.remarks + claim.alerts) if self.remarks else claim
 
     @property
     def updates(self) -> int:

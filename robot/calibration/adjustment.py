@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -71,6 +72,15 @@ class Weights:
     """Edges farther off than this do not count [m]."""
     doubt: float = 1.0
     """Factor of the edges' standard deviations."""
+    covariance: Array | None = field(default=None, repr=False)
+    """(15, 15) of the unknowns before the drive, instead of ``sd`` where they are correlated."""
+
+    @cached_property
+    def information(self) -> Array:
+        """(15, 15) on the unknowns, before the drive is looked at."""
+        if self.covariance is None:
+            return np.diag(self.sd**-2)
+        return np.asarray(np.linalg.inv(self.covariance), np.float64)
 
 
 @dataclass
@@ -166,7 +176,7 @@ class Adjustment:
         equations.add_pairs(*self._step_errors(state))
         equations.add_slip(state.slip, self._motion.stamps)
         equations.add_start(state.poses[0], self._start, self._start_information)
-        equations.add_prior(state.values - weights.mean, weights.sd)
+        equations.add_prior(state.values - weights.mean, weights.information)
         return equations
 
     def _step_errors(self, state: State) -> tuple[Array, Array, Array, Array]:

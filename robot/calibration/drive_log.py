@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
@@ -42,6 +43,10 @@ class DriveLog:
         """Return the drive with its first pictures only."""
         return replace(self, stamps=self.stamps[:count], pixels=self.pixels[:count])
 
+    def since(self, first: int) -> DriveLog:
+        """Return the drive without its first pictures."""
+        return replace(self, stamps=self.stamps[first:], pixels=self.pixels[first:])
+
 
 class DriveRecorder:
     """Collects the log of a drive, reading by reading."""
@@ -66,9 +71,13 @@ class DriveRecorder:
             return
         if self._pictures and frame.stamp - self._pictures[-1][0] < PERIOD_S - 1e-6:
             return
-        edges = self._scanner.entries_and_exits(frame.image)
+        self._pictures.append((frame.stamp, self.edges(frame.image)))
+
+    def edges(self, image: NDArray[np.uint8]) -> Array:
+        """Return the pixels (2 r, 2) in which rays enter tape, then where they leave it; or nan."""
+        edges = self._scanner.entries_and_exits(image)
         sides = [self._scanner.pixels(side)[EVERY // 2 :: EVERY] for side in edges.T]
-        self._pictures.append((frame.stamp, np.concatenate(sides)))
+        return np.concatenate(sides)
 
     @property
     def log(self) -> DriveLog:

@@ -101,11 +101,14 @@ class Equations:
         self._right[0, :3] -= information @ difference
         self.cost += float(difference @ information @ difference)
 
-    def add_prior(self, difference: Array, sd: Array) -> None:
-        """Add how the robot's unknowns (15,) differ from what they are thought to be."""
-        self._robot[np.diag_indices(COUNT)] += 1 / sd**2
-        self._robot_right -= difference / sd**2
-        self.cost += float(((difference / sd) ** 2).sum())
+    def add_prior(self, difference: Array, information: Array) -> None:
+        """Add how the robot's unknowns (15,) differ from what they are thought to be.
+
+        The information (15, 15) says how well that is known.
+        """
+        self._robot += information
+        self._robot_right -= information @ difference
+        self.cost += float(difference @ information @ difference)
 
     def solve(self) -> tuple[Array, Array, Array, Array]:
         """Return the steps (k, 5) and (15,), the latter's covariance, and the last pose's."""
