@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.ros2.message_types import MessageError
-from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace, Route
+from app.ros2.publisher import Pace, Route, TopicPublisher
 from app.ros2.source import RosClock, TopicSource
 from app.ros2.topic import UNCHANGING
 from app.ros2.topics import TOPICS, topic

@@ -28,8 +28,9 @@ from app.messages.answers import (
     ProblemMessage,
     ProblemsMessage,
     ProfileMessage,
+    content,
+    refusal,
 )
-from app.messages.refusals import content, refusal
 from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
 from app.page.camera_stream import STREAM, CameraStream

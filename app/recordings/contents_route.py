@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 from fastapi import APIRouter, HTTPException
 
+from app.messages.answers import refusal
 from app.messages.message import Message
-from app.messages.refusals import refusal
 from app.recordings.attachments import Attachment, Contents
 from robot.errors import BrickPoseError
 

@@ -13,8 +13,8 @@ from fastapi import APIRouter, HTTPException, Response
 from fastapi.responses import FileResponse, StreamingResponse
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from app.messages.answers import content, refusal
 from app.messages.message import Message
-from app.messages.refusals import content, refusal
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE
 

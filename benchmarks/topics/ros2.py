@@ -35,7 +35,7 @@ from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.real_time import RealTime
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 READERS = 3
 SECONDS = 10.0
