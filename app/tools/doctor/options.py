@@ -16,8 +16,6 @@ def add_doctor(commands: Commands) -> None:
         description="Check this machine; with --robot buildhat the robot too: serial port, Build "
         "HAT, motors, camera. Nothing turns. Each line is ok, a warning or a problem with its "
         "cure; ends with 1 if there is a problem.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     command.add_argument("--robot", choices=ROBOTS, help="which robot is to work here")
     add_serial_port(command)
@@ -27,8 +25,6 @@ def add_doctor(commands: Commands) -> None:
     stop = commands.add_parser(
         "stop-motors",
         help="stop the motors of a Build HAT that no program drives any more",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     add_serial_port(stop)
     stop.set_defaults(command=_stop)

@@ -19,8 +19,6 @@ def add_emulate_hat(commands: Commands) -> None:
         description="A Build HAT without the board: prints the name of a serial port, ready to be "
         "opened. Lines on standard input, or through --control, are what a person's hands would "
         "do: help lists them. Ctrl-C ends it.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     command.add_argument(
         "--link", type=Path, metavar="PATH", help="a symbolic link to the serial port"

@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from app.interruption import interruptible
-from app.options import Commands
+from app.options import Commands, add_address, add_own_models
 from app.page.access_options import add_access
-from app.settings.config import Config
 
 
 def add_replay(commands: Commands) -> None:
     """Add the command."""
-    default = Config()
     command = commands.add_parser(
         "replay",
         help="serve the dashboard on a recording",
@@ -22,8 +20,6 @@ def add_replay(commands: Commands) -> None:
         "recorded, with other settings or models if asked, beside what was estimated then. With "
         "--out: write the trajectories as fast as it goes, without a dashboard. Metres, radians, "
         "seconds.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     command.add_argument("file", type=Path, metavar="FILE", help="an .mcap file, or its folder")
     command.add_argument(
@@ -39,15 +35,7 @@ def add_replay(commands: Commands) -> None:
         help="settings over those of then: tables localization, scanner, odometry, drive, "
         "start_pose (docs/configuration.md)",
     )
-    for kind in ("sensor", "motion"):
-        command.add_argument(
-            f"--{kind}-model",
-            metavar="FILE.py:CLASS",
-            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
-        )
-    command.add_argument(
-        "--models", metavar="DIR", help="a folder of models of your own, which the page offers"
-    )
+    add_own_models(command)
     command.add_argument(
         "--map",
         metavar="NAME|FILE",
@@ -62,12 +50,7 @@ def add_replay(commands: Commands) -> None:
     command.add_argument(
         "--seed", type=int, help="seed of the filter (default: that of the recording)"
     )
-    command.add_argument("--host", help=f"address to listen on (default: {default.host})")
-    command.add_argument(
-        "--port",
-        type=int,
-        help=f"port to listen on; 0 is any free one (default: {default.port})",
-    )
+    add_address(command)
     command.add_argument(
         "--out",
         type=Path,
