@@ -44,8 +44,7 @@ from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
 from app.page.view.view import View
 from app.recordings.contents import contents_of
-from app.recordings.contents_route import contents_router
-from app.recordings.routes import recordings_router
+from app.recordings.routes import contents_router, recordings_router
 from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND

@@ -20,7 +20,7 @@ from websockets.exceptions import InvalidHandshake, WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from app.recordings.attachments import Contents
-from app.recordings.contents_route import ContentsMessage
+from app.recordings.routes import ContentsMessage
 from app.ros2.message_types import MessageError
 from robot.errors import BrickPoseError
 from robot.settings import SettingError
