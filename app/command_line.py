@@ -37,9 +37,7 @@ from app.recordings.options import add_record
 from app.ros2.export.options import add_export
 from app.settings.conditions import check_supported
 from app.settings.config import ROBOTS, ROOT, Config
-from app.tools.doctor.options import add_doctor
-from app.tools.hat_emulator.options import add_emulate_hat
-from app.tools.replay.options import add_replay
+from app.tools.options import add_doctor, add_emulate_hat, add_replay
 from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
