@@ -20,10 +20,14 @@ from app.lab.localize.options import add_localize
 from app.lab.sweep.options import add_sweep
 from app.lab.trajectories.trajectory import TrajectoryError
 from app.options import (
+    CommandParser,
+    Commands,
+    add_address,
     add_camera,
     add_condition,
     add_config,
     add_map,
+    add_own_models,
     add_profile,
     add_serial_port,
     config_from,
@@ -33,9 +37,7 @@ from app.recordings.options import add_record
 from app.ros2.export.options import add_export
 from app.settings.conditions import check_supported
 from app.settings.config import ROBOTS, ROOT, Config
-from app.tools.doctor.options import add_doctor
-from app.tools.hat_emulator.options import add_emulate_hat
-from app.tools.replay.options import add_replay
+from app.tools.options import add_doctor, add_emulate_hat, add_replay
 from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
@@ -65,10 +67,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="brickpose",
         description="A LEGO robot that localizes itself on taped floors.",
-        allow_abbrev=False,
     )
     parser.add_argument("--version", action="version", version=f"brickpose {version('brickpose')}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
@@ -86,47 +87,34 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_run(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _add_run(commands: Commands) -> None:
     default = Config()
     run = commands.add_parser(
         "run",
         help="serve the dashboard with one robot",
         description="Serve the dashboard with one robot. Ctrl-C stops the motors and ends.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-        allow_abbrev=False,
     )
     run.add_argument(
         "--robot",
         choices=ROBOTS,
         help="sim: physics (pybullet); kinematic: perfect wheels, without pybullet; "
         "buildhat: the real one (default: sim where pybullet is installed)",
-        default=argparse.SUPPRESS,
     )
     add_serial_port(run)
     add_camera(run)
     add_map(run)
-    run.add_argument(
-        "--host",
-        default=argparse.SUPPRESS,
-        help=f"address to listen on; 0.0.0.0 is all (default: {default.host})",
-    )
-    run.add_argument(
-        "--port",
-        type=int,
-        default=argparse.SUPPRESS,
-        help=f"port to listen on; 0 is any free one (default: {default.port})",
-    )
+    add_address(run)
     run.add_argument(
         "--seed",
         type=int,
-        default=argparse.SUPPRESS,
         help=f"seed of everything random (default: {default.seed})",
     )
     add_access(run)
     add_condition(run)
     add_profile(run)
     add_config(run)
-    _add_models(run)
+    add_own_models(run)
     _add_start_pose(run)
     _add_outlets(run)
     run.set_defaults(command=_run)
@@ -136,13 +124,11 @@ def _add_start_pose(run: argparse.ArgumentParser) -> None:
     run.add_argument(
         "--restore-pose",
         action="store_true",
-        default=argparse.SUPPRESS,
         help="start where the last run on the same map ended",
     )
     run.add_argument(
         "--pose-file",
         metavar="FILE",
-        default=argparse.SUPPRESS,
         help="where the pose is saved (default: a file a robot and map in the user's state folder)",
     )
 
@@ -151,42 +137,23 @@ def _add_outlets(run: argparse.ArgumentParser) -> None:
     run.add_argument(
         "--record",
         metavar="DIR",
-        default=argparse.SUPPRESS,
         help="record everything to a new folder in this one (docs/recordings.md)",
     )
     run.add_argument(
         "--ros2",
         action="store_true",
-        default=argparse.SUPPRESS,
         help="be a robot of ROS 2, over DDS (docs/ros2.md)",
     )
     run.add_argument(
         "--foxglove",
         action="store_true",
-        default=argparse.SUPPRESS,
         help="serve Foxglove, at /foxglove on the same port (docs/ros2.md)",
     )
 
 
-def _add_models(run: argparse.ArgumentParser) -> None:
-    for kind in ("sensor", "motion"):
-        run.add_argument(
-            f"--{kind}-model",
-            metavar="FILE.py:CLASS",
-            default=argparse.SUPPRESS,
-            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
-        )
-    run.add_argument(
-        "--models",
-        metavar="DIR",
-        default=argparse.SUPPRESS,
-        help="a folder of models of your own, which the page offers",
-    )
-
-
-def _add_bench(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+def _add_bench(commands: Commands) -> None:
     bench = commands.add_parser(
-        "bench", help="measure, side by side with peers", allow_abbrev=False
+        "bench", help="measure, side by side with peers", argument_default=None
     )
     bench.add_argument(
         "names", nargs="*", metavar="NAME", help="which (default: all that are quick)"

@@ -24,12 +24,22 @@ Commands = Any
 """What ``add_subparsers`` returns."""
 
 
+class CommandParser(argparse.ArgumentParser):
+    """Options are not abbreviated, and one that is not given has no value, not even None.
+
+    So a setting in a file is overridden only by what was typed. Subcommands inherit this.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        usual: dict[str, Any] = {"argument_default": argparse.SUPPRESS, "allow_abbrev": False}
+        super().__init__(*args, **(usual | kwargs))
+
+
 def add_map(command: argparse.ArgumentParser) -> None:
     """Add the option for the field."""
     command.add_argument(
         "--map",
         metavar="NAME|FILE",
-        default=argparse.SUPPRESS,
         help="a field of maps/, generated-N (from a seed), or an .svg or .yaml file "
         f"(default: {Config().map})",
     )
@@ -42,7 +52,6 @@ def add_condition(command: argparse.ArgumentParser, *, many: bool = False) -> No
         "--condition",
         metavar="NAME",
         action="append" if many else "store",
-        default=argparse.SUPPRESS,
         help=f"what is worse than usual in a simulation{repeated}: {condition_names()} "
         "(default: default)",
     )
@@ -53,7 +62,6 @@ def add_profile(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--profile",
         metavar="PROFILE.toml",
-        default=argparse.SUPPRESS,
         help="what `brickpose calibrate` has measured of the robot; none: it is as described "
         "(default: the real robot's own, see docs/calibration.md)",
     )
@@ -65,8 +73,33 @@ def add_config(command: argparse.ArgumentParser) -> None:
         "--config",
         type=Path,
         metavar="FILE.toml",
-        default=argparse.SUPPRESS,
         help="settings (docs/configuration.md); options win over them",
+    )
+
+
+def add_address(command: argparse.ArgumentParser) -> None:
+    """Add the options for the address of the page."""
+    default = Config()
+    command.add_argument(
+        "--host", help=f"address to listen on; 0.0.0.0 is all (default: {default.host})"
+    )
+    command.add_argument(
+        "--port",
+        type=int,
+        help=f"port to listen on; 0 is any free one (default: {default.port})",
+    )
+
+
+def add_own_models(command: argparse.ArgumentParser) -> None:
+    """Add the options for the user's own sensor and motion models."""
+    for kind in ("sensor", "motion"):
+        command.add_argument(
+            f"--{kind}-model",
+            metavar="FILE.py:CLASS",
+            help=f"a {kind} model of your own, taken anew when it is saved (docs/own_models.md)",
+        )
+    command.add_argument(
+        "--models", metavar="DIR", help="a folder of models of your own, which the page offers"
     )
 
 
@@ -75,7 +108,6 @@ def add_serial_port(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--serial-port",
         metavar="DEVICE",
-        default=argparse.SUPPRESS,
         help="the Build HAT's serial port (default: that of this Pi)",
     )
 
@@ -85,7 +117,6 @@ def add_camera(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--camera",
         metavar="SOURCE",
-        default=argparse.SUPPRESS,
         help="the real robot's camera: pi, /dev/video0, a folder of pictures, a video file "
         "(default: the first that delivers pictures)",
     )

@@ -35,7 +35,7 @@ from robot.geometry import Pose2
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.localization.setup import Setup
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 SEEDS = range(12)
 GLOBAL_SEEDS = range(24)

@@ -12,7 +12,7 @@ from app.settings.config import Config
 from benchmarks.result import Result
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 SECONDS = 16.0
 """Simulated time: one lap of the figure-eight."""

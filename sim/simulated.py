@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,22 @@ from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, Twist2, interpolate
 from robot.interface import Frame, Reading
+from sim.bullet import BulletSettings
 from sim.encoders import Encoders
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
+from sim.imperfections import Imperfections
 from sim.world import World
+
+
+@dataclass(frozen=True)
+class SimSettings:
+    """Settings of the simulated robot: its camera, its physics, and its imperfections."""
+
+    camera: CameraSettings = CameraSettings()
+    physics: BulletSettings = BulletSettings()
+    imperfections: Imperfections = Imperfections()
+
 
 HISTORY = 1.2
 """How long true poses are kept for frames that are not yet delivered [s]: the longest delay, half

@@ -7,7 +7,7 @@ import numpy as np
 from app.lab.model_fits.runs import STEP, MotionRun
 from app.lab.model_fits.twists import DriveCorrection, chained
 from robot.geometry import Pose2, Twist2, compose
-from robot.localization.models.differential_motion import DifferentialMotion
+from robot.localization.models.odometry_motion import DifferentialMotion
 
 TWISTS = (
     Twist2(0.15, 0.0),

@@ -5,9 +5,14 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from app.ros2.message_types import message_class
-from app.ros2.rosbridge.values.fields import FILLER, NUMBERS, fields
+from app.ros2.rosbridge.fields import FILLER, NUMBERS, fields
+from app.ros2.topics import TOPICS
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=5)
+
+
+def topic(name):
+    return next(item for item in TOPICS if item.name == name)
 
 
 def messages(type_name: str, finite: bool = True):

@@ -27,7 +27,7 @@ from benchmarks.accuracy import (
 )
 from benchmarks.trials import PictureResult, try_filter
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 SEED = 3
 SECONDS = 9.0

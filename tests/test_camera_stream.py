@@ -9,7 +9,7 @@ from engine_runs import kinematic, run
 from starlette.websockets import WebSocket, WebSocketState
 
 from app.engine.mailboxes.latest import Latest
-from app.messages.picture import PictureMessage
+from app.messages.telemetry import PictureMessage
 from app.page.camera_stream import CameraStream
 
 

@@ -22,7 +22,7 @@ from sim.clutter import add_glare
 from sim.exposures import GAP_EVERY, Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections, draw
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 NAMES = [
     *("default", "noisy", "dark", "uneven", "cluttered", "fast", "askew", "late", "worn"),

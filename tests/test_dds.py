@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from dds_rig import BATTERY_V, PLAIN, STAMPED, decoded, rig_and_peer, stamped, twist
 from mcap_ros2._dynamic import generate_dynamic
+from ros_messages import topic
 
 from app.messages.commands import DriveCommand, SetPoseCommand, StopCommand
 from app.ros2.encoding import belief, sensors
 from app.ros2.encoding.frames import header, pose_with_covariance
 from app.ros2.message_types import new, to_cdr, type_hash
-from app.ros2.topics import TOPICS, topic
+from app.ros2.topics import TOPICS
 from benchmarks.topics.fastdds import Peer, missing
 from robot.geometry import Pose2
 from robot.scan import evenly

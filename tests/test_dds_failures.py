@@ -13,6 +13,7 @@ from itertools import pairwise
 import pytest
 from dds_rig import STAMPED, own_domain, rig_and_peer, stamped
 from pseudo_terminals import FDS
+from ros_messages import topic
 
 from app.messages.commands import DriveCommand
 from app.ros2.dds import child as child_module
@@ -20,7 +21,6 @@ from app.ros2.dds import route as route_module
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsRoute
-from app.ros2.topics import topic
 from app.settings.config import ROOT
 from app.settings.ros2 import Ros2Settings
 from benchmarks.topics.fastdds import Peer, missing

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from dds_rig import Rig, own_domain
+from ros_messages import topic
 
-from app.ros2.topics import topic
 from benchmarks.topics.fastdds import Peer, missing
 
 pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))

@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from app.ros2.dds import configuration
 from app.ros2.dds.configuration import ALONE, DomainError, domain, plan, reach, shapes
-from app.ros2.dds.framing import Frames, FramingError, header
-from app.ros2.dds.plan import Plan, dds_topic, dds_type
+from app.ros2.dds.protocol import Frames, FramingError, Plan, dds_topic, dds_type, header
 from app.ros2.incoming import INCOMING
 from app.ros2.message_types import to_cdr
 from app.ros2.source import TopicSource
@@ -142,7 +141,7 @@ LISTENING = """
 import json, os, socket, sys
 from app.ros2.dds.loopback import _udp_sockets
 from app.ros2.dds.participant import Participant
-from app.ros2.dds.plan import Plan
+from app.ros2.dds.protocol import Plan
 participant = Participant(Plan.from_json(sys.stdin.buffer.read()))
 told = [one.getsockopt(socket.SOL_SOCKET, socket.SO_BINDTODEVICE, 16) for one in _udp_sockets()]
 print(json.dumps([one.decode() for one in told]), flush=True)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from robot.localization.particles.density import coarseness
+from robot.localization.particles.resampling import coarseness
 
 SPREAD = np.diag(np.square([0.1, 0.2, 0.5]))
 RANGES = np.array([0.4, 0.4, np.inf])

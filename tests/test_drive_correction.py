@@ -18,7 +18,7 @@ from app.lab.model_fits.twists import DriveCorrection, chained
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2
-from robot.localization.models.differential_motion import DifferentialMotion
+from robot.localization.models.odometry_motion import DifferentialMotion
 
 SPEC = RobotSpec.load()
 TRACK = SPEC.track

@@ -16,7 +16,7 @@ import pytest
 import serial
 
 from app.settings.config import ROOT
-from app.tools.hat_emulator.command import emulate_hat
+from app.tools.emulate_hat import emulate_hat
 from robot.camera import Lens
 from robot.cameras.picture_socket import PictureSocket
 from robot.description.spec import RobotSpec

@@ -30,8 +30,7 @@ from robot.geometry import Pose2
 from robot.interface import RobotError
 from robot.localization.integrity import State
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
-from sim.simulated import PERIOD
+from sim.simulated import PERIOD, SimSettings
 
 
 def test_it_stands_until_told_to_drive():

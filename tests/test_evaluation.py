@@ -23,7 +23,7 @@ from app.messages.commands import FigureEightCommand, SetPoseCommand
 from app.settings.config import Config
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 QUICK = Config(sim=SimSettings(camera=CameraSettings(frame_rate=8)), map="stub")
 """Few pictures: what is tested here is not how exact they are."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import uvicorn
 from node_peers import needs_node, start_node
+from ros_messages import topic
 from starlette.applications import Starlette
 from starlette.routing import WebSocketRoute
 from websockets.exceptions import ConnectionClosed
@@ -24,7 +25,7 @@ from app.ros2.inbox import Inbox
 from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
-from app.ros2.topics import TOPICS, topic
+from app.ros2.topics import TOPICS
 from app.settings.config import Config
 from app.settings.ros2 import Ros2Settings
 from sim.real_time import RealTime

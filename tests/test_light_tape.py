@@ -19,8 +19,7 @@ from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Pose2, heading_vectors
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScan, LineScanner, LineScannerSettings
-from robot.scanning.look import looks, nearest_widths
-from robot.scanning.tape import Tape
+from robot.scanning.tape import Tape, looks, nearest_widths
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings, FloorCamera
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 from engine_runs import kinematic, run
+from ros_messages import topic
 
 from app.ros2.source import TopicSource
-from app.ros2.topics import topic
 from robot.settings import SettingError
 
 

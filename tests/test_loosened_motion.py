@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from robot.geometry import Pose2, compose, mean_pose, pose_covariance, wrap_angle
-from robot.localization.models.differential_motion import DifferentialMotion
-from robot.localization.models.loosened_motion import LoosenedMotion, loosened
+from robot.localization.models.motion_models import LoosenedMotion, loosened
+from robot.localization.models.odometry_motion import DifferentialMotion
 
 MODEL = DifferentialMotion(0.02, 0.01, 0.01, 0.001)
 STEPS = [Pose2(0.1, 0, 0), Pose2(0.05, 0.01, 0.4), Pose2(-0.04, 0, -0.2), Pose2(0, 0, 0.7)]

@@ -16,7 +16,7 @@ from app.lab.trajectories.trajectory import Trajectory
 from app.settings.config import Config, load_config, with_settings
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 MRCLAM = SHARED / "mrclam"
 

@@ -11,7 +11,7 @@ from motion_drives import drawn_runs
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import fit_motion, motion_loss
 from app.lab.model_fits.windows import Windows, join_windows, windows
-from robot.localization.models.differential_motion import DifferentialMotion
+from robot.localization.models.odometry_motion import DifferentialMotion
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)
 

@@ -11,7 +11,7 @@ from motion_drives import varied_steps
 from app.lab.model_fits.twists import chained, motions_of, relative, seen_from, twists_of
 from app.lab.model_fits.windows import by_alpha, summed
 from robot.geometry import Pose2, Twist2, compose
-from robot.localization.models.differential_motion import STANDING_M, DifferentialMotion
+from robot.localization.models.odometry_motion import STANDING_M, DifferentialMotion
 
 ALPHAS = (0.02, 0.3, 0.05, 0.002)
 MODEL = DifferentialMotion(*ALPHAS)

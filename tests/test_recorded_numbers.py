@@ -2,7 +2,7 @@
 
 from app.recordings.replay.recorded.decoding import pose_and_covariance_of
 from app.ros2.message_types import to_cdr
-from app.ros2.rosbridge.values.reading import message_of
+from app.ros2.rosbridge.reading import message_of
 
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 

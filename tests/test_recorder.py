@@ -9,7 +9,7 @@ from engine_runs import EIGHT, kinematic, run
 from recordings import InStep, begin, record, recorder_of
 from rosbags.highlevel import AnyReader
 
-from app.recordings import run as recording_run
+from app.recordings import recorder as recorder_module
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import RecordingFile
@@ -150,8 +150,8 @@ def test_a_folder_that_goes_away_ends_the_recording_with_its_reason(program, tmp
 
 
 def test_what_finds_no_room_is_lost_counted_and_told(program, tmp_path, monkeypatch):
-    monkeypatch.setattr(recording_run, "MOST_WAITING", 50)
-    monkeypatch.setattr(recording_run, "PERIOD_S", 60.0)  # the disk does not answer
+    monkeypatch.setattr(recorder_module, "MOST_WAITING", 50)
+    monkeypatch.setattr(recorder_module, "PERIOD_S", 60.0)  # the disk does not answer
     recorder, publisher = recorder_of(program, tmp_path)
     folder = begin(recorder, publisher)
     ticks(program, publisher, 1.0)

@@ -19,7 +19,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.field_loading import load_field
 from robot.fields.grid_map import save_map_yaml
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 
 def unpacked(program, folder):

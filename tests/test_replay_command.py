@@ -12,7 +12,7 @@ from app.command_line import main
 from app.lab.trajectories.files.tum import parse_tum
 from app.recordings.replay.opening import ReplayOptions, with_filter_config
 from app.settings.config import Config
-from app.tools.replay.command import replay
+from app.tools.replay_command import replay
 from robot.settings import SettingError
 
 

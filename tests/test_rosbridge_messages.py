@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from ros_messages import messages
 
 from app.ros2.message_types import MessageError, new, to_cdr
-from app.ros2.rosbridge.values.encoding import TAGS, cbor_values, json_values
-from app.ros2.rosbridge.values.fields import full_type
-from app.ros2.rosbridge.values.reading import message_of
+from app.ros2.rosbridge.encoding import TAGS, cbor_values, json_values
+from app.ros2.rosbridge.fields import full_type
+from app.ros2.rosbridge.reading import message_of
 
 TYPES = [
     "sensor_msgs/msg/LaserScan",

@@ -18,8 +18,7 @@ from app.messages.answers import (
     ProblemsMessage,
     ProfileMessage,
 )
-from app.messages.picture import PictureMessage
-from app.messages.telemetry import TelemetryMessage
+from app.messages.telemetry import PictureMessage, TelemetryMessage
 from app.settings.config import FRONTEND
 
 

@@ -10,8 +10,7 @@ import pytest
 from robot.geometry import Array
 from robot.localization.kernels.spread_copies import lower_root
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
-from robot.localization.particles.resampling import low_variance
-from robot.localization.particles.spreading import regularize
+from robot.localization.particles.resampling import low_variance, regularize
 
 
 def rng(seed: int = 0) -> np.random.Generator:

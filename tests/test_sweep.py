@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 from in_process import Here
-from sweep_files import write
+from sweep_files import KINEMATIC, write
 
 from app.lab.sweep.command import sweep
 from app.lab.sweep.plots import plot_setting
@@ -17,15 +17,6 @@ from app.settings.config import Config, with_settings
 QUICK = with_settings(
     Config(), {"sim.camera.frame_rate": 4.0, "localization.filter.filter": "particles"}
 )
-KINEMATIC = """
-    [sweep]
-    seeds = 2
-    worlds = ["kinematic"]
-
-    [settings]
-    localization.sensor.sigma_hit = [0.003, 5.0]
-    localization.filter.min_particles = [100, 200]
-"""
 
 
 class Told(Here):

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from pyarrow import parquet
-from sweep_files import write
+from sweep_files import KINEMATIC, write
 
 from app.command_line import main
 from app.lab.sweep.points import (
@@ -21,16 +21,6 @@ from app.lab.sweep.sweep_file import load_sweep
 from app.lab.sweep.table import TableError, require_format, write_table
 from app.settings.config import Config, with_settings
 from robot.settings import SettingError
-
-KINEMATIC = """
-    [sweep]
-    seeds = 2
-    worlds = ["kinematic"]
-
-    [settings]
-    localization.sensor.sigma_hit = [0.003, 5.0]
-    localization.filter.min_particles = [100, 200]
-"""
 
 
 def test_many_workers_share_a_drive_less():

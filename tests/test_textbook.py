@@ -15,11 +15,13 @@ from robot.localization.kernels.entry_planes import DIRECTIONS, distance_at
 from robot.localization.models.motion_models import DifferentialMotion
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.particles.resampling import low_variance
-from robot.localization.textbook.beam_model import beam_range_finder_model
-from robot.localization.textbook.likelihood_field import likelihood_field_range_finder_model
-from robot.localization.textbook.low_variance import low_variance_sampler
-from robot.localization.textbook.monte_carlo_localization import mcl
-from robot.localization.textbook.odometry_motion import sample_motion_model_odometry
+from robot.localization.textbook import (
+    beam_range_finder_model,
+    likelihood_field_range_finder_model,
+    low_variance_sampler,
+    mcl,
+    sample_motion_model_odometry,
+)
 from robot.scan import Scan
 
 ALPHAS = (0.05, 0.02, 0.03, 0.01)

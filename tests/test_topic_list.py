@@ -1,9 +1,9 @@
 """Which topics there are, and how each is offered."""
 
-import pytest
+from ros_messages import topic
 
 from app.ros2.topic import UNCHANGING
-from app.ros2.topics import TOPICS, topic
+from app.ros2.topics import TOPICS
 
 
 def test_only_what_others_publish_is_not_live():
@@ -16,8 +16,3 @@ def test_who_comes_late_gets_what_stays():
     unchanging = {"map", "tf_static", "robot_description"}
     assert {one.name for one in TOPICS if one.name in unchanging} == unchanging
     assert all(topic(name).stamp(None) == UNCHANGING for name in unchanging)  # type: ignore[arg-type]
-
-
-def test_an_unknown_topic_is_answered_with_those_there_are():
-    with pytest.raises(KeyError, match="valid are scan, odom"):
-        topic("laser")

@@ -8,13 +8,13 @@ import pytest
 from engine_runs import EIGHT, kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
+from ros_messages import topic
 
 from app.ros2.message_types import MessageError
-from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace, Route
+from app.ros2.publisher import Pace, Route, TopicPublisher
 from app.ros2.source import RosClock, TopicSource
 from app.ros2.topic import UNCHANGING
-from app.ros2.topics import TOPICS, topic
+from app.ros2.topics import TOPICS
 from robot.worker_thread import WorkerThread
 
 ODOM, MAP = topic("odom"), topic("map")

@@ -10,6 +10,7 @@ import pytest
 from engine_runs import EIGHT, kinematic, run
 from hypothesis import given
 from hypothesis import strategies as st
+from ros_messages import topic
 from scipy.spatial.transform import Rotation
 
 from app.messages.commands import PingCommand, SetPoseCommand
@@ -17,7 +18,7 @@ from app.ros2.links import Link
 from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topic import Published
-from app.ros2.topics import TOPICS, topic
+from app.ros2.topics import TOPICS
 from robot.localization.integrity import Alert, Cause, Integrity, State
 
 

@@ -44,8 +44,6 @@ def add_evaluate(commands: Commands) -> None:
         description="Drive the open-loop figure-eight with simulated robots, follow each with the "
         "pose known and with it told wrong, and write a report. With --recording and --truth: "
         "compare a recorded trajectory with the true one. Metres, radians, seconds.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     _add_common(command)
     command.set_defaults(command=_evaluate, what="experiment")
@@ -55,8 +53,6 @@ def add_evaluate(commands: Commands) -> None:
             name,
             help=about.partition(":")[0],
             description=about,
-            argument_default=argparse.SUPPRESS,
-            allow_abbrev=False,
         )
         (_add_integrity if name == "integrity" else _add_common)(kind)
         kind.set_defaults(what=name)
@@ -119,13 +115,11 @@ def add_workers(command: argparse.ArgumentParser) -> None:
         "--workers",
         type=int,
         metavar="N",
-        default=argparse.SUPPRESS,
         help="processes of this machine (default: one a core)",
     )
     command.add_argument(
         "--cluster",
         metavar="ADDRESS",
-        default=argparse.SUPPRESS,
         help="a Dask scheduler instead, as tcp://host:8786",
     )
 

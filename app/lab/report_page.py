@@ -10,12 +10,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 LAB = Path(__file__).parent
-FOLDERS = (
-    LAB / "evaluation" / "report",
-    LAB / "evaluation" / "integrity" / "report",
-    LAB / "model_fits" / "report",
-    LAB / "calibrate",
-)
+FOLDERS = [LAB / room for room in ("evaluation", "evaluation/integrity", "model_fits", "calibrate")]
 """Folders that hold templates."""
 NOTHING = 1e-6
 """A smaller value, in millimetres or milliradians, is a rounding error."""

@@ -1,8 +1,8 @@
-"""Messages that answer HTTP requests."""
+"""Messages that answer HTTP requests, and how ``/openapi.json`` describes refusals and files."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 from app.messages.message import Message
 from app.messages.telemetry import PoseMessage
@@ -105,3 +105,23 @@ class ProblemsMessage(Message):
     """The record of problems, newest last; at most the last hundred."""
 
     problems: list[ProblemMessage]
+
+
+Responses = dict[int | str, dict[str, Any]]
+"""By status, as FastAPI wants it."""
+
+
+class RefusalMessage(Message):
+    """Why a request cannot be answered."""
+
+    detail: str
+
+
+def refusal(status: int, words: str) -> Responses:
+    """Describe a status that refuses a request, and when it does."""
+    return {status: {"model": RefusalMessage, "description": words}}
+
+
+def content(media_type: str) -> Responses:
+    """Describe an answer that is no JSON."""
+    return {200: {"content": {media_type: {"schema": {"type": "string", "format": "binary"}}}}}

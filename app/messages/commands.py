@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
 
 from app.messages.message import Layer, Message, Metres, Radians
+from robot.errors import CommandError
 
 LONGEST_ID = 200
 """Longest id of a command [characters]; the answer repeats it."""
@@ -223,3 +224,30 @@ class ErrorMessage(Message):
     type: Literal["error"] = "error"
     id: int | str | None
     message: str
+
+
+LONGEST_COMMAND = 2_000_000
+"""Longest command [characters]; 20,000 poses with weights are shorter."""
+
+
+def parse(text: str) -> Command:
+    """Return the command in a JSON text.
+
+    Raises:
+        CommandError: the text is not a command; the message says what is wrong and what is valid.
+    """
+    if len(text) > LONGEST_COMMAND:
+        raise CommandError(
+            f"a command has at most {LONGEST_COMMAND} characters; this has {len(text)}"
+        )
+    try:
+        return COMMAND.validate_json(text)
+    except ValidationError as error:
+        raise CommandError(in_words(error)) from error
+
+
+def in_words(error: ValidationError) -> str:
+    """Return the first mistake and where it is, in words."""
+    first = error.errors(include_url=False, include_input=False)[0]
+    path = ".".join(str(part) for part in first["loc"])
+    return f"{path}: {first['msg']}" if path else first["msg"]

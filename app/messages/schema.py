@@ -15,8 +15,7 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.commands import AckMessage, Command, ErrorMessage
-from app.messages.picture import PictureMessage
-from app.messages.telemetry import TelemetryMessage
+from app.messages.telemetry import PictureMessage, TelemetryMessage
 
 
 def schema() -> dict[str, Any]:

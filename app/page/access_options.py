@@ -47,34 +47,29 @@ def add_access(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--token",
         metavar="WORD",
-        default=argparse.SUPPRESS,
         help="the token that drives (default: drawn at random; none on this machine alone); "
         "or BRICKPOSE_TOKEN in the environment",
     )
     command.add_argument(
         "--watch-token",
         metavar="WORD",
-        default=argparse.SUPPRESS,
         help="the token that only watches (default: drawn at random); or BRICKPOSE_WATCH_TOKEN",
     )
     command.add_argument(
         "--no-token",
         action="store_true",
-        default=argparse.SUPPRESS,
         help="let everybody in who reaches the address: they can drive, look and download",
     )
     command.add_argument(
         "--certfile",
         type=Path,
         metavar="FILE.pem",
-        default=argparse.SUPPRESS,
         help="serve HTTPS with this certificate (docs/security.md)",
     )
     command.add_argument(
         "--keyfile",
         type=Path,
         metavar="FILE.pem",
-        default=argparse.SUPPRESS,
         help="the certificate's private key, if it is in another file",
     )
 

@@ -17,7 +17,7 @@ from starlette.websockets import WebSocket
 from app.engine.mailboxes.latest import Latest
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.snapshot import Snapshot
-from app.messages.picture import EdgesMessage, PictureMessage
+from app.messages.telemetry import EdgesMessage, PictureMessage
 from app.page.telemetry import tape_width
 from robot.interface import Frame
 from robot.scanning.line_scanner import LineScan, LineScanner

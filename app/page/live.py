@@ -22,8 +22,8 @@ from app.messages.commands import (
     PingCommand,
     RecordCommand,
     ReplayCommand,
+    parse,
 )
-from app.messages.parsing import parse
 from app.page.outlets import Outlets
 from app.page.telemetry import TelemetryWriter
 from app.page.token_guard import role_in

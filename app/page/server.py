@@ -28,8 +28,9 @@ from app.messages.answers import (
     ProblemMessage,
     ProblemsMessage,
     ProfileMessage,
+    content,
+    refusal,
 )
-from app.messages.refusals import content, refusal
 from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
 from app.page.camera_stream import STREAM, CameraStream
@@ -43,8 +44,7 @@ from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
 from app.page.view.view import View
 from app.recordings.contents import contents_of
-from app.recordings.contents_route import contents_router
-from app.recordings.routes import recordings_router
+from app.recordings.routes import contents_router, recordings_router
 from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.settings.config import FRONTEND

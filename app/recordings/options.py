@@ -17,7 +17,6 @@ def add_record(commands: Commands) -> None:
         description="Record a running program into a new folder here, until Ctrl-C: MCAP, as "
         "`ros2 bag` has it. Any robot with rosbridge can be recorded.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
-        allow_abbrev=False,
     )
     command.add_argument(
         "address",
@@ -33,14 +32,12 @@ def add_record(commands: Commands) -> None:
         "--seconds",
         type=float,
         metavar="S",
-        default=argparse.SUPPRESS,
         help="how long [s] (default: until Ctrl-C)",
     )
     command.add_argument(
         "--topics",
         nargs="+",
         metavar="NAME",
-        default=argparse.SUPPRESS,
         help="only these, as scan odom (default: all)",
     )
     command.set_defaults(command=_record)

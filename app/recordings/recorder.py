@@ -1,4 +1,4 @@
-"""Starts and ends recordings."""
+"""Recordings: starts and ends them, one at a time, each with a thread that writes it."""
 
 from __future__ import annotations
 
@@ -7,13 +7,156 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
+from app.engine.mailboxes.backlog import Backlog
+from app.engine.problems import LOG
 from app.messages.telemetry import RecordingMessage
 from app.recordings.attachments import Contents
 from app.recordings.files.recorded import RecordingError
-from app.recordings.files.recording_file import free_folder
-from app.recordings.run import RecordingRun
-from app.ros2.publisher import TopicPublisher
+from app.recordings.files.recording_file import RecordingFile, free_folder
+from app.recordings.files.reserved_stream import FULL
+from app.ros2.message_types import MessageError
+from app.ros2.publisher import Pace, Route, TopicPublisher
+from app.ros2.topic import Published, Topic
 from app.settings.recording import RecordingSettings
+from robot.worker_thread import WorkerThread
+
+MOST_WAITING = 2000
+"""Most messages that wait while the disk does not answer: about ten seconds of them."""
+
+PERIOD_S = 0.15
+"""Interval of writing [s]: writing each message on its own would cost a change of threads."""
+
+JOIN_S = 5.0
+
+
+class RecordingRun(Route):
+    """A recording from its start to the finished file, with which its thread ends."""
+
+    name = "recording"
+    patience = PERIOD_S
+    """Without other routes, several ticks may come at a time."""
+
+    def __init__(
+        self,
+        folder: Path,
+        publisher: TopicPublisher,
+        settings: RecordingSettings,
+        contents: Callable[[], Contents],
+    ) -> None:
+        """Begin to record into a new folder."""
+        self.folder = folder
+        self.failure: str | None = None
+        """Why it ended by itself; None if it did not."""
+        self.duration = 0.0
+        self.size = 0
+        self._publisher = publisher
+        self._contents = contents
+        self._pace = Pace(lambda topic: settings.period(topic.name, topic.rate))
+        self._waiting = Backlog[Published](MOST_WAITING)
+        self._ticks_lost_before = publisher.lost
+        self._unfit: dict[str, str] = {}
+        self._thread = WorkerThread(
+            "recording", self._run, owner="the recording", patience=JOIN_S, report=self._end
+        )
+        publisher.source.clock.hold()
+        self._thread.start()
+
+    @property
+    def running(self) -> bool:
+        """Whether the file is not finished yet."""
+        return self._thread.alive
+
+    @property
+    def missing(self) -> str | None:
+        """What is missing in the recording, in words; None if nothing is."""
+        parts = [f"{name} is not recorded: {why}." for name, why in dict(self._unfit).items()]
+        ticks = max(0, self._publisher.lost - self._ticks_lost_before)
+        messages = self._waiting.lost
+        if messages or ticks:
+            parts.append(
+                f"{messages} messages and {ticks} ticks are missing: the disk or the computer "
+                "is too slow."
+            )
+        return " ".join(parts) or None
+
+    def wants(self, topic: Topic, stamp: float) -> bool:
+        """Whether the topic is due at its rate; all topics that can be encoded are recorded."""
+        return topic.name not in self._unfit and self._pace.due(topic, stamp)
+
+    def take(self, published: Published) -> None:
+        """Leave a message for the thread; if there is no room, it is lost and counted."""
+        self._waiting.put(published)
+
+    def stop(self) -> None:
+        """Ask the recording to finish; from any thread."""
+        self._thread.stopping.set()
+
+    def join(self) -> None:
+        """Wait until the file is finished."""
+        self._thread.join()
+
+    def _run(self, stopping: threading.Event) -> None:
+        try:
+            self._record(stopping)
+        finally:
+            self._publisher.remove(self)
+            self._publisher.source.clock.release()
+
+    def _record(self, stopping: threading.Event) -> None:
+        contents = self._contents()
+        file = RecordingFile(self.folder, contents.facts)
+        try:
+            for attachment in contents.attachments:
+                file.attach(attachment.name, attachment.data, attachment.media_type)
+            self._publisher.add(self)
+            while not stopping.wait(PERIOD_S):
+                self._write_waiting(file)
+            self._publisher.remove(self)
+            self._write_waiting(file)
+            if self.missing:
+                file.note("missing", {"messages": self.missing})
+            file.close()
+        except BaseException:
+            file.abandon()
+            raise
+        finally:
+            self.size, self.duration = file.size, file.duration
+
+    def _write_waiting(self, file: RecordingFile) -> None:
+        if not self._waiting:
+            file.flush()  # the robot has stopped answering: the last messages may matter most
+        while (published := self._waiting.get()) is not None:
+            self._write(file, published)
+        self.size, self.duration = file.size, file.duration
+
+    def _write(self, file: RecordingFile, published: Published) -> None:
+        topic = published.topic
+        try:
+            cdr = published.cdr
+        except MessageError as error:
+            LOG.warning("%s is not recorded: %s", topic.name, error)
+            self._unfit[topic.name] = str(error)
+            return
+        file.write(
+            f"/{topic.name}",
+            topic.type,
+            topic.quality,
+            published.log_time_ns,
+            published.time_ns,
+            cdr,
+        )
+
+    def _end(self, error: Exception) -> None:
+        why = str(error)
+        if isinstance(error, OSError):
+            why = error.strerror or why
+        else:
+            LOG.exception("the recording failed")
+        full = isinstance(error, OSError) and error.errno in FULL
+        reason = "The disk is full" if full else f"The recording cannot be written ({why})"
+        kept = "; it is kept" if self.folder.exists() else ""
+        self.failure = f"{reason}: the recording ended after {self.duration:.0f} s{kept}."
+        LOG.warning(self.failure)
 
 
 class Recorder:

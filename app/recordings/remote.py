@@ -15,8 +15,7 @@ from app.console import say
 from app.interruption import Interrupted, deferred
 from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile, free_folder
-from app.recordings.remote_messages import Received
-from app.recordings.remote_robot import RemoteRobot, RemoteRobotError
+from app.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.ros2.message_types import MessageError, message_class
 from app.ros2.topic import Quality
 from app.ros2.topics import TOPICS

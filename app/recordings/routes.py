@@ -1,7 +1,8 @@
-"""``/api/recordings``: lists recordings and serves their files."""
+"""Lists recordings and serves their files; serves what a recording made elsewhere needs."""
 
 from __future__ import annotations
 
+import base64
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -13,10 +14,12 @@ from fastapi import APIRouter, HTTPException, Response
 from fastapi.responses import FileResponse, StreamingResponse
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from app.messages.answers import content, refusal
 from app.messages.message import Message
-from app.messages.refusals import content, refusal
+from app.recordings.attachments import Attachment, Contents
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import METADATA_FILE
+from robot.errors import BrickPoseError
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
 """Valid names of recordings: none of them can lead out of the folder."""
@@ -154,3 +157,52 @@ def _blocks(result: Listed) -> Iterator[bytes]:
         while left and (block := file.read(min(left, BLOCK))):
             left -= len(block)
             yield block
+
+
+class AttachmentMessage(Message):
+    """A file that goes into the recording."""
+
+    name: str
+    data: str
+    """The content in base64."""
+
+
+class ContentsMessage(Message):
+    """Facts and files."""
+
+    facts: dict[str, str]
+    attachments: list[AttachmentMessage]
+
+    def contents(self) -> Contents:
+        """Decode the message.
+
+        Raises:
+            ValueError: a file is not valid base64.
+        """
+        files = tuple(
+            Attachment(attachment.name, base64.b64decode(attachment.data, validate=True))
+            for attachment in self.attachments
+        )
+        return Contents(self.facts, files)
+
+
+def contents_router(contents: Callable[[], Contents]) -> APIRouter:
+    """Serve a recording's facts and files, so that a recording made elsewhere can be replayed."""
+    router = APIRouter()
+
+    @router.get("/api/recording_contents", responses=refusal(503, "a file cannot be read"))
+    def recording_contents() -> ContentsMessage:
+        """Settings, map, robot and models, as they are now."""
+        try:
+            result = contents()
+        except (BrickPoseError, OSError) as error:
+            raise HTTPException(503, str(error)) from error
+        files = [
+            AttachmentMessage(
+                name=attachment.name, data=base64.b64encode(attachment.data).decode("ascii")
+            )
+            for attachment in result.attachments
+        ]
+        return ContentsMessage(facts=result.facts, attachments=files)
+
+    return router

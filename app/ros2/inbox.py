@@ -7,8 +7,7 @@ from pydantic import ValidationError
 from app.engine.commands import check
 from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
-from app.messages.commands import Command
-from app.messages.parsing import in_words
+from app.messages.commands import Command, in_words
 from app.ros2.incoming import (
     INCOMING,
     SERVICES,

@@ -113,15 +113,3 @@ TOPICS: tuple[Topic, ...] = (
         live=False,
     ),
 )
-
-
-def topic(name: str) -> Topic:
-    """Return a topic by its name.
-
-    Raises:
-        KeyError: there is no such topic; lists the valid names.
-    """
-    for each in TOPICS:
-        if each.name == name:
-            return each
-    raise KeyError(f"{name} is no topic; valid are {', '.join(item.name for item in TOPICS)}")

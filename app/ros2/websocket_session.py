@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Generic, Protocol, TypeVar
 
 import anyio
 from starlette import status
@@ -13,6 +13,8 @@ from app.engine.mailboxes.wakeup import Wakeup
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 
 Data = str | bytes
+
+Shared = TypeVar("Shared")
 
 MOST_CLIENTS = 50
 """Most clients of one protocol at the same time: each costs a little in every tick."""
@@ -34,11 +36,24 @@ class Session(Protocol):
         ...
 
 
-class Clients:
-    """Counts the clients of one protocol."""
+class Clients(Generic[Shared]):
+    """Counts the clients of one protocol, and has what they share."""
 
-    def __init__(self) -> None:
+    def __init__(self, make_shared: Callable[[], Shared]) -> None:
+        self._make_shared = make_shared
+        self._shared: Shared | None = None
         self._count = 0
+
+    async def shared(self) -> Shared:
+        """Return what all clients share, made for the first one.
+
+        Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
+        """
+        if self._shared is None:
+            made = await anyio.to_thread.run_sync(self._make_shared)
+            if self._shared is None:
+                self._shared = made
+        return self._shared
 
     async def talk(
         self,

@@ -30,7 +30,7 @@ from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, describe, setting
 from robot.toml_file import read_toml
 from sim.floor_camera import CameraSettings
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 NEW_NAMES: Mapping[str, str] = MappingProxyType(
     {

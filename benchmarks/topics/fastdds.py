@@ -17,7 +17,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from app.ros2.dds.plan import dds_topic, dds_type
+from app.ros2.dds.protocol import dds_topic, dds_type
 from app.ros2.topics import TOPICS
 from app.settings.config import ROOT
 

@@ -21,7 +21,7 @@ from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
 from app.messages.commands import DriveCommand, FigureEightCommand
-from app.ros2.dds.plan import dds_topic
+from app.ros2.dds.protocol import dds_topic
 from app.ros2.dds.route import DdsRoute
 from app.ros2.encoding.frames import vector
 from app.ros2.inbox import Inbox
@@ -35,7 +35,7 @@ from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from sim.floor_camera import CameraSettings
 from sim.real_time import RealTime
-from sim.settings import SimSettings
+from sim.simulated import SimSettings
 
 READERS = 3
 SECONDS = 10.0

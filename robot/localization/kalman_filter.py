@@ -18,8 +18,7 @@ from robot.geometry import (
 )
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
-from robot.localization.models.loosened_motion import loosened
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
 from robot.localization.setup import Setup

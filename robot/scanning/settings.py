@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from robot.scanning.look import BRIGHTNESS
+from robot.scanning.tape import BRIGHTNESS
 from robot.settings import SettingError, check_settings, setting
 
 NARROWEST = 0.005

@@ -1,8 +1,13 @@
-"""What tape looks like: how wide it is, whether it is lighter than its floor, and its dashes."""
+"""What tape looks like, and which kinds of tape the scanner searches a picture for."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.geometry import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,3 +24,61 @@ class Tape:
 
 BLACK_TAPE = Tape(0.050)
 """The tape of a floor that is not described otherwise."""
+
+
+BRIGHTNESS = ("field", "dark", "light", "either")
+"""Valid ``tape_brightness``."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """Kinds of tape that are all darker, or all lighter, than the floor."""
+
+    light: bool
+    widths: Array
+    """(n,) of tape without gaps [m]."""
+    dashes: Array
+    """(m, 2) width and length of dashes [m]."""
+
+    @property
+    def all_widths(self) -> list[float]:
+        """Widths of tape with and without gaps [m]."""
+        return [*self.widths.tolist(), *self.dashes[:, 0].tolist()]
+
+
+def looks(brightness: str, width: float, tape: tuple[Tape, ...]) -> tuple[Look, ...]:
+    """Return what is searched for: dark tape, light tape, or both one after the other.
+
+    Args:
+        brightness: one of ``BRIGHTNESS``; all but ``field`` overrule the kinds of tape.
+        width: of all tape [m]; 0 is as wide as each kind is.
+        tape: the kinds of tape on the field; without any, black tape is searched for.
+    """
+    kinds = tape or (BLACK_TAPE,)
+    if width:
+        kinds = tuple(replace(kind, width=width) for kind in kinds)
+    shades = {
+        "field": sorted({kind.light for kind in kinds}),
+        "dark": [False],
+        "light": [True],
+        "either": [False, True],
+    }[brightness]
+    return tuple(
+        _look(light, [kind for kind in kinds if brightness != "field" or kind.light == light])
+        for light in shades
+    )
+
+
+def _look(light: bool, kinds: list[Tape]) -> Look:
+    solid = sorted({kind.width for kind in kinds if not kind.dash})
+    dashed = sorted({(kind.width, kind.dash) for kind in kinds if kind.dash})
+    return Look(light, np.array(solid), np.array(dashed).reshape(-1, 2))
+
+
+def nearest_widths(measured: Array, counted: NDArray[np.bool_], known: Array) -> Array:
+    """Return which width (k,) of those of tape (n,) is nearest to each that was measured (k,) [m].
+
+    It is nan where a reading does not count.
+    """
+    places = np.abs(np.nan_to_num(measured)[:, None] - known).argmin(axis=1)
+    return np.where(counted, known[places], np.nan)

@@ -9,7 +9,7 @@ from app.console import say
 from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.experiment import Experiment, Outcome, run
 from app.lab.evaluation.recorded import RUN, evaluate_recording
-from app.lab.evaluation.report.report import Evaluation, figure3, report
+from app.lab.evaluation.report import Evaluation, figure3, report
 from app.lab.evaluation.results import condition_table, trajectory
 from app.lab.evaluation.runs import Run
 from app.lab.evaluation.scores import SHOWN

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.files import RESULTS, atomic_folder, write_json
-from app.lab.evaluation.report import figures
+from app.lab.evaluation import figures
 from app.lab.evaluation.results import method_table
 from app.lab.evaluation.scores import SHOWN, score
 from app.lab.report_page import embedded, page

@@ -12,12 +12,11 @@ from robot.fields.field import Field, FieldError
 from robot.fields.grid_field import field_from_grid
 from robot.fields.grid_map import MapError, OccupancyGrid, load_map_yaml
 from robot.geometry import Array, Pose2
-from robot.localization.models.free_way import FreeWay
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.models.sensor_parameters import SensorParameters
-from robot.localization.models.wall_field import free_field, wall_field
+from robot.localization.models.wall_field import FreeWay, free_field, wall_field
 
 
 @dataclass(frozen=True)

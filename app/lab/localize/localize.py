@@ -12,8 +12,7 @@ import numpy as np
 from app.engine.build import connect
 from app.engine.follower import Follower
 from app.lab.localize.candidate import PRIOR_MAP_LENGTHS, Candidate
-from app.lab.localize.contest import Contest
-from app.lab.localize.hindsight import withdraw
+from app.lab.localize.contest import Contest, withdraw
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.reading.pairing import Measurement

@@ -30,7 +30,7 @@ def add_localize(commands: Commands) -> None:
         "tf), on a map of map_server. Writes its way as a TUM file, a picture and results.json.",
         epilog=EXAMPLE,
         formatter_class=_WithSettings,
-        allow_abbrev=False,
+        argument_default=None,
     )
     command.add_argument(
         "bag", type=Path, metavar="BAG|PICTURES/",
@@ -41,7 +41,7 @@ def add_localize(commands: Commands) -> None:
         help="a map of map_server; for pictures a field",
     )  # fmt: skip
     command.add_argument(
-        "--out", type=Path, metavar="DIR|FILE", default=None,
+        "--out", type=Path, metavar="DIR|FILE",
         help="where the results go: a folder for a bag, a .tum file for pictures (default: "
         "localized/ and the recording's name)",
     )  # fmt: skip
@@ -49,7 +49,7 @@ def add_localize(commands: Commands) -> None:
     _add_start(command)
     _add_pictures(command)
     command.add_argument(
-        "--filter-config", type=Path, metavar="FILE.toml", default=None,
+        "--filter-config", type=Path, metavar="FILE.toml",
         help="settings over those below",
     )  # fmt: skip
     command.add_argument(
@@ -92,7 +92,7 @@ def _add_pictures(command: argparse.ArgumentParser) -> None:
         ("overlays", "DIR", "write each picture with the edges that were found"),
         ("config", "FILE.toml", "settings of scanner and filter (docs/configuration.md)"),
     ):
-        group.add_argument(f"--{name}", type=Path, metavar=metavar, default=None, help=words)
+        group.add_argument(f"--{name}", type=Path, metavar=metavar, help=words)
 
 
 def _add_start(command: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.runs import MotionRun
 from app.lab.model_fits.twists import DriveCorrection, chained, relative, seen_from, twists_of
 from robot.geometry import Array, wrap_angle
-from robot.localization.models.differential_motion import STANDING_M
+from robot.localization.models.odometry_motion import STANDING_M
 
 AS_IT_IS = DriveCorrection()
 

@@ -37,7 +37,6 @@ def add_sweep(commands: Commands) -> None:
         description="Make the experiment at many settings; write a table and a plot for each.",
         epilog=EXAMPLE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        allow_abbrev=False,
     )
     command.add_argument("file", type=Path, metavar="FILE.toml", help="what to sweep")
     add_config(command)

@@ -16,19 +16,17 @@ from mcap.opcode import Opcode
 from mcap.reader import FOOTER_SIZE
 from mcap.stream_reader import MAGIC_SIZE
 
-from app.recordings.files.mcap_places import (
-    CHANNELS,
-    is_opcode,
-    place_behind,
-    read_at,
-    size_of,
-)
 from app.recordings.files.mcap_records import (
+    CHANNELS,
     HEAD,
     DamageError,
+    is_opcode,
     messages_of,
+    place_behind,
+    read_at,
     record_of,
     records_of,
+    size_of,
 )
 
 RUN = 1 << 20

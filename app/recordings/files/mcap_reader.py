@@ -14,8 +14,7 @@ from mcap.records import Attachment
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
 from app.recordings.files.mcap_index import Damage, index_of
-from app.recordings.files.mcap_places import read_at
-from app.recordings.files.mcap_records import HEAD, DamageError, messages_of, record_of
+from app.recordings.files.mcap_records import HEAD, DamageError, messages_of, read_at, record_of
 from app.recordings.files.recorded import RecordedMessage, RecordingError
 
 OTHERS = {

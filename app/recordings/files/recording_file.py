@@ -27,7 +27,7 @@ from app.recordings.files.bag_metadata import (
     in_file,
 )
 from app.recordings.files.mcap_index import index_of
-from app.recordings.files.mcap_places import CHANNELS
+from app.recordings.files.mcap_records import CHANNELS
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.reserved_stream import ReservedStream
 from app.ros2.message_types import definition

@@ -18,7 +18,7 @@ from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
 from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.recorded.topics import RecordedTopics
+from app.recordings.replay.recorded.ticks import RecordedTopics
 from app.recordings.replay.replay import Replay
 from app.recordings.replay.settings import ReplaySettings
 from app.recordings.replay.timeline import Timeline

@@ -11,8 +11,17 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 
-from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, WORDS, Frames, FramingError, header
-from app.ros2.dds.plan import Plan
+from app.ros2.dds.protocol import (
+    ALIVE,
+    ALIVE_S,
+    PLAN,
+    READY,
+    WORDS,
+    Frames,
+    FramingError,
+    Plan,
+    header,
+)
 from robot.errors import BrickPoseError
 
 COMMAND = (sys.executable, "-m", "app.ros2.dds.process")

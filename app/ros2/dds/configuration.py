@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-from app.ros2.dds.plan import Endpoint, Kind, Plan, Shapes
+from app.ros2.dds.protocol import Endpoint, Kind, Plan, Shapes
 from app.ros2.incoming import IncomingTopic
 from app.ros2.message_types import type_hash, typestore
 from app.ros2.topics import TOPICS

@@ -24,7 +24,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from app.ros2.dds.loopback import confine_to_this_machine
-from app.ros2.dds.plan import Endpoint, Plan, Shapes, dds_topic
+from app.ros2.dds.protocol import Endpoint, Plan, Shapes, dds_topic
 from app.ros2.dds.raw_types import RawSample, filled, raw_types
 from robot.errors import BrickPoseError
 

@@ -12,9 +12,8 @@ import sys
 import threading
 import time
 
-from app.ros2.dds.framing import ALIVE, ALIVE_S, PLAN, READY, TROUBLE, WORDS, Frames, header
 from app.ros2.dds.participant import Participant, WriteError
-from app.ros2.dds.plan import Plan
+from app.ros2.dds.protocol import ALIVE, ALIVE_S, PLAN, READY, TROUBLE, WORDS, Frames, Plan, header
 from robot.worker_thread import WorkerThread
 
 LONGEST_OUT = 64 * 1024 * 1024

@@ -10,7 +10,7 @@ from typing import Any
 
 from cyclonedds.idl import IdlStruct, make_idl_struct, types
 
-from app.ros2.dds.plan import Kind, Shapes, dds_type
+from app.ros2.dds.protocol import Kind, Shapes, dds_type
 
 BASE: dict[str, Any] = {
     "bool": bool,

@@ -14,11 +14,10 @@ from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import LOG
 from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
-from app.ros2.dds.framing import TROUBLE
+from app.ros2.dds.protocol import TROUBLE
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
-from app.ros2.publisher import TopicPublisher
-from app.ros2.route import Pace, Route
+from app.ros2.publisher import Pace, Route, TopicPublisher
 from app.ros2.topic import Published, Topic
 from app.settings.ros2 import Ros2Settings
 from robot.errors import BrickPoseError, PackageError

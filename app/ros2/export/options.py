@@ -15,14 +15,12 @@ def add_export(commands: Commands) -> None:
         "export",
         help="files for other programs: ROS 2",
         description="Write files for other programs.",
-        allow_abbrev=False,
     )
     kinds = export.add_subparsers(required=True, metavar="KIND")
     ros2 = kinds.add_parser(
         "ros2",
         help="URDF with ros2_control, parameters of controllers and nav2, map",
         description="Write URDF, parameters and map for ROS 2; the numbers are this robot's.",
-        allow_abbrev=False,
     )
     ros2.add_argument("folder", type=Path, metavar="DIR", help="where to; made if it is not there")
     add_map(ros2)
@@ -31,7 +29,6 @@ def add_export(commands: Commands) -> None:
     ros2.add_argument(
         "--hardware-plugin",
         metavar="NAME",
-        default=argparse.SUPPRESS,
         help="ros2_control's hardware for the wheels (default: its mock_components/GenericSystem)",
     )
     ros2.set_defaults(command=_export)

@@ -8,9 +8,9 @@ from app.engine.drivers import Driver
 from app.ros2.foxglove.protocol import ClientChannel, ClientMessage, ServiceCall
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import Message, MessageError, from_cdr, message_class, to_cdr
+from app.ros2.rosbridge.fields import FILLER, fields
 from app.ros2.rosbridge.names import Names
-from app.ros2.rosbridge.values.fields import FILLER, fields
-from app.ros2.rosbridge.values.reading import message_of
+from app.ros2.rosbridge.reading import message_of
 
 MOST_CHANNELS = 100
 """Most open channels of a viewer, which needs only a few."""

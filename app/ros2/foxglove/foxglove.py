@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import anyio
+from functools import partial
+
 from starlette import status
 from starlette.websockets import WebSocket
 
@@ -23,10 +24,8 @@ class Foxglove:
     """All viewers of one program."""
 
     def __init__(self, publisher: TopicPublisher, inbox: Inbox, settings: Ros2Settings) -> None:
-        self._publisher, self._inbox = publisher, inbox
         self._settings = settings
-        self._offer: Offer | None = None
-        self._clients = Clients()
+        self._clients = Clients(partial(Offer, publisher, inbox))
 
     async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
         """Talk to one viewer until it leaves; whether its token only watches."""
@@ -38,7 +37,7 @@ class Foxglove:
                 status.WS_1002_PROTOCOL_ERROR, f"valid subprotocols: {', '.join(SUBPROTOCOLS)}"
             )
             return
-        offer = await self._shared()
+        offer = await self._clients.shared()
         driver = Driver.numbered("Foxglove", socket.client and socket.client.host)
         refusal = WATCHES if watches else SWITCHED_OFF
         allowed = self._settings.foxglove_commands and not watches
@@ -48,13 +47,3 @@ class Foxglove:
             subprotocol=protocol,
             greetings=offer.greetings(commands=allowed),
         )
-
-    async def _shared(self) -> Offer:
-        """Return the offer, made for the first viewer.
-
-        Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
-        """
-        if self._offer is None:
-            made = await anyio.to_thread.run_sync(Offer, self._publisher, self._inbox)
-            self._offer = self._offer or made
-        return self._offer

@@ -25,7 +25,7 @@ from app.ros2.foxglove.protocol import (
     words,
 )
 from app.ros2.message_types import MessageError
-from app.ros2.route import Pace, Route
+from app.ros2.publisher import Pace, Route
 from app.ros2.topic import Published, Topic
 from robot.errors import BrickPoseError
 

@@ -8,11 +8,11 @@ from app.ros2.inbox import Inbox
 from app.ros2.incoming import Service
 from app.ros2.message_types import Message, MessageError
 from app.ros2.publisher import TopicPublisher
+from app.ros2.rosbridge.encoding import Encoder
+from app.ros2.rosbridge.fields import fields
 from app.ros2.rosbridge.names import Names
+from app.ros2.rosbridge.reading import message_of
 from app.ros2.rosbridge.rosapi import RosApi
-from app.ros2.rosbridge.values.encoding import Encoder
-from app.ros2.rosbridge.values.fields import fields
-from app.ros2.rosbridge.values.reading import message_of
 
 
 class Bridge:

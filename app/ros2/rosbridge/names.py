@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.ros2.inbox import Inbox
 from app.ros2.incoming import IncomingTopic, Service
 from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.values.fields import full_type
+from app.ros2.rosbridge.fields import full_type
 from app.ros2.topic import Topic
 from app.ros2.topics import TOPICS
 from app.settings.ros2 import Ros2Settings

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.values.reading import shown
+from app.ros2.rosbridge.reading import shown
 
 LONGEST = 200_000
 """Longest message [characters]; messages to a robot are shorter."""

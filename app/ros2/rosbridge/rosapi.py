@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from app.ros2.message_types import MessageError, definition, typestore
+from app.ros2.rosbridge.fields import NUMBERS, Kind, fields, full_type
 from app.ros2.rosbridge.names import Names
-from app.ros2.rosbridge.values.fields import NUMBERS, Kind, fields, full_type
-from app.ros2.rosbridge.values.reading import shown
+from app.ros2.rosbridge.reading import shown
 
 PACKAGE = "rosapi"
 SECOND_NS = 1_000_000_000

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import anyio
+from functools import partial
+
 from starlette.websockets import WebSocket
 
 from app.engine.drivers import Driver
@@ -17,24 +18,12 @@ class Rosbridge:
     """All clients of one program."""
 
     def __init__(self, publisher: TopicPublisher, inbox: Inbox) -> None:
-        self._publisher, self._inbox = publisher, inbox
-        self._bridge: Bridge | None = None
-        self._clients = Clients()
+        self._clients = Clients(partial(Bridge, publisher, inbox))
 
     async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
         """Talk to one client until it leaves; whether it only watches."""
-        bridge = await self._shared()
+        bridge = await self._clients.shared()
         driver = Driver.numbered("rosbridge", socket.client and socket.client.host)
         await self._clients.talk(
             socket, lambda waiting: Session(bridge, waiting.set, driver, watches=watches)
         )
-
-    async def _shared(self) -> Bridge:
-        """Return the bridge, made for the first client.
-
-        Reading the types takes 0.2 s, so it runs in another thread and delays nobody else.
-        """
-        if self._bridge is None:
-            made = await anyio.to_thread.run_sync(Bridge, self._publisher, self._inbox)
-            self._bridge = self._bridge or made
-        return self._bridge

@@ -10,8 +10,10 @@ from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
 from app.engine.problems import CLIENTS_LOG
 from app.ros2.message_types import MessageError
+from app.ros2.publisher import Route
 from app.ros2.rosbridge.bridge import Bridge
 from app.ros2.rosbridge.names import check_type
+from app.ros2.rosbridge.reading import message_of
 from app.ros2.rosbridge.requests import (
     Pieces,
     Request,
@@ -21,8 +23,6 @@ from app.ros2.rosbridge.requests import (
     text,
 )
 from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
-from app.ros2.rosbridge.values.reading import message_of
-from app.ros2.route import Route
 from app.ros2.topic import Published, Topic
 from robot.errors import BrickPoseError
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from app.ros2.message_types import MessageError
-from app.ros2.rosbridge.values.encoding import COMPRESSIONS
-from app.ros2.rosbridge.values.reading import shown
-from app.ros2.route import Pace
+from app.ros2.publisher import Pace
+from app.ros2.rosbridge.encoding import COMPRESSIONS
+from app.ros2.rosbridge.reading import shown
 from app.ros2.topic import Topic
 from app.settings.ros2 import Ros2Settings
 

@@ -14,8 +14,7 @@ from robot.localization.filter import Cloud
 from robot.localization.grid.grid_motion import moved_grid
 from robot.localization.grid.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
 from robot.localization.kalman_filter import follow
-from robot.localization.models.loosened_motion import loosened
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import effective_sample_size, low_variance

@@ -1,4 +1,4 @@
-"""Copies of particles, spread as wide as their clusters: see ``particles.spreading.regularize``."""
+"""Copies of particles, spread as wide as their clusters: see ``resampling.regularize``."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.kernels.steps import turn_go_turn
-from robot.localization.models.turn_and_go import Legs, spread_of
+from robot.localization.models.odometry_motion import Legs, spread_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""How far is it to the nearest occupied cell: the table for lasers on maps of buildings.
+"""Lasers on maps of buildings: how far is it to the nearest occupied cell, and is the way free?
 
 A laser's map has walls a cell or two thick whose cells are where rays ended, so a ray is right if
 it ends on them, from whichever side it came. Distances count from the middles of occupied cells
@@ -9,6 +9,7 @@ table, of distances from free cells, is for where rays may run.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -16,7 +17,11 @@ from numpy.typing import NDArray
 
 from robot.fields.field import FieldError
 from robot.fields.grid_map import OccupancyGrid
+from robot.geometry import Array
 from robot.localization.models.entry_field import EntryField
+from robot.localization.models.likelihood_field import LikelihoodField
+from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
+from robot.scan import Scan, evenly
 
 
 def wall_field(grid: OccupancyGrid, max_distance: float) -> EntryField:
@@ -59,3 +64,46 @@ def _distances_from(
     first = (0.5 - rim) * grid.resolution
     origin = grid.origin.x + first, grid.origin.y + first
     return EntryField(distances[None], origin, grid.resolution, max_distance, grid.resolution)
+
+
+SHARES = (0.5, 0.8, 0.3, 0.65, 0.9)
+"""Where along the way rays are looked at, one after the other."""
+
+
+@dataclass(frozen=True)
+class FreeWay:
+    """A likelihood field that does not see through walls.
+
+    To a likelihood field alone a room full of furniture explains every scan, for wherever a ray
+    ends, something is near. As in map matching (Probabilistic Robotics, section 6.5), free space
+    counts as well: a place along each ray should lie in a free cell. Its distance d from one costs
+    as a ray's end off a wall does. Each ray is looked at in one place only, at another share of its
+    way than its neighbours: that is one look-up more for each.
+    """
+
+    ends: LikelihoodField | LikelihoodFieldProb
+    ways: LikelihoodField
+    """By distances from free cells."""
+    weight: float
+    """Of the ways, beside the ends."""
+    margin: float
+    """So far before its end a way is looked at no more [m]: walls of maps are thicker than real."""
+
+    def log_likelihood(self, poses: Array, scan: Scan) -> Array:
+        """Log-likelihood (n,) of a scan at poses (n, 3), up to a constant."""
+        ends = self.ends.log_likelihood(poses, scan)
+        return ends + self.weight * self.ways.log_likelihood(poses, self._on_the_way(scan))
+
+    def count_rays(self, poses: Array, scan: Scan) -> int:
+        """How many rays the log-likelihood is the sum of."""
+        return self.ends.count_rays(poses, scan)
+
+    def _on_the_way(self, scan: Scan) -> Scan:
+        """The scan with rays that end on the way of those that count."""
+        hits = np.flatnonzero(scan.hit)
+        used = hits[evenly(len(hits), self.ways.max_beams)] if len(hits) else hits
+        until = scan.ranges[used] - self.margin
+        ranges = np.where(until > 0, until * np.resize(SHARES, len(used)), np.inf)
+        return Scan(
+            scan.stamp, scan.bearings[used], ranges, scan.robot_from_scan, None, scan.extra_sd
+        )

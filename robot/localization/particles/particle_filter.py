@@ -11,20 +11,19 @@ from robot.geometry import Array, Pose2, covariance_root, wrap_angle
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud
 from robot.localization.kernels.combs import count_cells
-from robot.localization.models.loosened_motion import loosened
-from robot.localization.models.motion_models import MotionModel
+from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.parameters import FilterParameters
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
-from robot.localization.particles.density import coarseness
 from robot.localization.particles.recovery import Recovery
 from robot.localization.particles.resampling import (
+    coarseness,
     effective_sample_size,
     kld_sample_size,
     low_variance,
+    regularize,
     temper,
 )
-from robot.localization.particles.spreading import regularize
 from robot.localization.setup import Setup
 from robot.scan import Scan
 

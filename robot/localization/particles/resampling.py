@@ -1,4 +1,4 @@
-"""Resampling: which particles go on, and how many are needed."""
+"""Resampling: how scans weigh particles, which go on, how many are needed, how copies spread."""
 
 from __future__ import annotations
 
@@ -6,10 +6,43 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
 from robot.localization.kernels.combs import comb, tempered
+from robot.localization.kernels.noise import noise_key
+from robot.localization.kernels.spread_copies import spread_copies
+from robot.localization.particles.clusters import Clusters
+
+
+@njit(cache=True, nogil=True)
+def coarseness(
+    weights: Array, covariances: Array, particles: int, ranges: Array
+) -> tuple[float, int]:
+    """How far the particles of a cluster lie apart, as a spread of ranges [m].
+
+    A likelihood narrower than that falls between them and none is right; so while the cloud is
+    wide, ranges are believed that much less. Angles count as what they move the end of a typical
+    ray by. Also how many rays returned; with none nothing can be said, and it is 0.
+
+    Args:
+        weights: (k,) share of the weight in each cluster.
+        covariances: (k, 3, 3) of the clusters [m, m, rad].
+        particles: how many there are in all.
+        ranges: (r,) lengths of the rays [m], +inf where nothing returned.
+    """
+    returned = ranges[np.isfinite(ranges)]
+    if not len(returned):
+        return 0.0, 0
+    reach = np.median(returned)
+    apart = 0.0
+    for k in range(len(weights)):
+        (xx, xy, xt), (_, yy, yt), (_, _, tt) = covariances[k]
+        determinant = xx * (yy * tt - yt * yt) - xy * (xy * tt - yt * xt) + xt * (xy * yt - yy * xt)
+        volume = math.sqrt(max(determinant, 0.0)) * reach
+        apart += weights[k] * (volume / max(weights[k] * particles, 1.0)) ** (1 / 3)
+    return float(apart), len(returned)
 
 
 def low_variance(weights: Array, count: int, rng: np.random.Generator) -> NDArray[np.int64]:
@@ -56,3 +89,34 @@ def temper(log_likelihood: Array, weights: Array, exponent: float, effective: fl
     particle, and that a random one. (Annealing the likelihood; Deutscher, Blake and Reid 2000.)
     """
     return tempered(log_likelihood, weights, exponent, effective)
+
+
+def regularize(
+    poses: Array,
+    clusters: Clusters,
+    drawn: NDArray[np.int64],
+    scale: float,
+    rng: np.random.Generator,
+) -> Array:
+    """Copies (m, 3) of particles, spread as wide as their cluster's particles are apart.
+
+    Copies of few particles die out at random along a direction that the scans say nothing of, as
+    along a single wall, and the filter would be sure of what it never measured. The noise has the
+    cluster's covariance times the squared bandwidth h = scale (4 / (n (d + 2)))^(1 / (d + 4)) with
+    d = 3 (regularized particle filter; Musso, Oudjane and Le Gland 2001). With it the copies are
+    drawn together by sqrt(1 - h^2) (shrinkage; West 1993), and what chance still left of a
+    difference is taken away: copies of a cluster have its mean and its covariance, neither more
+    nor less. So the width is right on average wherever no scan holds it. It still wanders, as the
+    weights are chance there, too: told to 20 mm along a wall, 3 to 30 mm were left after 8 s.
+
+    Args:
+        poses: (n, 3) weighed particles.
+        clusters: those that they are in.
+        drawn: (m,) which particle each is a copy of.
+        scale: 1 is best for a normal distribution, 0 is none.
+        rng: the only source of chance.
+    """
+    if scale == 0:
+        return poses[drawn]
+    means, covariances = clusters.means, clusters.covariances
+    return spread_copies(poses, clusters.labels, means, covariances, drawn, scale, noise_key(rng))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator
 from enum import Enum
 
-from sim.hat.firmware.device_link import DeviceLink
-from sim.hat.firmware.port import Port
+from sim.hat.firmware.port import DeviceLink, Port
 from sim.hat.firmware.reports import Writer
 from sim.hat.lego_motor import LegoMotor
 

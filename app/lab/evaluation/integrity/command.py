@@ -18,7 +18,7 @@ from app.lab.evaluation.integrity.experiment import (
     each_run,
     map_stem,
 )
-from app.lab.evaluation.integrity.report.integrity_report import IntegrityResults, report
+from app.lab.evaluation.integrity.integrity_report import IntegrityResults, report
 from app.lab.evaluation.integrity.stanford import Stanford
 from app.lab.evaluation.integrity.summary import Row, summary_of
 from app.lab.workers import Workers

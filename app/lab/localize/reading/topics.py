@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.lab.localize.reading.bag import Bag, BagError
-from app.lab.localize.reading.sources import Topic
+from app.lab.localize.reading.bag import Bag, BagError, Topic
 from robot.settings import SettingError
 
 LASER_SCAN = "sensor_msgs/msg/LaserScan"

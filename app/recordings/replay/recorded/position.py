@@ -9,8 +9,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 
 from app.recordings.replay.recorded.decoding import health_of, volts_of
-from app.recordings.replay.recorded.ticks import RecordedTick
-from app.recordings.replay.recorded.topics import RecordedTopics
+from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics
 from robot.geometry import Array, Pose2
 
 SHOWN_NS = 2_000_000_000

@@ -13,8 +13,7 @@ from app.recordings.replay.recorded.decoding import (
     pose_and_covariance_of,
     truth_of,
 )
-from app.recordings.replay.recorded.ticks import RecordedTick, ticks
-from app.recordings.replay.recorded.topics import RecordedTopics
+from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics, ticks
 from app.ros2.message_types import MessageError
 from robot.geometry import Pose2
 from robot.interface import Frame

@@ -23,8 +23,7 @@ from app.recordings.replay.recorded.decoding import (
     twist_of,
 )
 from app.recordings.replay.recorded.position import NextTick, ReadPosition
-from app.recordings.replay.recorded.ticks import RecordedTick, joined, ticks
-from app.recordings.replay.recorded.topics import RecordedTopics
+from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics, joined, ticks
 from app.ros2.message_types import MessageError
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from app.lab.evaluation import figures
 from app.lab.evaluation.experiment import Experiment
-from app.lab.evaluation.report import figures
 from app.lab.evaluation.results import METHODS
 from app.lab.evaluation.runs import Run
 from app.lab.figure_style import STROKES

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from app.ros2.message_types import Message, MessageError, message_class
-from app.ros2.rosbridge.values.encoding import BINARY
-from app.ros2.rosbridge.values.fields import FILLER, NUMBERS, Kind, fields
+from app.ros2.rosbridge.encoding import BINARY
+from app.ros2.rosbridge.fields import FILLER, NUMBERS, Kind, fields
 
 QUATERNION = "geometry_msgs/msg/Quaternion"
 

@@ -1,1 +1,0 @@
-"""The report on integrity: an HTML page with Stanford diagrams."""

@@ -1,1 +1,0 @@
-"""The report of the experiment: an HTML page with figures."""

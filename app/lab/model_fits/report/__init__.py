@@ -1,1 +1,0 @@
-"""The report of the models' statistics: an HTML page with figures."""

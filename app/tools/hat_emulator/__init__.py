@@ -1,1 +1,0 @@
-"""``brickpose emulate-hat``: an emulated Build HAT."""
