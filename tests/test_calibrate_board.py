@@ -146,7 +146,7 @@ def test_no_shape_leaves_the_paper(tmp_path: Path) -> None:
     ("options", "words"),
     [
         (["--size", "0.03"], "are 300 x 210 mm: too large for a4 (210 x 297 mm)"),
-        (["--paper", "a5"], "--paper is 'a5'; valid are a4, a3, letter"),
+        (["--paper", "a5"], "the paper is 'a5'; valid are a4, a3, letter"),
         (["--out", "board.png"], "valid is a file that ends in .pdf or .svg"),
         (["--squares", "7"], "--squares is '7'; valid is such as 10x7"),
         (["--type", "charuco", "--marker", "1"], "markers of 1 of a square; valid is 0.3 to 0.95"),
