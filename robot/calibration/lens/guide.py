@@ -88,9 +88,9 @@ class LensGuide:
         return Look(stamp, True, "", sighting)
 
 
-def _still(before: tuple[float, Sighting], now: tuple[float, Sighting]) -> bool:
+def _still(before: tuple[float, Sighting], newest: tuple[float, Sighting]) -> bool:
     """Return whether the board hardly moved from one picture to the next."""
-    (earlier, old), (stamp, new) = before, now
+    (earlier, old), (stamp, new) = before, newest
     common = old.places.keys() & new.places.keys()
     if not (0 < stamp - earlier <= LONGEST_GAP_S and common and old.size == new.size):
         return False
