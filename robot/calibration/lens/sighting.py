@@ -20,6 +20,8 @@ Grey = NDArray[np.uint8]
 
 LEAST_CORNERS = 8
 """Fewest corners of a board that is partly in sight: fewer hardly tell its pose."""
+LEAST_INNER = 3
+"""Fewest inner corners along a side by which OpenCV finds a chessboard."""
 REFINE = cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4
 SHARE = 0.3
 """Reach of the search for the exact corner, as a share of the distance to the next."""
@@ -97,6 +99,11 @@ def find_board(picture: Grey, board: Board, *, hurried: bool = False) -> Sightin
 
 
 def _find_chessboard(picture: Grey, board: Board, hurried: bool) -> tuple[NDArray[np.intp], Array]:
+    if min(board.inner) < LEAST_INNER:
+        raise SightingError(
+            f"a {board.words} is too small to be found; valid are {LEAST_INNER} inner corners or "
+            "more along each side"
+        )
     grid = _grid(picture, board.inner, hurried)
     if grid is None:
         raise SightingError(_why_not(picture, board))
