@@ -226,9 +226,9 @@ export interface LensLookMessage {
   stamp: number;
   /** The board's corners; empty if it was not found. */
   corners: [number, number][];
-  /** Whether the picture counts. */
-  taken: boolean;
-  /** Why it does not count, or what would help; empty if it counts. */
+  /** The picture counts; the board moves; there is one like it; it is of no use. */
+  verdict: "taken" | "moving" | "known" | "refused";
+  /** Why it does not count; empty if it does. */
   words: string;
 }
 

@@ -13,6 +13,7 @@ from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
 from app.page.outlets import Outlets
 from app.page.server import create_app
+from app.page.tokens import Tokens
 from app.settings.config import Config
 from robot.calibration.lens.sighting import Grey
 from robot.geometry import Array
@@ -43,11 +44,11 @@ class BoardRobot:
 
 
 @contextmanager
-def board_robot(**settings) -> Iterator[tuple[BoardRobot, str]]:
+def board_robot(tokens: Tokens | None = None) -> Iterator[tuple[BoardRobot, str]]:
     """Yield such a robot, and the address of its pages."""
-    config = Config(robot="kinematic", map="stub", **settings)
+    config = Config(robot="kinematic", map="stub")
     robot = BoardRobot(build_program(config, RealTime()).robot)
     program = build_program(config, robot=robot)
-    app = create_app(program, EngineThread(program.engine), Outlets(program))
+    app = create_app(program, EngineThread(program.engine), Outlets(program), tokens)
     with listening(app) as address:
         yield robot, address

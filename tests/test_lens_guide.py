@@ -33,9 +33,9 @@ def test_a_board_counts_once_when_it_is_held_still(board: Board) -> None:
     guide = LensGuide(board)
     there = seen((320, 240), board=board)
     first, second, third = looks(guide, there, there, there)
-    assert (first.taken, first.words) == (False, "hold it still")
-    assert (second.taken, second.words) == (True, "")
-    assert (third.taken, third.words) == (False, "like one taken before: move it or tilt it")
+    assert (first.verdict, first.words) == ("moving", "hold it still")
+    assert (second.verdict, second.words) == ("taken", "")
+    assert third.verdict == "known" and "move it or tilt it" in third.words
     assert len(guide.collection.seen) == 1
     assert first.sighting is not None and len(first.sighting.pixels) == len(board.corners)
 
@@ -43,7 +43,7 @@ def test_a_board_counts_once_when_it_is_held_still(board: Board) -> None:
 def test_a_board_that_moves_is_not_taken() -> None:
     guide = LensGuide(CHESSBOARD)
     moving = looks(guide, *(seen((300 + 8 * k, 240)) for k in range(4)))
-    assert {look.words for look in moving} == {"hold it still"}
+    assert {look.verdict for look in moving} == {"moving"}
     assert not guide.collection.seen
 
 
@@ -53,7 +53,7 @@ def test_after_a_gap_nobody_knows_whether_it_was_still() -> None:
     guide.look(0.0, there)
     assert guide.look(1.5, there).words == "hold it still"
     assert guide.look(1.5, there).words == "hold it still"  # the same picture once more
-    assert guide.look(1.75, there).taken
+    assert guide.look(1.75, there).verdict == "taken"
 
 
 def test_what_is_of_no_use_is_told_and_interrupts() -> None:
@@ -63,12 +63,12 @@ def test_what_is_of_no_use_is_told_and_interrupts() -> None:
     empty = np.full((480, 640), 90, np.uint8)
     cut_off = there.copy()
     cut_off[:, :320] = 100
-    first, second, third, fourth = looks(guide, there, blurred, empty, cut_off)
+    _, second, third, fourth = looks(guide, there, blurred, empty, cut_off)
     assert second.words.startswith("blurred")
     assert "in sight" in third.words and third.sighting is None
     assert fourth.words.startswith("no whole chessboard")
     assert guide.look(1.0, there).words == "hold it still"
-    assert not any(look.taken for look in (first, second, third, fourth))
+    assert {look.verdict for look in (second, third, fourth)} == {"refused"}
 
 
 def test_the_steps_asked_for_change_until_nothing_is_missing() -> None:

@@ -63,10 +63,10 @@ class LensLookMessage(Message):
     """Of its exposure [s]."""
     corners: Pixels
     """The board's corners; empty if it was not found."""
-    taken: bool
-    """Whether the picture counts."""
+    verdict: Literal["taken", "moving", "known", "refused"]
+    """The picture counts; the board moves; there is one like it; it is of no use."""
     words: str
-    """Why it does not count, or what would help; empty if it counts."""
+    """Why it does not count; empty if it does."""
 
 
 class LensBarsMessage(Message):

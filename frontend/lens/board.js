@@ -18,14 +18,18 @@ export class BoardForm {
     square: findInput("board-square"),
     marker: findInput("board-marker"),
   };
-  /** Whether the fields show what the server looks for. */
-  #filled = false;
+  #details = find("board-fields", HTMLDetailsElement);
+  #words = find("board-words", HTMLElement);
+  #start = findButton("start");
+  /** The board that was looked for in the last status, as JSON. */
+  #shown = "null";
 
   /** @param {(request: LensStartRequest) => void} start */
   constructor(start) {
     this.#form.onsubmit = (event) => {
       event.preventDefault();
       start({ type: "start", board: this.board });
+      this.#details.open = false;
     };
     this.#form.oninput = () => this.#show();
     this.#show();
@@ -44,11 +48,15 @@ export class BoardForm {
     };
   }
 
-  /** Show the board that is looked for already. @param {LensStatusMessage} status */
+  /** Show the board that is looked for. @param {LensStatusMessage} status */
   follow({ board, taken }) {
-    setText(findButton("start"), board === null ? "Start" : taken ? "Start anew" : "Start");
-    if (this.#filled || board === null) return;
-    this.#filled = true;
+    setText(this.#start, taken ? "Start anew" : "Start");
+    const key = JSON.stringify(board);
+    if (key === this.#shown) return;
+    this.#shown = key;
+    this.#details.open = board === null;
+    setText(this.#words, board === null ? "" : inWords(board));
+    if (board === null) return;
     const filled = { ...this.board, ...board };
     this.#kind.value = filled.kind ?? "";
     this.#dictionary.value = filled.dictionary ?? "";
@@ -68,4 +76,9 @@ export class BoardForm {
     for (const [name, value] of Object.entries(this.board)) query.set(name, String(value));
     this.#print.href = `/api/board.pdf?${query}`;
   }
+}
+
+/** @param {BoardMessage} board */
+function inWords({ kind, columns, rows, square }) {
+  return `${kind}, ${columns} × ${rows} squares of ${+((square ?? 0) * 1000).toFixed(3)} mm`;
 }

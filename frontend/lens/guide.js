@@ -2,6 +2,7 @@
 import { find, findButton, make, setText } from "../page/elements.js";
 import { sentence } from "./desk.js";
 
+/** @typedef {import("../messages").LensLookMessage} LensLookMessage */
 /** @typedef {import("../messages").LensStatusMessage} LensStatusMessage */
 
 const BARS = /** @type {const} */ (["x", "y", "size", "tilt"]);
@@ -47,19 +48,17 @@ export class Guide {
     if (board === null) return this.#say("idle", "Choose the board, then start.");
     if (busy) return this.#say("idle", "Calibrating …");
     if (look === null) return this.#say("idle", "Waiting for the camera.");
-    if (look.taken) {
+    if (look.verdict === "taken") {
       this.#said = now;
       return this.#say("taken", `Picture ${taken} taken.`);
     }
-    // Time to read it: the next picture is told a moment later.
+    // Time to read it: what the next picture lacks is told a moment later.
     if (now - this.#said < TAKEN_MS) return;
-    if (look.corners.length === 0) return this.#say("refused", sentence(look.words));
-    if (look.words.startsWith("hold")) return this.#say("still", sentence(look.words));
-    const next = look.words.startsWith("like") && next_steps[0];
-    this.#say("refused", sentence(next || look.words));
+    const words = look.verdict === "known" ? (next_steps[0] ?? look.words) : look.words;
+    this.#say(look.verdict, sentence(words));
   }
 
-  /** @param {string} kind @param {string} words */
+  /** @param {LensLookMessage["verdict"] | "idle"} kind @param {string} words */
   #say(kind, words) {
     this.#verdict.dataset.kind = kind;
     setText(this.#verdict, words);

@@ -39,7 +39,7 @@ export class LivePicture {
   /** @param {LensStatusMessage} status */
   follow(status) {
     const news = status.look?.stamp !== this.#status?.look?.stamp;
-    if (status.look?.taken && news) this.#flash = performance.now();
+    if (status.look?.verdict === "taken" && news) this.#flash = performance.now();
     this.#status = status;
     this.refresh();
   }
@@ -79,7 +79,7 @@ export class LivePicture {
  */
 export function shadeParts(context, parts, { width, height }) {
   const [across, down] = [width / parts[0].length, height / parts.length];
-  context.fillStyle = "rgb(213 94 0 / 0.3)";
+  context.fillStyle = "rgb(213 94 0 / 0.2)";
   parts.forEach((row, y) =>
     row.forEach((seen, x) => {
       if (!seen) context.fillRect(x * across, y * down, across, down);
@@ -120,7 +120,7 @@ function drawCorners(context, { look }, pixel) {
   context.strokeStyle = "#fff";
   context.lineWidth = 3.5 * pixel;
   context.stroke(rings);
-  context.strokeStyle = look.taken ? palette["floor-truth"] : palette["floor-draft"];
+  context.strokeStyle = look.verdict === "taken" ? palette["floor-truth"] : palette["floor-draft"];
   context.lineWidth = 2 * pixel;
   context.stroke(rings);
 }

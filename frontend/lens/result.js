@@ -9,8 +9,8 @@ import { drawOutlines } from "./picture.js";
 /** @typedef {import("../messages").LensMessage} LensMessage */
 /** @typedef {import("../messages").LensStatusMessage} LensStatusMessage */
 
-/** Errors are drawn so many times as long. */
-const LENGTHENED = 100;
+/** Errors are drawn this long, by the picture's width. */
+const ERROR_LENGTH = 0.03;
 
 /** The lens that was calibrated: its numbers, how sure they are, and how to take it home. */
 export class Result {
@@ -52,7 +52,7 @@ export class Result {
     );
     setText(
       find("errors-words", HTMLElement),
-      `Errors of the corners, ${LENGTHENED} times as long. Arrows that point the same way are a lens that the model does not describe, or a board that is not flat.`,
+      `Errors of the corners, ${lengthening(lens)} times as long. Lines that point the same way are a lens that the model does not describe, or a board that is not flat.`,
     );
     this.#fill(lens);
     for (const figure of [this.errors, this.coverage]) {
@@ -96,15 +96,24 @@ export class Result {
   #paintErrors(lens) {
     const { context, pixel } = begin(this.errors, lens);
     const path = new Path2D();
+    const times = lengthening(lens);
     lens.corners.forEach(([x, y], i) => {
       const [dx, dy] = lens.errors[i];
       path.moveTo(x, y);
-      path.lineTo(x + LENGTHENED * dx, y + LENGTHENED * dy);
+      path.lineTo(x + times * dx, y + times * dy);
     });
     context.strokeStyle = palette.estimate;
     context.lineWidth = 0.9 * pixel;
     context.stroke(path);
   }
+}
+
+/** How many times errors are drawn longer than they are, a round number. @param {LensMessage} lens */
+function lengthening({ width, ratings, model }) {
+  const error = ratings.find((rating) => rating.model === model)?.own_px ?? 1;
+  const wanted = (ERROR_LENGTH * width) / error;
+  const power = 10 ** Math.floor(Math.log10(wanted));
+  return power * (wanted < 2 * power ? 1 : wanted < 5 * power ? 2 : 5);
 }
 
 /**

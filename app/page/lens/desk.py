@@ -210,5 +210,5 @@ def _grey(frame: Frame) -> Grey:
 def _look_message(look: Look) -> LensLookMessage:
     found_corners = pixels(look.sighting.pixels) if look.sighting else []
     return LensLookMessage(
-        stamp=look.stamp, corners=found_corners, taken=look.taken, words=look.words
+        stamp=look.stamp, corners=found_corners, verdict=look.verdict, words=look.words
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -21,8 +22,13 @@ LONGEST_GAP_S = 1.0
 """Pictures farther apart do not tell whether the board is still [s]."""
 NEW = 0.2
 """A picture is new that differs from all others by so much in place, size and tilt together."""
+KNOWN = "there is a picture like this: move it or tilt it"
 USUAL_PICTURES = 15
 """With fewer pictures one more is always asked for."""
+
+
+Verdict = Literal["taken", "moving", "known", "refused"]
+"""Of a picture: it counts; the board moves; there is one like it; it is of no use."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +37,7 @@ class Look:
 
     stamp: float
     """Of its exposure [s]."""
-    taken: bool
-    """Whether it counts."""
+    verdict: Verdict
     words: str
     """Why not, for people; empty if it counts."""
     sighting: Sighting | None = field(default=None, repr=False)
@@ -70,22 +75,22 @@ class LensGuide:
         try:
             sighting = find_board(picture, self.board, hurried=True)
         except SightingError as error:
-            return Look(stamp, False, str(error))
+            return Look(stamp, "refused", str(error))
         self._before = stamp, sighting
         if before is None or not _still(before, self._before):
-            return Look(stamp, False, "hold it still", sighting)
+            return Look(stamp, "moving", "hold it still", sighting)
         view = _view(sighting, self.board)
         if any(np.abs(view - other).sum() < NEW for other in self._views):
-            return Look(stamp, False, "like one taken before: move it or tilt it", sighting)
+            return Look(stamp, "known", KNOWN, sighting)
         self._count += 1
         reason = self.collection.take(f"picture {self._count}", sighting)
         if reason:
-            return Look(stamp, False, reason, sighting)
+            return Look(stamp, "refused", reason, sighting)
         # Sharper ones may have put out an earlier one: what that showed is new again.
         seen = list(self.collection.seen.values())
         self._views = [_view(each, self.board) for each in seen]
         self.coverage = Coverage.of(seen, self.board)
-        return Look(stamp, True, "", sighting)
+        return Look(stamp, "taken", "", sighting)
 
 
 def _still(before: tuple[float, Sighting], newest: tuple[float, Sighting]) -> bool:
