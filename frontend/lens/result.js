@@ -58,7 +58,7 @@ export class Result {
     for (const figure of [this.errors, this.coverage]) {
       figure.canvas.style.aspectRatio = `${lens.width} / ${lens.height}`;
     }
-    this.#box.scrollIntoView({ behavior: "smooth", block: "nearest" });
+    this.#box.scrollIntoView({ behavior: "smooth", block: "start" });
     this.refresh();
   }
 
