@@ -44,11 +44,15 @@ class BoardRobot:
 
 
 @contextmanager
-def board_robot(tokens: Tokens | None = None) -> Iterator[tuple[BoardRobot, str]]:
-    """Yield such a robot, and the address of its pages."""
+def board_robot(
+    tokens: Tokens | None = None, *, real: bool = False
+) -> Iterator[tuple[BoardRobot, str]]:
+    """Yield such a robot, and the address of its pages; if it is real, it has its own profile."""
     config = Config(robot="kinematic", map="stub")
     robot = BoardRobot(build_program(config, RealTime()).robot)
     program = build_program(config, robot=robot)
+    if real:
+        program = replace(program, config=replace(config, robot="buildhat"))
     app = create_app(program, EngineThread(program.engine), Outlets(program), tokens)
     with listening(app) as address:
         yield robot, address

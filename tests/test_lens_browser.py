@@ -16,12 +16,18 @@ from playwright.sync_api import Browser, Page, expect
 
 from app.page.lens import desk
 from app.page.tokens import Tokens
+from app.settings.profiles import own_profile
+from robot.calibration.profile import load_profile
 from robot.camera import Lens
 
 pytestmark = pytest.mark.browser
 
 LENS = lens_of()
 PICTURES = 8
+NAMELESS = """() => [...document.querySelectorAll("button, input, select, canvas, progress, a")]
+  .filter(e => e.checkVisibility() && !(e.ariaLabel || e.textContent.trim() || e.labels?.length))
+  .map(e => e.outerHTML.slice(0, 120))"""
+"""Controls whose purpose a screen reader cannot tell."""
 
 
 @contextmanager
@@ -50,9 +56,11 @@ def value_of(page: Page, parameter: str) -> float:
 
 def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(desk, "PERIOD_S", 0.05)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     rng = np.random.default_rng(4)
     pictures = [picture(CHESSBOARD, pose, rng) for pose in poses(CHESSBOARD, LENS, PICTURES, rng)]
-    with board_robot() as (robot, address), page_at(browser, address, "/lens") as page:
+    opened = board_robot(real=True)
+    with opened as (robot, address), page_at(browser, address, "/lens") as page:
         verdict, taken = page.locator("#verdict"), page.locator("#taken")
         expect(verdict).to_have_text("Choose the board, then start.")
         page.get_by_role("button", name="Start").click()
@@ -79,7 +87,6 @@ def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> Non
         chosen = page.locator("#ratings tr[data-chosen=true] td").nth(1).inner_text()
         assert float(chosen.removesuffix(" px")) < 0.2
         assert drawn(page, "#errors") > 500 and drawn(page, "#coverage") > 500
-        expect(page.get_by_role("button", name="Save")).to_be_hidden()  # no real robot
         with page.expect_download() as download:
             page.get_by_role("link", name="camera_info").click()
         download.value.save_as(tmp_path / "camera.yaml")
@@ -87,6 +94,14 @@ def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> Non
             value_of(page, "fx"), abs=0.01
         )
 
+        page.get_by_role("button", name="Save").click()
+        expect(page.locator("#save-words")).to_contain_text("holds from the next start on")
+        profile = load_profile(own_profile(robot.spec.name))
+        assert profile.lens is not None and profile.source == f"lens by {PICTURES} pictures"
+
+        page.set_viewport_size({"width": 390, "height": 844})
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        assert page.evaluate(NAMELESS) == []
         page.reload()
         expect(taken).to_have_text(str(PICTURES))
         expect(page.locator("#result-model")).to_have_text("plumb_bob")
@@ -104,6 +119,7 @@ def drawn(page: Page, canvas: str) -> int:
 def test_whoever_only_watches_is_told(browser) -> None:
     tokens, path = Tokens("drive-me", "watch-me"), "/lens?token=watch-me"
     with board_robot(tokens) as (_, address), page_at(browser, address, path) as page:
+        expect(page.get_by_role("button", name="Save")).to_be_hidden()  # no real robot
         expect(page.locator("#banner")).to_contain_text("This link only watches")
         page.get_by_role("button", name="Start").click()
         expect(page.locator("#banner")).to_contain_text("no connection")
