@@ -34,6 +34,22 @@ export interface AckMessage {
   stamp: number | null;
 }
 
+/** A printed board. */
+export interface BoardMessage {
+  /** chessboard or charuco. */
+  kind?: string;
+  /** Squares across the page. */
+  columns?: number;
+  /** Squares up the page. */
+  rows?: number;
+  /** Side of a square [m]. */
+  square?: number;
+  /** Side of a marker, as a share of the square's (charuco). */
+  marker?: number;
+  /** Which markers (charuco). */
+  dictionary?: string;
+}
+
 /** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
 export interface DriveCommand {
   /** Repeated in the answer. */
@@ -129,6 +145,29 @@ export interface FilterMessage {
   broken: string | null;
 }
 
+/** The floor's grid, every 0.1 m, as the camera sees it. */
+export interface FloorGridMessage {
+  lines: GridLineMessage[];
+  labels: GridLabelMessage[];
+}
+
+/** A distance ahead of the robot's axle, on the line straight ahead. */
+export interface GridLabelMessage {
+  /** [m] */
+  distance: number;
+  u: number;
+  /** Where it is in the picture [px]. */
+  v: number;
+}
+
+/** A part of a line on the floor that the picture shows. */
+export interface GridLineMessage {
+  /** Along it (u, v) [px]. */
+  pixels: [number, number][];
+  /** Whether it is the line straight ahead of the robot. */
+  ahead: boolean;
+}
+
 /** Whether the program works. */
 export interface HealthMessage {
   status: "ok" | "degraded" | "failed";
@@ -166,6 +205,115 @@ export interface IntegrityMessage {
   heading_bound: number | null;
   /** Reasons for doubt in plain words, the newest first; empty if there are none. */
   alerts: string[];
+}
+
+/** How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing. */
+export interface LensBarsMessage {
+  x: number;
+  y: number;
+  size: number;
+  tilt: number;
+}
+
+/** Calibrate the lens by the pictures so far. */
+export interface LensCalibrateRequest {
+  type: "calibrate";
+}
+
+/** What was found in the newest picture that was looked at. */
+export interface LensLookMessage {
+  /** Of its exposure [s]. */
+  stamp: number;
+  /** The board's corners; empty if it was not found. */
+  corners: [number, number][];
+  /** The picture counts; the board moves; there is one like it; it is of no use. */
+  verdict: "taken" | "moving" | "known" | "refused";
+  /** Why it does not count; empty if it does. */
+  words: string;
+}
+
+/** A lens that was calibrated. */
+export interface LensMessage {
+  model: string;
+  width: number;
+  /** Size of the pictures [px]. */
+  height: number;
+  pictures: number;
+  /** What it was calibrated by, in words. */
+  board: string;
+  /** Of all models. */
+  ratings: LensRatingMessage[];
+  parameters: LensParameterMessage[];
+  corners: [number, number][];
+  /** How far each of the corners was seen from where the lens puts it [px]. */
+  errors: [number, number][];
+  outlines: [number, number][][];
+  refused: LensRefusalMessage[];
+  /** What more pictures should show; empty if nothing. */
+  missing: string[];
+}
+
+/** One number of the lens. */
+export interface LensParameterMessage {
+  name: string;
+  value: number;
+  /** Half of the 95 % interval. */
+  interval: number;
+}
+
+/** How well a model of lenses fits. */
+export interface LensRatingMessage {
+  model: string;
+  /** Root mean square error in pictures that it was not adjusted to; null if it failed there. */
+  held_out_px: number | null;
+  /** The same in those that it was adjusted to: the reprojection error. */
+  own_px: number;
+}
+
+/** A picture that was taken and does not count after all. */
+export interface LensRefusalMessage {
+  picture: string;
+  reason: string;
+}
+
+/** Put the lens into the real robot's profile. */
+export interface LensSaveRequest {
+  type: "save";
+}
+
+/** Look for this board, and forget the pictures so far. */
+export interface LensStartRequest {
+  type: "start";
+  board: BoardMessage;
+}
+
+/** How far a calibration is; sent to all who may drive, after each picture. */
+export interface LensStatusMessage {
+  type: "lens";
+  /** What is looked for; null before the start. */
+  board: BoardMessage | null;
+  look: LensLookMessage | null;
+  /** How many pictures count. */
+  taken: number;
+  /** So many are needed. */
+  least: number;
+  /** Around the board, in each picture that counts. */
+  outlines: [number, number][][];
+  /** Whether enough corners were seen in each part of the picture, by rows from above. */
+  parts: boolean[][];
+  bars: LensBarsMessage;
+  /** What to do next with the board, the most useful first; empty if it is enough. */
+  next_steps: string[];
+  /** Whether it calibrates now. */
+  busy: boolean;
+  /** Why the last request failed; empty if it did not. */
+  problem: string;
+  /** How many there were; ``/api/lens`` has the newest. */
+  calibrations: number;
+  /** The file that a save writes; null if there is no real robot. */
+  profile: string | null;
+  /** Whether the newest lens is in it. */
+  saved: boolean;
 }
 
 /** Rates and delays of the engine. */

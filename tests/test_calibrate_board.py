@@ -146,12 +146,14 @@ def test_no_shape_leaves_the_paper(tmp_path: Path) -> None:
     ("options", "words"),
     [
         (["--size", "0.03"], "are 300 x 210 mm: too large for a4 (210 x 297 mm)"),
-        (["--paper", "a5"], "--paper is 'a5'; valid are a4, a3, letter"),
+        (["--paper", "a5"], "the paper is 'a5'; valid are a4, a3, letter"),
         (["--out", "board.png"], "valid is a file that ends in .pdf or .svg"),
         (["--squares", "7"], "--squares is '7'; valid is such as 10x7"),
         (["--type", "charuco", "--marker", "1"], "markers of 1 of a square; valid is 0.3 to 0.95"),
+        (["--type", "charuco", "--squares", "20x20", "--size", "0.008", "--dictionary", "4x4_50"],
+         "a board of 20 x 20 squares has 200 markers, and there are 50 of 4x4_50"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_printed_is_told(
     options: list[str], words: str, tmp_path: Path, capsys, monkeypatch
 ) -> None:

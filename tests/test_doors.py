@@ -22,8 +22,10 @@ PAGES = (
     "/", "/static/main.js", "/docs", "/openapi.json", "/view/", "/camera.jpg", "/camera.mjpg",
     "/api/access", "/api/health", "/api/state", "/api/field", "/api/field.png", "/api/parameters",
     "/api/problems", "/api/recordings", "/api/recordings/none", "/api/recording_contents",
+    "/lens", "/api/lens", "/api/lens/camera.yaml", "/api/lens/profile.toml", "/api/board.pdf",
+    "/api/floor-grid",
 )  # fmt: skip
-SOCKETS = ("/", "/rosbridge", "/foxglove", "/api/live", "/api/camera", "/view")
+SOCKETS = ("/", "/rosbridge", "/foxglove", "/api/live", "/api/camera", "/api/lens", "/view")
 REFUSED = 401
 
 

@@ -107,6 +107,7 @@ def moved(grey: Grey) -> Grey:
         (still()[:, :330], CHESSBOARD, "no whole chessboard of 9 x 6 inner corners, but"),
         (still(), Board("chessboard", 9, 7, 0.025), "more corners than 8 x 6|no whole"),
         (still(), Board("chessboard", 11, 8, 0.025), "no whole chessboard of 10 x 7"),
+        (still(), Board("chessboard", 5, 3, 0.025), "too small to be found; valid are 3 inner"),
         (still(), CHARUCO, "0 corners of the charuco board"),
         (pictures(CHARUCO, "plumb_bob")[0][:, ::-1].copy(), CHARUCO, "mirrored"),
         (pictures(CHARUCO, "plumb_bob")[0], Board("charuco", 7, 5, 0.035, dictionary="4x4_50"),

@@ -20,12 +20,12 @@ def pictures() -> list[Grey]:
 
 def test_what_is_missing_becomes_less_until_the_lens_is_known(pictures: list[Grey]) -> None:
     collection = PictureCollection(CHESSBOARD)
-    everything = collection.missing
+    everything = collection.coverage.missing
     assert len(everything) == 4
     for number, grey in enumerate(pictures):
         assert collection.add(str(number), grey) == ""
-    assert len(collection.missing[0]) < len(everything[0])
-    assert len(collection.missing) < 4
+    assert len(collection.coverage.missing[0]) < len(everything[0])
+    assert len(collection.coverage.missing) < 4
     lens = collection.calibrate().lens
     assert lens.matrix[0, 0] == pytest.approx(lens_of().matrix[0, 0], abs=3)
 

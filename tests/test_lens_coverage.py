@@ -7,9 +7,24 @@ import math
 import numpy as np
 import pytest
 from board_pictures import CHARUCO, CHESSBOARD, lens_of, pose, poses
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.coverage import missing, parts_seen, tilt
+from robot.calibration.lens.coverage import (
+    COLUMNS,
+    FAR,
+    NEAR,
+    OPPOSITE,
+    ROWS,
+    TILT,
+    TILTS,
+    Coverage,
+    missing,
+    parts_seen,
+    tilt,
+)
 from robot.calibration.lens.sighting import Sighting
 
 LENS = lens_of()
@@ -77,3 +92,37 @@ def test_in_the_end_nothing_is_missing() -> None:
         views.append(seen(CHESSBOARD, corner, 1.2))
     assert parts_seen(views).min() > 3
     assert missing(views, CHESSBOARD) == []
+    assert Coverage.of(views, CHESSBOARD).next_steps == []
+
+
+@given(
+    hnp.arrays(bool, (ROWS, COLUMNS), elements=st.sampled_from([True, True, True, False])),
+    st.lists(st.sampled_from([0.0, 0.3, TILT, 0.9]), min_size=4, max_size=4),
+    st.sampled_from([0.0, 0.2, NEAR, 0.8]),
+    st.sampled_from([0.05, FAR, 0.3, 1.0]),
+)
+def test_the_bars_are_full_when_nothing_is_missing_and_only_then(parts, tilts, nearest, farthest):
+    coverage = Coverage(parts, dict(zip(TILTS, tilts, strict=True)), nearest, farthest)
+    bars = coverage.bars
+    assert all(0 <= bar <= 1 for bar in bars.values())
+    assert (min(bars.values()) == 1) == (coverage.missing == []) == (coverage.next_steps == [])
+
+
+def test_the_bars_are_empty_without_pictures() -> None:
+    assert set(Coverage.of([], CHESSBOARD).bars.values()) == {0.0}
+
+
+def test_the_next_step_is_about_one_place_and_one_tilt() -> None:
+    steps = Coverage.of([seen(CHESSBOARD, MIDDLE, 0.5, (0.6, 0, 0))], CHESSBOARD).next_steps
+    assert steps[0] == "hold it nearer to the picture's upper left corner"
+    assert steps[1] == "tilt its right edge toward the camera"
+
+
+@pytest.mark.parametrize("edge", TILTS)
+def test_whoever_tilts_as_asked_is_not_asked_again(edge: str) -> None:
+    way = {"left": (0, -0.6), "right": (0, 0.6), "upper": (-0.6, 0), "lower": (0.6, 0)}
+    for tilts in (way[edge], tuple(-angle for angle in way[edge])):
+        sighting = seen(CHESSBOARD, MIDDLE, 0.5, (*tilts, 0))
+        toward = OPPOSITE[farther(sighting, CHESSBOARD)]
+        steps = Coverage.of([sighting], CHESSBOARD).next_steps
+        assert f"tilt its {toward} edge toward the camera" not in steps

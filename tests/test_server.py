@@ -101,7 +101,9 @@ def test_the_record_of_problems_can_be_read(server):
     ProblemsMessage.model_validate_json(get(server, "/api/problems").text)
 
 
-@pytest.mark.parametrize("path", ["/", "/static/main.js", "/view/", "/docs", "/openapi.json"])
+@pytest.mark.parametrize(
+    "path", ["/", "/lens", "/static/main.js", "/view/", "/docs", "/openapi.json"]
+)
 def test_pages_are_there(server, path):
     assert get(server, path).status_code == 200
 

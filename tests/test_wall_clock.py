@@ -20,7 +20,7 @@ WALL_CLOCK = re.compile(
 
 READERS = {
     "app/lab/calibrate/command.py",  # the date of a profile
-    "app/lab/calibrate/kept_profile.py",
+    "app/settings/kept_profile.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
     "app/ros2/source.py",  # ROS time

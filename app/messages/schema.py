@@ -15,6 +15,8 @@ from app.messages.answers import (
     ProfileMessage,
 )
 from app.messages.commands import AckMessage, Command, ErrorMessage
+from app.messages.floor_grid import FloorGridMessage
+from app.messages.lens import LensMessage, LensRequest, LensStatusMessage
 from app.messages.telemetry import PictureMessage, TelemetryMessage
 
 
@@ -23,6 +25,7 @@ def schema() -> dict[str, Any]:
     adapters: list[Any] = [
         TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, AccessMessage,
         HealthMessage, FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
+        FloorGridMessage, LensStatusMessage, LensRequest, LensMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

@@ -35,6 +35,8 @@ from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
+from app.page.floor_grid import floor_grid_router
+from app.page.lens.routes import lens_router
 from app.page.live import Live
 from app.page.outlets import Outlets
 from app.page.profile import RayError, profile
@@ -99,6 +101,8 @@ def create_app(
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
+    app.include_router(floor_grid_router(program))
+    app.include_router(lens_router(program))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     return app

@@ -18,6 +18,8 @@ from app.settings.config import FRONTEND
 
 SUBPROTOCOL = "brickpose.token."
 """A websocket's subprotocol of this beginning brings a token: browsers cannot set its headers."""
+PAGES = ("/", "/lens")
+"""Where people without a token are asked for it."""
 READING = frozenset(["GET", "HEAD", "OPTIONS"])
 NO_TOKEN = (
     "This robot asks for a token. Open the link that the program printed, or send the header "
@@ -133,7 +135,7 @@ def _cookie(request: HTTPConnection, token: str) -> str:
 
 def _no_token(request: HTTPConnection) -> Response:
     headers = {"WWW-Authenticate": 'Bearer realm="BrickPose"', "Cache-Control": "no-store"}
-    if request.url.path == "/" and "text/html" in request.headers.get("accept", ""):
+    if request.url.path in PAGES and "text/html" in request.headers.get("accept", ""):
         return FileResponse(FRONTEND / "token.html", 401, headers)
     return PlainTextResponse(NO_TOKEN, 401, headers)
 

@@ -2,6 +2,7 @@
 import { find, findButton, setText } from "../page/elements.js";
 import { Surface } from "../page/surface.js";
 import { millimetres } from "../page/format.js";
+import { FloorGrid } from "./floor_grid.js";
 import { drawOverlay, nearestRay, thin } from "./overlay.js";
 import { RayProfile } from "./profile.js";
 import { CameraStream } from "./stream.js";
@@ -36,6 +37,7 @@ export class CameraPanel {
     this.refresh = loop.add(() => this.#paint(), { visible: () => this.surface.visible });
     this.stream = new CameraStream("/api/camera", (picture) => this.#show(picture));
     this.profile = new RayProfile(loop, () => this.#selected());
+    this.grid = new FloorGrid(() => this.refresh());
     this.#raysButton.onclick = () => this.#toggleRays();
     this.#profileButton.onclick = () => this.#toggleProfile();
     canvas.addEventListener("click", (event) => this.#click(event));
@@ -47,7 +49,7 @@ export class CameraPanel {
   setField(field) {
     this.#rays = field.rays_px.map(thin);
     this.profile.count = this.#rays.length;
-    this.refresh();
+    this.grid.load();
   }
 
   /** @param {Picture} picture */
@@ -82,6 +84,7 @@ export class CameraPanel {
     const placement = this.#placement(bitmap);
     const { left, top, scale } = placement;
     context.drawImage(bitmap, left, top, bitmap.width * scale, bitmap.height * scale);
+    this.grid.draw(context, placement, bitmap);
     if (edges && this.#showsRays) {
       drawOverlay(context, placement, this.#rays, edges, this.profile.ray);
     }

@@ -7,9 +7,9 @@ from typing import Any
 
 from app.console import say
 from app.files import atomic_file
-from app.lab.calibrate.board_page import lay_out
-from app.lab.calibrate.page_files import pdf, svg
 from app.lab.calibrate.pictures import board_of
+from robot.calibration.lens.board_page import lay_out
+from robot.calibration.lens.page_files import pdf, svg
 from robot.settings import SettingError
 
 OUT = Path("board.pdf")

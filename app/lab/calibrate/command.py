@@ -16,11 +16,11 @@ import numpy as np
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import Program
-from app.lab.calibrate.kept_profile import write_profile
 from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
+from app.settings.kept_profile import write_profile
 from app.settings.profiles import NONE, own_profile
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from app.console import say
 from app.files import atomic_file
-from app.lab.calibrate.kept_profile import profile_before, with_lens, write_profile
 from app.lab.calibrate.lens_report import lens_report
 from app.lab.calibrate.pictures import board_of, find_in, picture_files
+from app.settings.kept_profile import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.camera_info import camera_info, parameters
+from robot.calibration.lens.camera_info import parameters
 from robot.calibration.lens.coverage import missing
 from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens
 from robot.calibration.lens.lens_table import MeasuredLens
+from robot.calibration.lens.result_file import camera_info_of
 from robot.description.spec import RobotSpec
 from robot.settings import SettingError
 
@@ -50,7 +50,7 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         new.write_text(lens_report(result, board), encoding="utf-8")
     if before is None:
         with atomic_file(out) as new:
-            new.write_text(yaml_of(result, board), encoding="utf-8")
+            new.write_text(camera_info_of(result, board, spec.lens.readout), encoding="utf-8")
     else:
         measured = MeasuredLens(result.lens, result.chosen.fit.sd)
         profile = with_lens(before, measured, f"lens by {len(result.seen)} pictures")
@@ -58,19 +58,6 @@ def calibrate_lens_command(given: dict[str, Any]) -> int:
         write_profile(out, profile)
     say(f"the lens is in {out}, a report in {report}")
     return 0
-
-
-def yaml_of(result: LensCalibration, board: Board) -> str:
-    """Return the lens as the content of a camera_info file."""
-    described = RobotSpec.load().lens
-    title = (
-        f"By `brickpose calibrate lens`, from {len(result.seen)} pictures of a {board.words};\n"
-        f"held-out corners lie {result.chosen.rms:.3f} px off (root mean square)."
-    )
-    lens = replace(result.lens, readout=described.readout)
-    if described.readout:
-        title += "\nThe readout was not measured: it is that of the robot's description."
-    return camera_info(lens, result.chosen.fit.sd, title)
 
 
 def lines_of(result: LensCalibration, board: Board) -> Iterator[str]:

@@ -62,6 +62,13 @@ class Board:
             raise SettingError(
                 f"the markers are {self.dictionary!r}; valid are {', '.join(DICTIONARIES)}"
             )
+        needed, known = self.columns * self.rows // 2, int(self.dictionary.split("_")[1])
+        if self.kind == "charuco" and needed > known:
+            raise SettingError(
+                f"a board of {self.columns} x {self.rows} squares has {needed} markers, and there "
+                f"are {known} of {self.dictionary}; valid are fewer squares, or others of "
+                f"{', '.join(DICTIONARIES)}"
+            )
 
     @property
     def inner(self) -> tuple[int, int]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from robot.calibration.lens.board import Board
-from robot.calibration.lens.coverage import missing
+from robot.calibration.lens.coverage import Coverage
 from robot.calibration.lens.lens_calibration import LensCalibration, calibrate_lens, of_no_use
 from robot.calibration.lens.sighting import Grey, Sighting, SightingError, find_board
 
@@ -27,6 +27,10 @@ class PictureCollection:
             sighting = find_board(picture, self.board)
         except SightingError as error:
             return str(error)
+        return self.take(name, sighting)
+
+    def take(self, name: str, sighting: Sighting) -> str:
+        """Take what a picture shows if it is of use; return why not, or nothing."""
         # Beside sharper ones that came later, an earlier one may be blurred.
         useless = of_no_use(self.seen | {name: sighting}, self.board)
         self.seen[name] = sighting
@@ -35,9 +39,9 @@ class PictureCollection:
         return useless.get(name, "")
 
     @property
-    def missing(self) -> list[str]:
-        """What is still missing, in words, the most important first; empty if nothing is."""
-        return missing(list(self.seen.values()), self.board)
+    def coverage(self) -> Coverage:
+        """What the pictures cover so far, and what not."""
+        return Coverage.of(list(self.seen.values()), self.board)
 
     def calibrate(self) -> LensCalibration:
         """Calibrate the lens by the pictures so far.

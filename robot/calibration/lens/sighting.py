@@ -20,6 +20,8 @@ Grey = NDArray[np.uint8]
 
 LEAST_CORNERS = 8
 """Fewest corners of a board that is partly in sight: fewer hardly tell its pose."""
+LEAST_INNER = 3
+"""Fewest inner corners along a side by which OpenCV finds a chessboard."""
 REFINE = cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-4
 SHARE = 0.3
 """Reach of the search for the exact corner, as a share of the distance to the next."""
@@ -66,18 +68,25 @@ class Sighting:
         return dict(zip(self.ids.tolist(), self.pixels, strict=True))
 
 
-def find_board(picture: Grey, board: Board) -> Sighting:
+def find_board(picture: Grey, board: Board, *, hurried: bool = False) -> Sighting:
     """Find the corners of a board in a grey picture (h, w).
 
     A chessboard looks the same from two sides (a square one from four): which of them is up is not
     told.
 
+    Args:
+        picture: the picture.
+        board: the board.
+        hurried: search a fifth as long where there is no chessboard, for a running camera.
+
     Raises:
         SightingError: it is not there, not whole, mirrored, blurred, or has other squares.
     """
     size = picture.shape[1], picture.shape[0]
-    find = _find_markers if board.kind == "charuco" else _find_chessboard
-    ids, pixels = find(picture, board)
+    if board.kind == "charuco":
+        ids, pixels = _find_markers(picture, board)
+    else:
+        ids, pixels = _find_chessboard(picture, board, hurried)
     good = in_place(board.corners[ids, :2], pixels)
     if good.sum() < max(LEAST_CORNERS, RIGHT * len(good)):
         raise SightingError(f"{(~good).sum()} of {len(good)} corners do not lie on one grid")
@@ -89,8 +98,13 @@ def find_board(picture: Grey, board: Board) -> Sighting:
     return Sighting(ids, pixels, size, width)
 
 
-def _find_chessboard(picture: Grey, board: Board) -> tuple[NDArray[np.intp], Array]:
-    grid = _grid(picture, board.inner)
+def _find_chessboard(picture: Grey, board: Board, hurried: bool) -> tuple[NDArray[np.intp], Array]:
+    if min(board.inner) < LEAST_INNER:
+        raise SightingError(
+            f"a {board.words} is too small to be found; valid are {LEAST_INNER} inner corners or "
+            "more along each side"
+        )
+    grid = _grid(picture, board.inner, hurried)
     if grid is None:
         raise SightingError(_why_not(picture, board))
     beyond = _beyond(picture, grid)
@@ -103,9 +117,11 @@ def _find_chessboard(picture: Grey, board: Board) -> tuple[NDArray[np.intp], Arr
     return np.arange(board.inner[0] * board.inner[1]), grid.reshape(-1, 2)
 
 
-def _grid(picture: Grey, inner: tuple[int, int]) -> Array | None:
+def _grid(picture: Grey, inner: tuple[int, int], hurried: bool) -> Array | None:
     """Return the corners (up, across, 2) of a chessboard, not mirrored; None without one."""
     flags = cv2.CALIB_CB_ADAPTIVE_THRESH + cv2.CALIB_CB_NORMALIZE_IMAGE
+    # Without a board the first search takes ten times as long as the second one.
+    flags += cv2.CALIB_CB_FAST_CHECK if hurried else 0
     seen, corners = cv2.findChessboardCorners(picture, inner, flags=flags)
     if not seen:
         seen, corners = cv2.findChessboardCornersSB(

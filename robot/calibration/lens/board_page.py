@@ -66,7 +66,7 @@ def lay_out(board: Board, paper: str) -> Page:
         SettingError: there is no such paper, or the board is too large for it.
     """
     if paper not in PAPERS:
-        raise SettingError(f"--paper is {paper!r}; valid are {', '.join(PAPERS)}")
+        raise SettingError(f"the paper is {paper!r}; valid are {', '.join(PAPERS)}")
     size = 1e3 * board.square
     wide, high = size * board.columns, size * board.rows
     short, long = PAPERS[paper]
@@ -77,7 +77,7 @@ def lay_out(board: Board, paper: str) -> Page:
         raise SettingError(
             f"{board.columns} x {board.rows} squares of {size:g} mm are {wide:g} x {high:g} mm: "
             f"too large for {paper} ({short:g} x {long:g} mm); valid are smaller squares, "
-            "fewer, or another --paper"
+            "fewer, or larger paper"
         )
     left, top = (width - wide) / 2, ABOVE + (height - high - ABOVE - BELOW) / 2
     shapes = [*_squares(board, left, top), *_origin(left + wide, top + high)]

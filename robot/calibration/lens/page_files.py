@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import escape
 
-from app.lab.calibrate.board_page import Page, Shape
+from robot.calibration.lens.board_page import Page, Shape
 
 POINTS = 72 / 25.4
 """A PDF's points in a millimetre."""

@@ -1,0 +1,156 @@
+"""Messages of the lens's calibration on the page: ``/api/lens``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, TypeAdapter
+
+from app.messages.message import Message
+
+Pixels = list[tuple[float, float]]
+"""Places in the picture (u, v) [px]."""
+
+
+class BoardMessage(Message):
+    """A printed board."""
+
+    kind: str = "chessboard"
+    """chessboard or charuco."""
+    columns: int = 10
+    """Squares across the page."""
+    rows: int = 7
+    """Squares up the page."""
+    square: float = 0.025
+    """Side of a square [m]."""
+    marker: float = 0.7
+    """Side of a marker, as a share of the square's (charuco)."""
+    dictionary: str = "5x5_250"
+    """Which markers (charuco)."""
+
+
+class LensStartRequest(Message):
+    """Look for this board, and forget the pictures so far."""
+
+    type: Literal["start"]
+    board: BoardMessage
+
+
+class LensCalibrateRequest(Message):
+    """Calibrate the lens by the pictures so far."""
+
+    type: Literal["calibrate"]
+
+
+class LensSaveRequest(Message):
+    """Put the lens into the real robot's profile."""
+
+    type: Literal["save"]
+
+
+LensRequest = Annotated[
+    LensStartRequest | LensCalibrateRequest | LensSaveRequest, Field(discriminator="type")
+]
+LENS_REQUEST: TypeAdapter[LensStartRequest | LensCalibrateRequest | LensSaveRequest] = TypeAdapter(
+    LensRequest
+)
+
+
+class LensLookMessage(Message):
+    """What was found in the newest picture that was looked at."""
+
+    stamp: float
+    """Of its exposure [s]."""
+    corners: Pixels
+    """The board's corners; empty if it was not found."""
+    verdict: Literal["taken", "moving", "known", "refused"]
+    """The picture counts; the board moves; there is one like it; it is of no use."""
+    words: str
+    """Why it does not count; empty if it does."""
+
+
+class LensBarsMessage(Message):
+    """How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing."""
+
+    x: float
+    y: float
+    size: float
+    tilt: float
+
+
+class LensStatusMessage(Message):
+    """How far a calibration is; sent to all who may drive, after each picture."""
+
+    type: Literal["lens"] = "lens"
+    board: BoardMessage | None
+    """What is looked for; null before the start."""
+    look: LensLookMessage | None
+    taken: int
+    """How many pictures count."""
+    least: int
+    """So many are needed."""
+    outlines: list[Pixels]
+    """Around the board, in each picture that counts."""
+    parts: list[list[bool]]
+    """Whether enough corners were seen in each part of the picture, by rows from above."""
+    bars: LensBarsMessage
+    next_steps: list[str]
+    """What to do next with the board, the most useful first; empty if it is enough."""
+    busy: bool
+    """Whether it calibrates now."""
+    problem: str
+    """Why the last request failed; empty if it did not."""
+    calibrations: int
+    """How many there were; ``/api/lens`` has the newest."""
+    profile: str | None
+    """The file that a save writes; null if there is no real robot."""
+    saved: bool
+    """Whether the newest lens is in it."""
+
+
+class LensRatingMessage(Message):
+    """How well a model of lenses fits."""
+
+    model: str
+    held_out_px: float | None
+    """Root mean square error in pictures that it was not adjusted to; null if it failed there."""
+    own_px: float
+    """The same in those that it was adjusted to: the reprojection error."""
+
+
+class LensParameterMessage(Message):
+    """One number of the lens."""
+
+    name: str
+    value: float
+    interval: float
+    """Half of the 95 % interval."""
+
+
+class LensRefusalMessage(Message):
+    """A picture that was taken and does not count after all."""
+
+    picture: str
+    reason: str
+
+
+class LensMessage(Message):
+    """A lens that was calibrated."""
+
+    model: str
+    width: int
+    height: int
+    """Size of the pictures [px]."""
+    pictures: int
+    board: str
+    """What it was calibrated by, in words."""
+    ratings: list[LensRatingMessage]
+    """Of all models."""
+    parameters: list[LensParameterMessage]
+    corners: Pixels
+    errors: Pixels
+    """How far each of the corners was seen from where the lens puts it [px]."""
+    outlines: list[Pixels]
+    refused: list[LensRefusalMessage]
+    missing: list[str]
+    """What more pictures should show; empty if nothing."""

@@ -1,0 +1,1 @@
+"""The lens's calibration on the page."""
