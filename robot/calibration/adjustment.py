@@ -156,7 +156,8 @@ class Adjustment:
 
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
-        floor = self._seen.floor_points(state.values, self._motion.twists(state.values), errors)
+        twists = self._motion.twists(state.values, state.slip)
+        floor = self._seen.floor_points(state.values, twists, errors)
         seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
