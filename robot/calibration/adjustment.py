@@ -154,6 +154,11 @@ class Adjustment:
         share = len(equations.misses.residuals) / max(1, self._count)
         return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
 
+    def alone(self, solution: Solution, weights: Weights, by_others: Array) -> tuple[Array, Array]:
+        """Return what further unknowns would be (``Equations.alone``), at a solution."""
+        equations = self._equations(solution.state, weights, solution.misses.pixels)
+        return equations.alone(by_others)
+
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
         twists = self._motion.twists(state.values, state.slip)

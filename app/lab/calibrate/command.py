@@ -227,5 +227,6 @@ def lines_of(calibration: Calibration) -> list[str]:
         lines.append(
             f"all of this makes the robot's place uncertain by {millimetres:.2f} mm (95 %)"
         )
+    lines += calibration.remarks
     lines += [f"to learn more: {motion}" for motion in calibration.advice]
     return lines
