@@ -71,6 +71,8 @@ class Misses:
     """(n,) which of the field's edges it is."""
     seen_at: Array = field(repr=False)
     """(n, 2) the pixels [px]."""
+    ends: Array = field(repr=False)
+    """(n, 2) where they saw the floor, in the map [m]."""
     by_pixel: Array = field(repr=False)
     """(n, 2) by the pixel [1/px]."""
 
@@ -245,6 +247,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
         pixels.reshape(*shape, 2),
         edge,
         seen.pixels.reshape(-1, 2)[matched],
+        ends[matched],
         by_pixel / sd[:, None],
     )
 
