@@ -19,7 +19,7 @@ from robot.calibration.position_error import position_sd
 from robot.calibration.sightings import Misses, Sightings, misses
 from robot.calibration.start_poses import alike
 from robot.calibration.unknowns import COUNT, NAMES, PRIORS, ROBOT, UNKNOWNS, Differences
-from robot.calibration.wheel_motion import BY_SEPARATION, WheelMotion
+from robot.calibration.wheel_motion import WheelMotion
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
 
@@ -237,6 +237,7 @@ def test_derivatives_of_steps_are_those_of_small_differences() -> None:
         change = (adjustment._step_errors(State(true, path, slips))[0] - error) / small
         assert change == pytest.approx(own[:, :, 3 + wheel], rel=1e-3, abs=1e-2)
     # Those by the wheels are taken at how the robot moved, so the path has to be what they rolled.
+    slip = np.zeros((len(path), 2))
     rolled = State(true, rolled_path(path[0], motion.steps(true, slip[:-1])[0]), slip)
     error, _, _, robot = adjustment._step_errors(rolled)
     assert np.abs(error).max() < 1e-6
@@ -252,18 +253,6 @@ def rolled_path(start: Array, steps: Array) -> Array:
     for step in steps.tolist():
         poses.append(poses[-1] @ Pose2(*step))
     return np.array([pose.to_array() for pose in poses])
-
-
-def test_the_noise_of_wheels_that_go_straight_tells_no_separation() -> None:
-    stamps = np.arange(100) / 10
-    noise = np.random.default_rng(0).normal(0, 0.01, (len(stamps), 2))
-    motion = WheelMotion(stamps, stamps, 4 * stamps[:, None] + noise, (0.028, 0.028), 0.12)
-    straight = np.column_stack([0.112 * stamps, 0 * stamps, 0 * stamps])
-    errors = straight[1:] - straight[:-1] - motion.steps(np.zeros(COUNT), np.zeros((99, 2)))[0]
-    _, by_wheels = motion.steps(np.zeros(COUNT), np.zeros((99, 2)))
-    by_motion = by_wheels + motion.by_errors(np.zeros(COUNT), errors)
-    assert np.abs(by_wheels[:, 2, BY_SEPARATION]).max() > 1e-3
-    assert np.abs(by_motion[:, 2, BY_SEPARATION]).max() < 1e-6
 
 
 def test_banded_equations_are_solved_as_full_ones_are() -> None:

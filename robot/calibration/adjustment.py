@@ -164,9 +164,15 @@ class Adjustment:
         share = len(equations.misses.residuals) / max(1, self._count)
         return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
 
+    def alone(self, solution: Solution, weights: Weights, by_others: Array) -> tuple[Array, Array]:
+        """Return what further unknowns would be (``Equations.alone``), at a solution."""
+        equations = self._equations(solution.state, weights, solution.misses.pixels)
+        return equations.alone(by_others)
+
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
         equations = Equations(len(state.poses))
-        floor = self._seen.floor_points(state.values, self._motion.twists(state.values), errors)
+        twists = self._motion.twists(state.values, state.slip)
+        floor = self._seen.floor_points(state.values, twists, errors)
         seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.

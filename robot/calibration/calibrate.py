@@ -53,6 +53,8 @@ class Calibration:
     solution: Solution = field(repr=False)
     residual: float
     """Robust standard deviation of the edges' distances, in those that were expected."""
+    remarks: tuple[str, ...] = ()
+    """What seems to be wrong with the field or the lens file, in words for people."""
 
     @property
     def position_sd(self) -> float:
@@ -142,7 +144,7 @@ def _with_unlearnt_left(path: DrivePath) -> Calibration:
         sd[unlearnt] = PRIORS[unlearnt]
     values = np.where(unlearnt, 0.0, solution.state.values)
     sd[ROTATION] = np.hypot(sd[ROTATION], _turned_by_others(values[ROTATION], sd[ROTATION]))
-    return Calibration(values, sd, solution, residual_sd(solution.misses))
+    return Calibration(values, sd, solution, residual_sd(solution.misses), path.remarks)
 
 
 def _turned_by_others(rotation: Array, sd: Array) -> Array:

@@ -23,6 +23,7 @@ from robot.calibration.adjustment import (
 )
 from robot.calibration.camera_from_tape import Guess, camera_from_tape
 from robot.calibration.drive_log import DriveLog
+from robot.calibration.model_check import remarks
 from robot.calibration.sightings import Sightings
 from robot.calibration.start_poses import SECONDS, alike, entry_table, start_poses
 from robot.calibration.tracking import follow_path
@@ -57,7 +58,7 @@ class Drive:
     def __init__(self, log: DriveLog, spec: RobotSpec, taped: Field) -> None:
         self.stamps = log.stamps - log.stamps[0]
         """(k,) time since the first picture [s]."""
-        self.field = taped
+        self.field, self.lens = taped, spec.lens
         self._log, self._spec = log, spec
         self._seen = Sightings.of(log, spec, taped)
 
@@ -158,6 +159,13 @@ class DrivePath:
             state = self.solution.state
         self._state, self._covariance = state, self.solution.pose_covariance
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What seems to be wrong with the field or the lens file."""
+        assert self._adjustment is not None
+        drive = self._drive
+        return remarks(self._adjustment, self.solution, Weights(), drive.field, drive.lens)
+
     def adjusted_again(self, weights: Weights) -> Solution:
         """Return the adjustment with other weights."""
         assert self._adjustment is not None
@@ -184,8 +192,8 @@ def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
     )
     if not fitting:
         raise CalibrationError(
-            "the edges that were seen lie nowhere on the field's: this is another field, or the "
-            "robot was moved by hand"
+            "the edges that were seen lie nowhere on the field's: this is another field, the robot "
+            "was moved by hand, or the lens file is of another camera"
         )
     best = fitting[0]
     if as_told is not None and as_told.fits and not _is_clearly_better(best, as_told):

@@ -37,13 +37,14 @@ class Equations:
         self._robot_right = np.zeros(COUNT)
         self.cost = 0.0
         self.misses: Misses
+        self._root: Array
 
     def add_sightings(self, seen: Misses, doubt: float) -> None:
         """Add the edges that were seen, with Cauchy's weights and a factor of their deviations."""
         self.misses = seen
         squares = (seen.residuals / (CAUCHY * doubt)) ** 2
         self.cost += float(CAUCHY**2 * np.log1p(squares).sum())
-        root = (1 / np.sqrt(1 + squares) / doubt)[:, None]
+        self._root = root = (1 / np.sqrt(1 + squares) / doubt)[:, None]
         robot, residuals = root * seen.by_unknowns, root * seen.residuals[:, None]
         rows = np.concatenate([root * seen.by_pose, robot, residuals], axis=1)
         # All products of a picture's rows at once; the pictures' rows follow each other.
@@ -114,15 +115,7 @@ class Equations:
         """Return the steps (k, 5) and (15,), the latter's covariance, and the last pose's."""
         count = len(self._own)
         size = count * STATE
-        band = np.zeros((BAND + 1, size))
-        for row in range(STATE):
-            for column in range(row + 1):
-                band[row - column, column::STATE] = self._own[:, row, column]
-            for column in range(STATE):
-                # Entry (next row, this column), below the diagonal.
-                below = row + STATE - column
-                band[below, column : size - STATE : STATE] = self._next[:-1, column, row]
-        factor = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+        factor = self._factor()
         shared = self._shared.reshape(size, COUNT)
         both = np.column_stack([shared, self._right.reshape(size)])
         solved = cho_solve_banded((factor, True), both, check_finite=False)
@@ -138,3 +131,47 @@ class Equations:
         by_robot = solved[size - STATE : size - STATE + 3, :-1]
         pose_covariance = own_last + by_robot @ covariance @ by_robot.T
         return own.reshape(count, STATE), robot, covariance, pose_covariance
+
+    def alone(self, by_others: Array) -> tuple[Array, Array]:
+        """Return what further unknowns would be (m,), each without the others, and their sd (m,).
+
+        Args:
+            by_others: (n, m) derivatives of the misses by them, in standard deviations.
+        """
+        seen, count = self.misses, len(self._own)
+        size, others = count * STATE, by_others.shape[1]
+        weighted = self._root * by_others
+        rows = np.concatenate([seen.by_pose, seen.by_unknowns], axis=1) * self._root
+        tied = np.zeros((count, rows.shape[1], others))
+        starts = np.searchsorted(seen.picture, np.arange(count + 1))
+        for k in np.flatnonzero(np.diff(starts)):
+            some = slice(starts[k], starts[k + 1])
+            tied[k] = rows[some].T @ weighted[some]
+        by_pictures = np.zeros((count, STATE, others))
+        by_pictures[:, :3] = tied[:, :3]
+        own, by_robot = by_pictures.reshape(size, others), tied[:, 3:].sum(axis=0)
+        shared = self._shared.reshape(size, COUNT)
+        factor = self._factor(), True
+        solved = cho_solve_banded(factor, np.column_stack([shared, own]), check_finite=False)
+        schur = self._robot - shared.T @ solved[:, :COUNT]
+        by_robot = by_robot - shared.T @ solved[:, COUNT:]
+        known = np.einsum("ij,ij->j", own, solved[:, COUNT:])
+        known += np.einsum("ij,ij->j", by_robot, np.linalg.solve(schur, by_robot))
+        information = np.square(weighted).sum(axis=0) - known
+        # At the solution the misses are as small as they get: they pull at the others only.
+        pulls = -weighted.T @ (self._root[:, 0] * seen.residuals)
+        return pulls / information, 1 / np.sqrt(information)
+
+    def _factor(self) -> Array:
+        """Return Cholesky's factor of the pictures' equations, in bands."""
+        size = len(self._own) * STATE
+        band = np.zeros((BAND + 1, size))
+        for row in range(STATE):
+            for column in range(row + 1):
+                band[row - column, column::STATE] = self._own[:, row, column]
+            for column in range(STATE):
+                # Entry (next row, this column), below the diagonal.
+                below = row + STATE - column
+                band[below, column : size - STATE : STATE] = self._next[:-1, column, row]
+        factor: Array = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
+        return factor

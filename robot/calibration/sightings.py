@@ -67,6 +67,14 @@ class Misses:
     """(n,) the same distances [m]."""
     pixels: Array = field(repr=False)
     """(k, 2 r, 2) the same distances in the picture, across the edge [px]; 0 without an edge."""
+    edge: NDArray[np.int64] = field(repr=False)
+    """(n,) which of the field's edges it is."""
+    seen_at: Array = field(repr=False)
+    """(n, 2) the pixels [px]."""
+    ends: Array = field(repr=False)
+    """(n, 2) where they saw the floor, in the map [m]."""
+    by_pixel: Array = field(repr=False)
+    """(n, 2) by the pixel [1/px]."""
 
 
 @dataclass(frozen=True)
@@ -237,6 +245,10 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
         by_unknowns / sd[:, None],
         metres,
         pixels.reshape(*shape, 2),
+        edge,
+        seen.pixels.reshape(-1, 2)[matched],
+        ends[matched],
+        by_pixel / sd[:, None],
     )
 
 

@@ -73,19 +73,28 @@ class WheelMotion:
             3, 6) their derivatives by the left and right wheel's relative radius, the relative
             separation, the delay, and the slip of both wheels.
         """
+        left, right, separation = values[[LEFT, RIGHT, SEPARATION]]
+        track = self.separation * (1 + separation)
         turns = self._turns(values[DELAY])
-        sizes = values[[LEFT, RIGHT, SEPARATION]]
-        moved = self._moved(turns, sizes, slip)
+        way, turn = self._rolled(turns, values, slip)
+        moved = _arcs(way, turn)
+        # Without slip, as the robot moved: at what the wheels turned, derivatives would be
+        # correlated with slip, and a separation would fit best that explains it.
+        way_left, way_right = way - turn * track / 2, way + turn * track / 2
+        changes = [
+            (way_left / (2 * (1 + left)), -way_left / (track * (1 + left))),
+            (way_right / (2 * (1 + right)), way_right / (track * (1 + right))),
+            (0.0, -turn / (1 + separation)),
+        ]
         derivatives = np.zeros((*moved.shape, 6))
-        for column, change in enumerate(SMALL * np.eye(3)):
-            derivatives[:, :, column] = self._moved(turns, sizes + change, slip) - moved
+        for column, (by_way, by_turn) in enumerate(changes):
+            changed = _arcs(way + SMALL * by_way, turn + SMALL * by_turn)
+            derivatives[:, :, column] = (changed - moved) / SMALL
         for wheel, change in enumerate(SMALL * np.eye(2)):
-            derivatives[:, :, BY_SLIP.start + wheel] = (
-                self._moved(turns, sizes, slip + change) - moved
-            )
-        derivatives /= SMALL
+            changed = _arcs(*self._rolled(turns, values, slip + change))
+            derivatives[:, :, BY_SLIP.start + wheel] = (changed - moved) / SMALL
         late, soon = (
-            self._moved(self._turns(values[DELAY] + half), sizes, slip)
+            _arcs(*self._rolled(self._turns(values[DELAY] + half), values, slip))
             for half in (DELAY_S / 2, -DELAY_S / 2)
         )
         derivatives[:, :, BY_DELAY] = (late - soon) / DELAY_S
@@ -115,14 +124,20 @@ class WheelMotion:
         result[:, 2, BY_SEPARATION] = -turn / (1 + separation)
         return result
 
-    def twists(self, values: Array) -> Array:
-        """Return the robot's velocity (k, 2) at each picture [m/s, rad/s]."""
+    def twists(self, values: Array, slip: Array | None = None) -> Array:
+        """Return the robot's velocity (k, 2) at each picture [m/s, rad/s].
+
+        Args:
+            values: (15,) differences from the description.
+            slip: (k, 2) of each wheel, from each picture until the next, as far as it is known.
+        """
+        if slip is None:
+            slip = np.zeros((len(self.stamps), 2))
+        around = (slip + np.concatenate([slip[:1], slip[:-1]])) / 2
         middle = self.stamps - values[DELAY]
-        angles = [self._angles(middle + half) for half in (-TWIST_S / 2, TWIST_S / 2)]
-        rolled = (angles[1] - angles[0]) / TWIST_S * np.array(self.radii)
-        left, right = rolled.T
-        track = self.separation * (1 + values[SEPARATION])
-        return np.column_stack([(left + right) / 2, (right - left) / track])
+        soon, late = (self._angles(middle + half) for half in (-TWIST_S / 2, TWIST_S / 2))
+        way, turn = self._rolled((late - soon)[:, None], values, around)
+        return np.column_stack([way, turn]) / TWIST_S
 
     def _angles(self, stamps: Array) -> Array:
         return np.stack(
@@ -138,8 +153,9 @@ class WheelMotion:
         cuts = times[:-1, None] + np.diff(times)[:, None] * within
         return np.diff(self._angles(cuts), axis=1)
 
-    def _moved(self, turns: Array, sizes: Array, slip: Array) -> Array:
-        left, right, separation = sizes
+    def _rolled(self, turns: Array, values: Array, slip: Array) -> tuple[Array, Array]:
+        """Return way [m] and turn [rad] of the robot (k, n) as wheels turn (k, n, 2) and slip."""
+        left, right, separation = values[[LEFT, RIGHT, SEPARATION]]
         rolled_left, rolled_right = (turns * np.array(self.radii)).transpose(2, 0, 1)
         both = np.sqrt((rolled_left**2 + rolled_right**2) / 2)
         lost_left = np.sign(rolled_left) * both * slip[:, :1]
@@ -149,15 +165,20 @@ class WheelMotion:
         way = (rolled_left + rolled_right) / 2 - lost
         turn = (rolled_right - rolled_left) / (self.separation * (1 + separation))
         turn -= (lost_right - lost_left) / self.separation
-        heading = np.cumsum(turn, axis=1) - turn / 2
-        chord = way * np.sinc(turn / (2 * np.pi))
-        return np.column_stack(
-            [
-                (chord * np.cos(heading)).sum(axis=1),
-                (chord * np.sin(heading)).sum(axis=1),
-                turn.sum(axis=1),
-            ]
-        )
+        return way, turn
+
+
+def _arcs(way: Array, turn: Array) -> Array:
+    """Return where arcs (k, n) one after the other lead (k, 3), by their ways and turns."""
+    heading = np.cumsum(turn, axis=1) - turn / 2
+    chord = way * np.sinc(turn / (2 * np.pi))
+    return np.column_stack(
+        [
+            (chord * np.cos(heading)).sum(axis=1),
+            (chord * np.sin(heading)).sum(axis=1),
+            turn.sum(axis=1),
+        ]
+    )
 
 
 def _smooth(angles: Array) -> Array:

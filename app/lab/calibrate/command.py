@@ -6,8 +6,7 @@ import math
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,9 @@ import numpy as np
 from app.console import say
 from app.engine.build import build_program
 from app.engine.program import Program
+from app.files import atomic_file
+from app.lab.calibrate.calibrated_robot import CalibratedRobot
+from app.lab.calibrate.drive_report import drive_report
 from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
@@ -26,7 +28,7 @@ from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
 from robot.calibration.lens.lens_table import MeasuredLens
-from robot.calibration.profile import Profile, load_profile
+from robot.calibration.profile import load_profile
 from robot.calibration.programme import velocity
 from robot.calibration.unknowns import ROBOT, UNKNOWNS
 from robot.description.spec import RobotSpec
@@ -45,24 +47,6 @@ LIVE_ONLY = ("robot", "condition", "seed", "serial_port", "camera")
 """Options that have no effect with a recording."""
 
 
-@dataclass(frozen=True)
-class CalibratedRobot:
-    """A drive that was adjusted."""
-
-    spec: RobotSpec
-    calibration: Calibration
-    source: str
-    """What it was measured from."""
-    lens: MeasuredLens | None = None
-    """The lens that it was measured through, if it is another than the described one."""
-
-    @property
-    def profile(self) -> Profile:
-        """The profile to be written."""
-        values, sd = self.calibration.values[:ROBOT], self.calibration.sd[:ROBOT]
-        return Profile(self.spec.name, datetime.now(UTC), self.source, values, sd, self.lens)
-
-
 def calibrate_drive(given: dict[str, Any]) -> int:
     """Run the command with its options by name; return 0.
 
@@ -79,6 +63,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         out = own_profile(RobotSpec.load().name) if real else OUT
     pose = None if start is None else Pose2(*start)
     lens = load_profile(out).lens if out.exists() else None
+    page = given.pop("report", out.with_suffix(".html"))
     recording = given.pop("recording", None)
     report = _show if sys.stderr.isatty() else _silent
     if recording is None:
@@ -93,7 +78,9 @@ def calibrate_drive(given: dict[str, Any]) -> int:
     for line in lines_of(result.calibration):
         say(line)
     write_profile(out, result.profile)
-    say(f"the profile is {out}; use it by: brickpose run --profile {out}")
+    with atomic_file(page) as new:
+        new.write_text(drive_report(result), encoding="utf-8")
+    say(f"the profile is {out}, a report in {page}; use it by: brickpose run --profile {out}")
     return 0
 
 
@@ -206,8 +193,9 @@ def _adjusted(
     if field.tape_width is None:
         raise CalibrationError(f"the field {field.name} is not of tape")
     begin = start or field.start
-    result = calibrate(recorder.log, spec, field, begin, START_COVARIANCE, report)
-    return CalibratedRobot(spec, result, source)
+    log = recorder.log
+    result = calibrate(log, spec, field, begin, START_COVARIANCE, report)
+    return CalibratedRobot(spec, result, field, log.stamps, source)
 
 
 def lines_of(calibration: Calibration) -> list[str]:
@@ -227,5 +215,6 @@ def lines_of(calibration: Calibration) -> list[str]:
         lines.append(
             f"all of this makes the robot's place uncertain by {millimetres:.2f} mm (95 %)"
         )
+    lines += calibration.remarks
     lines += [f"to learn more: {motion}" for motion in calibration.advice]
     return lines

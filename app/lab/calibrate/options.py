@@ -59,6 +59,9 @@ def add_calibrate(commands: Commands) -> None:
         metavar="PROFILE.toml",
         help="the robot's profile; if it exists, its lens is used and kept (default: profile.toml)",
     )
+    drive.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="the report (default: beside the profile)"
+    )
     add_condition(drive)
     add_serial_port(drive)
     add_camera(drive)
