@@ -78,7 +78,7 @@ export interface EstimateMessage {
   covariance: number[];
 }
 
-/** The field, the robot on it, and limits: what a page needs once. */
+/** The field, the robot on it, and limits: what a page needs once, and after a calibration. */
 export interface FieldMessage {
   name: string;
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
@@ -361,6 +361,11 @@ export interface RobotMessage {
   connected: boolean;
   battery_v: number | null;
   can_be_placed: boolean;
+  /**
+   * The robot's clock at the last calibration since the start [s]: ``/api/field`` is another since
+   * then; null before the first.
+   */
+  calibrated: number | null;
 }
 
 /** The newest scan; ``PictureMessage`` has its edges in the picture. */
@@ -395,6 +400,12 @@ export interface SetCalibrationCommand {
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
+  /** Their standard deviations; what has none is as uncertain as in a robot built by hand. */
+  sd?: Record<string, number>;
+  /** When it was measured; null is when the rest was. */
+  made?: string | null;
+  /** What it was measured from. */
+  source?: string;
 }
 
 /** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */

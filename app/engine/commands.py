@@ -8,6 +8,7 @@ from enum import Enum, auto
 from types import MappingProxyType
 from typing import Any
 
+from app.engine.calibration_commands import check_calibration, profile_after
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
@@ -35,9 +36,7 @@ from app.messages.commands import (
     UndoCommand,
     UpdateCommand,
 )
-from robot.calibration.profile import check_values
 from robot.covariance import CovarianceError
-from robot.description.urdf import SpecError
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
@@ -231,14 +230,11 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
 def _set_calibration(
     command: SetCalibrationCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
-    controls.calibrate(command.values)
+    controls.calibrate(profile_after(command, controls.spec))
 
 
 def _check_calibration(command: SetCalibrationCommand, _field: Field) -> None:
-    try:
-        check_values(command.values)
-    except SpecError as error:
-        raise CommandError(str(error)) from error
+    check_calibration(command)
 
 
 def _show(command: ShowCommand, controls: Controls, _odometry: OdometryState) -> None:

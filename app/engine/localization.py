@@ -63,7 +63,7 @@ class Localization(Follower):
                 with the filter's own spread.
             configured: the parameters that ``reset`` restores; by default ``parameters``.
         """
-        self.scanner = scanner
+        self.scanner: LineScanner = scanner
         self.own = own or OwnModels(field)
         """The user's own models."""
         self.own.load(parameters)
@@ -211,6 +211,7 @@ class Localization(Follower):
     def use_view(self, view: FloorView) -> None:
         """See through a camera that was calibrated anew; the filter keeps its belief."""
         self.scanner = self.scanner.seen_through(view)
+        self.line_scan = None
         # What was found of the camera's and the wheels' errors was of the robot before.
         self._monitor = Monitor(self._setup().evidence, _mounting(self.scanner))
         self._localizer.monitor = self._monitor

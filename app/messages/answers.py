@@ -25,7 +25,7 @@ class AccessMessage(Message):
 
 
 class FieldMessage(Message):
-    """The field, the robot on it, and limits: what a page needs once."""
+    """The field, the robot on it, and limits: what a page needs once, and after a calibration."""
 
     name: str
     extent: list[float]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
+from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, TypeAdapter
 
 from app.messages.message import Layer, Message, Metres, Radians
 
@@ -138,6 +138,12 @@ class SetCalibrationCommand(CommandMessage):
     type: Literal["set_calibration"]
     values: Annotated[dict[str, float], Field(min_length=1, max_length=11)]
     """Differences by name, in the units of the profile's file [rad, m, s, relative]."""
+    sd: Annotated[dict[str, float], Field(max_length=11)] = Field(default_factory=dict)
+    """Their standard deviations; what has none is as uncertain as in a robot built by hand."""
+    made: AwareDatetime | None = None
+    """When it was measured; null is when the rest was."""
+    source: Annotated[str, Field(max_length=200)] = "a command"
+    """What it was measured from."""
 
 
 class SetParametersCommand(CommandMessage):

@@ -83,6 +83,9 @@ class RobotMessage(Message):
     connected: bool
     battery_v: float | None
     can_be_placed: bool
+    calibrated: float | None
+    """The robot's clock at the last calibration since the start [s]: ``/api/field`` is another
+    since then; null before the first."""
 
 
 class LoopMessage(Message):

@@ -94,7 +94,7 @@ def create_app(
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
-    camera = CameraStream(program.engine.latest, program.scanner, thread.stopping)
+    camera = CameraStream(program.engine.latest, thread.stopping)
     _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
@@ -222,14 +222,13 @@ def _health(
 
 
 def _add_field(app: FastAPI, program: Program) -> None:
-    field = field_message(program)
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 
     @app.get("/api/field")
     def get_field() -> FieldMessage:
-        """The field and the robot on it."""
-        return field
+        """The field and the robot on it, as it is known now."""
+        return field_message(program)
 
     @app.get("/api/field.png", response_class=Response, responses=content("image/png"))
     def field_picture() -> Response:
@@ -250,10 +249,10 @@ def _add_field(app: FastAPI, program: Program) -> None:
     def ray_profile(ray: int) -> ProfileMessage:
         """What the scanner saw along one ray of the newest picture, and why it counted or not."""
         latest = program.engine.latest.get()
-        if latest is None or latest.line_scan is None:
+        if latest is None or latest.line_scan is None or latest.scanner is None:
             raise HTTPException(503, "The camera has sent no picture yet.")
         try:
-            return profile(program.scanner, latest.line_scan, ray)
+            return profile(latest.scanner, latest.line_scan, ray)
         except RayError as error:
             raise HTTPException(404, str(error)) from error
 
