@@ -1,8 +1,10 @@
 // Made from app/messages/ by `python -m app.messages.typescript`; change it there.
 
 export type Command =
+  | CalibrateCommand
   | DriveCommand
   | FigureEightCommand
+  | FinishCalibrationCommand
   | PauseCommand
   | PingCommand
   | PlaceCommand
@@ -18,6 +20,7 @@ export type Command =
   | ShowCommand
   | StopCommand
   | TakeCommand
+  | UndoCalibrationCommand
   | UndoCommand
   | UpdateCommand;
 
@@ -32,6 +35,35 @@ export interface AckMessage {
   id: number | string | null;
   /** The robot's clock when the answer was written, to align the clocks [s]. */
   stamp: number | null;
+}
+
+/**
+ * Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed. At its
+ * end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+ */
+export interface CalibrateCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "calibrate";
+}
+
+/** The drive of a calibration that runs, or the last one. */
+export interface CalibrationDriveMessage {
+  /**
+   * drive: it drives; adjust: it stands, and what it saw is adjusted; done: it is calibrated;
+   * failed: it is as it was.
+   */
+  state: "drive" | "adjust" | "done" | "failed";
+  /** How long it has driven [s]. */
+  seconds: number;
+  /** How long the whole drive is [s]. */
+  whole: number;
+  /** After this time ``finish_calibration`` is accepted [s]. */
+  fewest: number;
+  /** How often what it saw was adjusted; ``/api/calibration`` has the newest result. */
+  adjusted: number;
+  /** What is missing so far, or why it failed; null when all is well. */
+  message: string | null;
 }
 
 /** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
@@ -127,6 +159,13 @@ export interface FilterMessage {
    * filter pauses until it is fixed.
    */
   broken: string | null;
+}
+
+/** End the calibration's drive, and calibrate the robot by what it has seen so far. */
+export interface FinishCalibrationCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "finish_calibration";
 }
 
 /** Whether the program works. */
@@ -482,7 +521,7 @@ export interface TelemetryMessage {
   estimate: EstimateMessage | null;
   integrity: IntegrityMessage;
   twist: TwistMessage;
-  mode: "idle" | "drive" | "figure_eight";
+  mode: "idle" | "drive" | "figure_eight" | "calibrate";
   driver: DriverMessage;
   particles: ParticlesMessage;
   scan: ScanMessage;
@@ -494,6 +533,8 @@ export interface TelemetryMessage {
   /** Problems since the start; ``/api/problems`` lists them. */
   error_count: number;
   recording?: RecordingMessage | null;
+  /** Null before the first drive of a calibration. */
+  calibration?: CalibrationDriveMessage | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */
@@ -504,6 +545,13 @@ export interface TelemetryMessage {
 export interface TwistMessage {
   v: number;
   omega: number;
+}
+
+/** Go back to the calibration before the last one by driving; a second undo takes that back. */
+export interface UndoCalibrationCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo_calibration";
 }
 
 /** Take back the last set_pose, set_particles or scatter: restore what was believed before. */

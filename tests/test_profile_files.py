@@ -8,9 +8,8 @@ import pytest
 
 from app.command_line import main
 from app.engine.build import robot_spec
-from app.lab.calibrate.kept_profile import undo, write_profile
 from app.settings.config import Config
-from app.settings.profiles import before, own_profile, profile_file
+from app.settings.profiles import before, own_profile, profile_file, undo, write_profile
 from app.tools.doctor.finding import OK, PROBLEM, WARNING
 from app.tools.doctor.profile_check import check_profile
 from robot.calibration.profile import Profile, load_profile

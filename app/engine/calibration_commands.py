@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
-from app.messages.commands import SetCalibrationCommand
+from app.messages.commands import CalibrateCommand, SetCalibrationCommand
 from robot.calibration.profile import Profile, check_values
 from robot.calibration.unknowns import NAMES, ROBOT
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
 from robot.errors import CommandError
+from robot.fields.field import Field
 
 
-def check_calibration(command: SetCalibrationCommand) -> None:
+def check_calibrated_by_tape(_command: CalibrateCommand, field: Field) -> None:
+    """Refuse a drive on a field without tape.
+
+    Raises:
+        CommandError: the field is not of tape.
+    """
+    if field.tape_width is None:
+        raise CommandError(f"the field {field.name} is not of tape; valid is a drawn field")
+
+
+def check_calibration(command: SetCalibrationCommand, _field: Field) -> None:
     """Refuse a calibration that no robot has.
 
     Raises:

@@ -50,6 +50,27 @@ class FigureEightCommand(CommandMessage):
     type: Literal["figure_eight"]
 
 
+class CalibrateCommand(CommandMessage):
+    """Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed.
+
+    At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+    """
+
+    type: Literal["calibrate"]
+
+
+class FinishCalibrationCommand(CommandMessage):
+    """End the calibration's drive, and calibrate the robot by what it has seen so far."""
+
+    type: Literal["finish_calibration"]
+
+
+class UndoCalibrationCommand(CommandMessage):
+    """Go back to the calibration before the last one by driving; a second undo takes that back."""
+
+    type: Literal["undo_calibration"]
+
+
 class TakeCommand(CommandMessage):
     """Take the drive from whoever has it, and end a stop that holds."""
 
@@ -192,6 +213,9 @@ Command = Annotated[
     | StopCommand
     | TakeCommand
     | FigureEightCommand
+    | CalibrateCommand
+    | FinishCalibrationCommand
+    | UndoCalibrationCommand
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand

@@ -32,6 +32,7 @@ from app.messages.answers import (
 from app.messages.refusals import content, refusal
 from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
+from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.live import Live
@@ -99,6 +100,7 @@ def create_app(
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
+    app.include_router(calibration_router(program, outlets.calibrator))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     return app

@@ -26,6 +26,7 @@ from app.page.belief import (
     integrity_message,
     particles_message,
 )
+from app.page.calibration import drive_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from robot.geometry import Array, Pose2
@@ -69,6 +70,7 @@ class TelemetryWriter:
             problems=[*snapshot.problems, *self._outlets.failures],
             error_count=snapshot.problem_count,
             recording=self._outlets.recorder.status,
+            calibration=drive_message(self._outlets.calibrator.drive, snapshot.stamp),
             replay=_replay_message(snapshot.replay),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
+from app.files import atomic_file
 from app.settings.config import Config
+from robot.calibration.profile import Profile
 from robot.description.spec import RobotSpec
+from robot.settings import SettingError
 
 NONE = "none"
 """Setting that leaves a robot as it is described."""
@@ -35,6 +39,44 @@ def profile_file(config: Config) -> Path | None:
     return path if path.exists() else None
 
 
+def written_file(config: Config) -> Path | None:
+    """Return the file that a running robot's calibration is written to.
+
+    None if the robot is simulated: its calibration ends with the program.
+    """
+    if config.robot != "buildhat":
+        return None
+    return profile_file(config) or own_profile(RobotSpec.load().name)
+
+
 def before(path: Path) -> Path:
     """Return the file that keeps the profile from before."""
     return path.with_name(path.name + BEFORE)
+
+
+def write_profile(path: Path, profile: Profile) -> None:
+    """Write a profile as a whole; the one before is kept beside it, for ``undo``."""
+    if path.exists():
+        shutil.copyfile(path, before(path))
+    with atomic_file(path) as new:
+        new.write_text(profile.to_toml(), encoding="utf-8")
+
+
+def undo(path: Path) -> Path | None:
+    """Go back to the profile before; return its path, or None if the robot is as described again.
+
+    The two change places, so that undoing twice changes nothing.
+
+    Raises:
+        SettingError: there is no profile.
+    """
+    kept, aside = before(path), path.with_name(path.name + ".aside")
+    if not path.exists() and not kept.exists():
+        raise SettingError(f"{path} does not exist; brickpose calibrate drive makes one")
+    if path.exists():
+        path.replace(aside)
+    if kept.exists():
+        kept.replace(path)
+    if aside.exists():
+        aside.replace(kept)
+    return path if path.exists() else None

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
 
-from app.files import atomic_file
-from app.settings.profiles import before
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.profile import Profile, load_profile
 from robot.calibration.unknowns import FOCAL, PRIORS, ROTATION, SHIFT
 from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
 from robot.geometry import Array
-from robot.settings import SettingError
 
 USUAL_SD = 0.003
 """How exactly a focal length is known whose file does not tell [by itself]."""
@@ -56,34 +52,6 @@ def with_mounting(profile: Profile, values: Array, sd: Array, source: str) -> Pr
     every, every_sd = profile.values.copy(), profile.sd.copy()
     every[CAMERA], every_sd[CAMERA] = values, sd
     return _made(replace(profile, values=every, sd=every_sd), source)
-
-
-def write_profile(path: Path, profile: Profile) -> None:
-    """Write a profile as a whole; the one before is kept beside it, for ``undo``."""
-    if path.exists():
-        shutil.copyfile(path, before(path))
-    with atomic_file(path) as new:
-        new.write_text(profile.to_toml(), encoding="utf-8")
-
-
-def undo(path: Path) -> Path | None:
-    """Go back to the profile before; return its path, or None if the robot is as described again.
-
-    The two change places, so that undoing twice changes nothing.
-
-    Raises:
-        SettingError: there is no profile.
-    """
-    kept, aside = before(path), path.with_name(path.name + ".aside")
-    if not path.exists() and not kept.exists():
-        raise SettingError(f"{path} does not exist; brickpose calibrate drive makes one")
-    if path.exists():
-        path.replace(aside)
-    if kept.exists():
-        kept.replace(path)
-    if aside.exists():
-        aside.replace(kept)
-    return path if path.exists() else None
 
 
 def _made(profile: Profile, source: str) -> Profile:

@@ -13,14 +13,10 @@ import numpy as np
 from app.console import say
 from app.files import atomic_file
 from app.lab.calibrate.floor_grid import draw_floor
-from app.lab.calibrate.kept_profile import (
-    profile_before,
-    with_lens,
-    with_mounting,
-    write_profile,
-)
+from app.lab.calibrate.kept_profile import profile_before, with_lens, with_mounting
 from app.lab.calibrate.pictures import board_of, find_in, read_grey
 from app.settings.config import MAPS, Config
+from app.settings.profiles import write_profile
 from robot.calibration.lens.camera_info import parameter_sd
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.lens.sighting import Grey, SightingError

@@ -1,0 +1,73 @@
+"""The ticks of a calibration's drive, collected for its adjustment."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from app.engine.program import Program
+from app.engine.snapshot import Snapshot
+from app.messages.commands import SetPoseCommand
+from robot.calibration.calibrate import START_COVARIANCE, Calibration, calibrate
+from robot.calibration.drive_log import DriveRecorder
+from robot.geometry import Pose2
+from robot.localization.integrity import State
+
+
+class CollectedDrive:
+    """One drive, from its first tick on; for one thread."""
+
+    def __init__(self, program: Program, first: Snapshot) -> None:
+        self.spec = first.spec.uncalibrated
+        """The robot as it would be without a calibration."""
+        self._field = program.field
+        self._recorder = DriveRecorder(self.spec, program.config.scanner, program.field.tape)
+        known = first.integrity.state is State.CERTAIN and first.pose is not None
+        # Else where somebody told that it was, and how its wheels have turned since.
+        self._start = first.pose if known and first.pose else first.odometry
+        self.began = first.stamp
+        """Stamp of the first tick [s]."""
+        self._last = first
+        self.add(first)
+
+    @property
+    def seconds(self) -> float:
+        """Its duration [s]."""
+        return self._last.stamp - self.began
+
+    def add(self, snapshot: Snapshot) -> None:
+        """Add a tick."""
+        self._recorder.add(snapshot.reading)
+        self._last = snapshot
+
+    def calibrate(self, check: Callable[[], None]) -> Calibration:
+        """Adjust what was collected so far.
+
+        Args:
+            check: called now and then; an error that it raises ends the adjustment.
+
+        Raises:
+            CalibrationError: the drive does not tell what the robot is like.
+        """
+        log = self._recorder.log
+        return calibrate(
+            log, self.spec, self._field, self._start, START_COVARIANCE, lambda *_: check()
+        )
+
+    def pose_command(self, calibration: Calibration, newest: Snapshot) -> SetPoseCommand:
+        """Return the command that tells the filter where the robot is.
+
+        Args:
+            calibration: what the whole drive told.
+            newest: a tick after the drive, at whose end the robot stood.
+        """
+        solution = calibration.solution
+        moved = self._last.odom_from_robot.inverse() @ newest.odom_from_robot
+        pose = Pose2(*solution.state.poses[-1].tolist()) @ moved
+        covariance = (solution.pose_covariance + solution.pose_covariance.T) / 2
+        return SetPoseCommand(
+            type="set_pose",
+            x=pose.x,
+            y=pose.y,
+            theta=pose.theta,
+            covariance=covariance.ravel().tolist(),
+        )
