@@ -45,6 +45,8 @@ export interface CalibrateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "calibrate";
+  /** Whether to begin; without it the command only renews a drive that has begun. */
+  start?: boolean;
 }
 
 /** The drive of a calibration that runs, or the last one. */

@@ -12,6 +12,7 @@ from engine_runs import drive, kinematic, run
 
 from app.engine.commands import check
 from app.engine.drive_calibrator import FEWEST_S, DriveCalibrator
+from app.engine.driving import GAP_S
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import CalibrateCommand, SetCalibrationCommand, StopCommand
@@ -25,6 +26,7 @@ from robot.geometry import Twist2
 from robot.interface import Frame
 from sim.simulated import PERIOD
 
+START = CalibrateCommand(type="calibrate", start=True)
 CALIBRATE = CalibrateCommand(type="calibrate")
 STOP = StopCommand(type="stop")
 MADE = datetime(2026, 11, 23, 15, 30, tzinfo=UTC)
@@ -42,15 +44,20 @@ class Bench:
     def begin(self, seconds: float) -> Snapshot:
         """Drive for so long."""
         self.calibrator.begin()
+        run(self.program, PERIOD, START)
         return run(self.program, seconds, CALIBRATE)[-1]
 
     def end(self) -> Snapshot:
         """Let the robot stand until the drive is adjusted; return a tick after that."""
         run(self.program, 1.0)
-        thread = self.calibrator._thread
-        while thread is not None and not thread.join():
-            pass
+        self.wait()
         return run(self.program, 0.1)[-1]
+
+    def wait(self) -> None:
+        """Wait for the end of the calibrator's thread."""
+        thread = self.calibrator._thread
+        assert thread is not None
+        thread._thread.join()
 
 
 @pytest.fixture
@@ -76,31 +83,34 @@ def calibrated() -> Iterator[Bench]:
 
 
 def test_it_drives_the_programme_as_long_as_it_is_renewed(bench: Bench) -> None:
-    shown = run(bench.program, 1.5, CALIBRATE)
+    shown = run(bench.program, PERIOD, START) + run(bench.program, 1.5, CALIBRATE)
     assert {tick.mode for tick in shown} == {"calibrate"}
     assert shown[-1].twist.v > 0.1
     assert shown[-1].twist.omega > 0.5
     still = run(bench.program, 0.5)
-    assert still[-1].mode == "idle"
-    assert still[-1].twist == Twist2()
+    assert (still[-1].mode, still[-1].twist) == ("calibrate", Twist2())
+    on = run(bench.program, 0.1, CALIBRATE)
+    assert on[-1].twist.v > 0, "it goes on after a moment without renewals"
+    late = run(bench.program, GAP_S + 0.2)
+    assert (late[-1].mode, late[-1].twist) == ("idle", Twist2())
 
 
-def test_it_ends_by_itself_and_who_goes_on_renewing_starts_no_other(bench: Bench) -> None:
+def test_it_ends_by_itself_and_renewals_start_no_other(bench: Bench) -> None:
     driving = bench.program.engine.controls.driving
     odometry = bench.program.engine.controls.odometry.at(0.0)
+    driving.calibrate(0.0, start=True)
     modes = []
     for stamp in np.arange(0.0, USUAL_S + 2.0, 0.1).tolist():
-        driving.calibrate(stamp)
+        driving.calibrate(stamp, start=False)
         driving.update(replace(odometry, stamp=stamp))
         modes.append(driving.mode)
     assert modes.index("idle") == round(USUAL_S / 0.1)
     assert set(modes[modes.index("idle") :]) == {"idle"}
-    driving.calibrate(USUAL_S + 2.5)
-    assert driving.mode == "calibrate"
 
 
-def test_after_a_stop_renewals_that_go_on_start_no_other(bench: Bench) -> None:
-    run(bench.program, 0.5, CALIBRATE)
+def test_after_a_stop_renewals_start_no_other(bench: Bench) -> None:
+    run(bench.program, PERIOD, START)
+    assert run(bench.program, 0.5, CALIBRATE)[-1].mode == "calibrate"
     assert run(bench.program, PERIOD, STOP)[-1].mode == "idle"
     assert {tick.mode for tick in run(bench.program, 1.0, CALIBRATE)} == {"idle"}
 
@@ -165,7 +175,7 @@ def test_a_drive_that_shows_no_tape_leaves_the_robot_as_it_was(bench: Bench) -> 
         stamp, mode = tick.stamp + elapsed, "calibrate" if elapsed < USUAL_S else "idle"
         reading = replace(tick.reading, stamp=stamp, frame=Frame(stamp, dark))
         engine.publish(replace(tick, stamp=stamp, mode=mode, reading=reading))
-    calibrator._thread.join()
+    bench.wait()
     assert (calibrator.drive.state, calibrator.drive.words) == (
         "failed",
         "no picture of the drive shows tape of this width",

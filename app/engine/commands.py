@@ -122,8 +122,8 @@ def _figure_eight(_command: Command, controls: Controls, _odometry: OdometryStat
     controls.driving.figure_eight(controls.stamp)
 
 
-def _calibrate(_command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
-    controls.driving.calibrate(controls.stamp)
+def _calibrate(command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.calibrate(controls.stamp, start=command.start)
 
 
 def _check_driving(_command: Command, program: Program) -> None:

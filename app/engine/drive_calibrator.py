@@ -1,7 +1,8 @@
 """Calibrates the robot while it drives the calibration's programme.
 
-The control loop only publishes its ticks, as it always does. A thread of this module, which there
-is only during such a drive, collects them and adjusts what there is.
+The control loop only publishes its ticks, as it always does. A thread, which there is only during
+such a drive, collects them, and a process of its own adjusts what there is: in a thread an
+adjustment would take Python's lock from the control loop.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future, wait
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -22,6 +24,7 @@ from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import StopCommand
 from app.settings.profiles import undo, write_profile, written_file
+from app.worker_process import WorkerProcess
 from robot.calibration.adjustment import CalibrationError
 from robot.calibration.calibrate import Calibration
 from robot.calibration.profile import Profile
@@ -39,7 +42,7 @@ STANDING_S = 0.5
 BEGINS_S = 2.0
 """The drive begins within this time after its command [s]."""
 MOST_WAITING = 2000
-"""Most ticks that wait while a drive is adjusted: forty seconds of them."""
+"""Most ticks that wait for the thread: forty seconds of them."""
 LOOK_S = 0.2
 """Interval of checking whether to end, while there are no ticks [s]."""
 SILENT_S = 2.0
@@ -170,30 +173,26 @@ class DriveCalibrator:
     def _run(
         self, subscribed: ExitStack, feed: Backlog[Snapshot], stopping: threading.Event
     ) -> None:
-        def check() -> None:
-            if stopping.is_set():
-                raise CalibrationError("the program ends")
-
         try:
-            with subscribed:
-                drive = self._follow(_ticks(feed, check), feed, check)
-            self._show(state="adjust", words=None)
-            self._keep(drive, drive.calibrate(check))
+            with WorkerProcess() as process:
+                with subscribed:
+                    drive = self._follow(_ticks(feed, stopping), process)
+                self._show(state="adjust", words=None)
+                self._keep(drive, _result(drive.adjusted(), stopping))
         except BrickPoseError as error:
             self._show(state="failed", words=str(error))
         except Exception as error:
             LOG.exception("the calibration failed")
             self._show(state="failed", words=str(error))
 
-    def _follow(
-        self, ticks: Iterator[Snapshot], feed: Backlog[Snapshot], check: Callable[[], None]
-    ) -> CollectedDrive:
-        """Collect a drive to its end, and adjust it on the way whenever no ticks wait.
+    def _follow(self, ticks: Iterator[Snapshot], process: WorkerProcess) -> CollectedDrive:
+        """Collect a drive to its end, and let a process adjust it on the way.
 
         Raises:
             CalibrationError: it ended early.
         """
-        drive, due = CollectedDrive(self._program, _first(ticks)), STEP_S
+        drive, due = CollectedDrive(self._program, _first(ticks), process), STEP_S
+        waiting: Future[Calibration] | None = None
         self._show(began=drive.began)
         for snapshot in ticks:
             drive.add(snapshot)
@@ -201,9 +200,11 @@ class DriveCalibrator:
                 raise CalibrationError(f"the robot stopped: {snapshot.reading.faults[0]}")
             if snapshot.mode != "calibrate":
                 break
-            if due <= drive.seconds < USUAL_S - STEP_S and not len(feed):
-                self._adjust(drive, check)
-                due = drive.seconds + STEP_S
+            if waiting is not None and waiting.done():
+                self._show_result(waiting)
+                waiting = None
+            if waiting is None and due <= drive.seconds < USUAL_S - STEP_S:
+                waiting, due = drive.adjusted(), drive.seconds + STEP_S
         driven = drive.seconds
         self._show(ended=drive.began + driven)
         if driven < USUAL_S - LAST_S and not self._finish.is_set():
@@ -214,16 +215,16 @@ class DriveCalibrator:
                 break
         return drive
 
-    def _adjust(self, drive: CollectedDrive, check: Callable[[], None]) -> None:
+    def _show_result(self, adjusted: Future[Calibration]) -> None:
+        """Show what an adjustment on the way has found."""
         assert self._drive is not None  # it is followed
         try:
-            calibration = drive.calibrate(check)
+            calibration = adjusted.result()
         except CalibrationError as error:
             # More of the drive may tell what is missing.
             self._show(words=str(error))
         else:
-            adjusted = self._drive.adjusted + 1
-            self._show(calibration=calibration, adjusted=adjusted, words=None)
+            self._show(calibration=calibration, adjusted=self._drive.adjusted + 1, words=None)
 
     def _keep(self, drive: CollectedDrive, calibration: Calibration) -> None:
         """Make a calibration hold, and write a real robot's profile."""
@@ -251,7 +252,7 @@ class DriveCalibrator:
         self._drive = replace(self._drive, **changes)
 
 
-def _ticks(feed: Backlog[Snapshot], check: Callable[[], None]) -> Iterator[Snapshot]:
+def _ticks(feed: Backlog[Snapshot], stopping: threading.Event) -> Iterator[Snapshot]:
     """Yield ticks as they come.
 
     Raises:
@@ -259,7 +260,7 @@ def _ticks(feed: Backlog[Snapshot], check: Callable[[], None]) -> Iterator[Snaps
     """
     heard = time.monotonic()
     while True:
-        check()
+        _check_on(stopping)
         snapshot = feed.get(LOOK_S)
         if feed.lost:
             raise CalibrationError("this computer is too slow to follow the drive")
@@ -268,6 +269,22 @@ def _ticks(feed: Backlog[Snapshot], check: Callable[[], None]) -> Iterator[Snaps
             yield snapshot
         elif time.monotonic() - heard > SILENT_S:
             raise CalibrationError("the robot tells nothing any more")
+
+
+def _result(adjusted: Future[Calibration], stopping: threading.Event) -> Calibration:
+    """Wait for an adjustment, or for the program's end.
+
+    Raises:
+        CalibrationError: the drive does not tell what the robot is like.
+    """
+    while not wait((adjusted,), LOOK_S).done:
+        _check_on(stopping)
+    return adjusted.result()
+
+
+def _check_on(stopping: threading.Event) -> None:
+    if stopping.is_set():
+        raise CalibrationError("the program ends")
 
 
 def _first(ticks: Iterator[Snapshot]) -> Snapshot:

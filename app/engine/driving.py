@@ -11,6 +11,10 @@ from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
 from robot.geometry import Twist2
 
+GAP_S = 3.0
+"""The drive of a calibration that is renewed again within this time goes on; it stands until then.
+A minute of driving shall not be lost by a moment without network."""
+
 Mode = Literal["idle", "drive", "figure_eight", "calibrate"]
 
 
@@ -26,8 +30,7 @@ class Driving:
         self._eight = eight or FigureEight()
         self._began = 0.0
         self._renewed = 0.0
-        self._over = False
-        """Whether a calibration's drive has ended that may still be renewed."""
+        self._updated = 0.0
 
     @property
     def kinematics(self) -> DifferentialDrive:
@@ -50,20 +53,15 @@ class Driving:
             self._began = stamp
         self._renewed = stamp
 
-    def calibrate(self, stamp: float) -> None:
-        """Start the drive of a calibration, or renew it.
-
-        Who goes on renewing after its end has to let go before another one starts.
-        """
-        held = self._over and stamp - self._renewed < self._timeout
-        self._renewed = stamp
-        if self.mode != "calibrate" and not held:
+    def calibrate(self, stamp: float, *, start: bool) -> None:
+        """Start the drive of a calibration, or renew the one that has begun."""
+        if start and self.mode != "calibrate":
             self.mode = "calibrate"
-            self._began, self._over = stamp, False
+            self._began = self._updated = stamp
+        self._renewed = stamp
 
     def stop(self) -> None:
         """Stand still at once."""
-        self._over = self._over or self.mode == "calibrate"
         self.mode = "idle"
         self._controller.stop()
 
@@ -71,19 +69,24 @@ class Driving:
         """Return the twist to apply where the robot is now by odometry."""
         stamp = odometry.stamp
         if self.mode in ("figure_eight", "calibrate"):
-            if stamp - self._renewed >= self._timeout - 5e-7 or self._finished(stamp):
-                self.stop()
-            else:
-                self._controller.command(self._wanted(stamp - self._began), stamp)
+            self._follow_programme(stamp, stamp - self._renewed >= self._timeout - 5e-7)
+        self._updated = stamp
         twist = self._controller.update(stamp)
         if not self._controller.active:
             self.mode = "idle" if self.mode == "drive" else self.mode
         return twist
 
-    def _finished(self, stamp: float) -> bool:
-        return self.mode == "calibrate" and stamp - self._began >= programme.USUAL_S - 5e-7
-
-    def _wanted(self, elapsed: float) -> Twist2:
-        if self.mode == "calibrate":
-            return programme.velocity(elapsed)
-        return self._eight.twist(elapsed)
+    def _follow_programme(self, stamp: float, lapsed: bool) -> None:
+        """Drive on; stand if nobody renews it any more."""
+        if lapsed and self.mode == "calibrate" and stamp - self._renewed < GAP_S:
+            self._controller.stop()
+            # The programme goes on where it was.
+            self._began += stamp - self._updated
+            return
+        elapsed = stamp - self._began
+        if lapsed or (self.mode == "calibrate" and elapsed >= programme.USUAL_S - 5e-7):
+            self.stop()
+        elif self.mode == "calibrate":
+            self._controller.command(programme.velocity(elapsed), stamp)
+        else:
+            self._controller.command(self._eight.twist(elapsed), stamp)

@@ -57,6 +57,8 @@ class CalibrateCommand(CommandMessage):
     """
 
     type: Literal["calibrate"]
+    start: bool = False
+    """Whether to begin; without it the command only renews a drive that has begun."""
 
 
 class FinishCalibrationCommand(CommandMessage):

@@ -93,9 +93,11 @@ class Outlets:
         Raises:
             CommandError: somebody else drives, or the last drive is not adjusted yet.
         """
-        self.calibrator.require_collected()
+        if command.start:
+            self.calibrator.require_collected()
         self.drivers.put(driver, command)
-        self.calibrator.begin()
+        if command.start:
+            self.calibrator.begin()
 
     @property
     def failures(self) -> list[str]:
