@@ -1,4 +1,5 @@
 // @ts-check
+import { CalibrationPanel } from "./calibration/panel.js";
 import { CameraPanel } from "./camera/panel.js";
 import { DrivePanel } from "./drive/panel.js";
 import { FilterPanel } from "./filter/panel.js";
@@ -46,6 +47,7 @@ const topBar = new TopBar();
 const tape = new TapeHealth();
 const history = new History();
 const drive = new DrivePanel(connection);
+const calibration = new CalibrationPanel(drive.drive, order, connection);
 const camera = new CameraPanel(loop, drawn);
 const map = new MapPanel(loop, order);
 const plots = new PlotsPanel(loop, history);
@@ -64,6 +66,10 @@ let telemetry = null;
 /** @type {number | null} */
 let delay = null;
 let fieldName = "";
+/** When the robot that the page shows was calibrated [s]. @type {number | null} */
+let calibrated = null;
+/** The floor from above. @type {ImageBitmap | null} */
+let floor = null;
 let truthKnown = true;
 const writeWords = loop.add(() => telemetry && describe(telemetry), { hertz: WORDS_HERTZ });
 
@@ -86,8 +92,9 @@ async function order(command) {
 function take(news) {
   telemetry = news;
   probe.telemetry = news;
-  if (news.map !== fieldName) loadField(news.map);
+  if (news.map !== fieldName || news.robot.calibrated !== calibrated) loadField(news);
   drive.follow(news);
+  calibration.follow(news);
   problems.show(news);
   record.show(news.recording ?? null);
   if (replay.show(news.replay ?? null)) showReplay(replay.shown);
@@ -151,19 +158,18 @@ async function checkAccess() {
   }
 }
 
-/** @param {string} name of the field in telemetry */
-async function loadField(name) {
-  fieldName = name;
+/** Load another field, or the robot after a calibration. @param {TelemetryMessage} news */
+async function loadField(news) {
+  const known = news.map === fieldName;
+  fieldName = news.map;
+  calibrated = news.robot.calibrated;
   try {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
-    topBar.setField(field);
-    drive.setField(field);
-    problems.setField(field);
-    tape.setField(field);
-    camera.setField(field);
-    view3d.setField(field);
-    map.setField(field, await loadPicture("/api/field.png"));
+    for (const part of [topBar, drive, problems, tape, camera]) part.setField(field);
+    if (!known) view3d.setField(field);
+    if (!known || floor === null) floor = await loadPicture("/api/field.png");
+    map.setField(field, floor);
   } catch (error) {
     toasts.show(`The field could not be read: ${error instanceof Error ? error.message : error}.`);
     // Telemetry makes it try again, but less often than telemetry comes.

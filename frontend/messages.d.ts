@@ -1,8 +1,10 @@
 // Made from app/messages/ by `python -m app.messages.typescript`; change it there.
 
 export type Command =
+  | CalibrateCommand
   | DriveCommand
   | FigureEightCommand
+  | FinishCalibrationCommand
   | PauseCommand
   | PingCommand
   | PlaceCommand
@@ -18,6 +20,7 @@ export type Command =
   | ShowCommand
   | StopCommand
   | TakeCommand
+  | UndoCalibrationCommand
   | UndoCommand
   | UpdateCommand;
 
@@ -48,6 +51,37 @@ export interface BoardMessage {
   marker?: number;
   /** Which markers (charuco). */
   dictionary?: string;
+}
+
+/**
+ * Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed. At its
+ * end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+ */
+export interface CalibrateCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "calibrate";
+  /** Whether to begin; without it the command only renews a drive that has begun. */
+  start?: boolean;
+}
+
+/** The drive of a calibration that runs, or the last one. */
+export interface CalibrationDriveMessage {
+  /**
+   * drive: it drives; adjust: it stands, and what it saw is adjusted; done: it is calibrated;
+   * failed: it is as it was.
+   */
+  state: "drive" | "adjust" | "done" | "failed";
+  /** How long it has driven [s]. */
+  seconds: number;
+  /** How long the whole drive is [s]. */
+  whole: number;
+  /** After this time ``finish_calibration`` is accepted [s]. */
+  fewest: number;
+  /** How often what it saw was adjusted; ``/api/calibration`` has the newest result. */
+  adjusted: number;
+  /** What is missing so far, or why it failed; null when all is well. */
+  message: string | null;
 }
 
 /** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
@@ -94,7 +128,7 @@ export interface EstimateMessage {
   covariance: number[];
 }
 
-/** The field, the robot on it, and limits: what a page needs once. */
+/** The field, the robot on it, and limits: what a page needs once, and after a calibration. */
 export interface FieldMessage {
   name: string;
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
@@ -143,6 +177,13 @@ export interface FilterMessage {
    * filter pauses until it is fixed.
    */
   broken: string | null;
+}
+
+/** End the calibration's drive, and calibrate the robot by what it has seen so far. */
+export interface FinishCalibrationCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "finish_calibration";
 }
 
 /** The floor's grid, every 0.1 m, as the camera sees it. */
@@ -509,6 +550,11 @@ export interface RobotMessage {
   connected: boolean;
   battery_v: number | null;
   can_be_placed: boolean;
+  /**
+   * The robot's clock at the last calibration since the start [s]: ``/api/field`` is another since
+   * then; null before the first.
+   */
+  calibrated: number | null;
 }
 
 /** The newest scan; ``PictureMessage`` has its edges in the picture. */
@@ -543,8 +589,12 @@ export interface SetCalibrationCommand {
   type: "set_calibration";
   /** Differences by name, in the units of the profile's file [rad, m, s, relative]. */
   values: Record<string, number>;
-  /** Their standard deviations. */
+  /** Their standard deviations; what has none is as uncertain as in a robot built by hand. */
   sd?: Record<string, number>;
+  /** When it was measured; null is when the rest was. */
+  made?: string | null;
+  /** What it was measured from. */
+  source?: string;
 }
 
 /** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */
@@ -621,7 +671,7 @@ export interface TelemetryMessage {
   estimate: EstimateMessage | null;
   integrity: IntegrityMessage;
   twist: TwistMessage;
-  mode: "idle" | "drive" | "figure_eight";
+  mode: "idle" | "drive" | "figure_eight" | "calibrate";
   driver: DriverMessage;
   particles: ParticlesMessage;
   scan: ScanMessage;
@@ -633,6 +683,8 @@ export interface TelemetryMessage {
   /** Problems since the start; ``/api/problems`` lists them. */
   error_count: number;
   recording?: RecordingMessage | null;
+  /** Null before the first drive of a calibration. */
+  calibration?: CalibrationDriveMessage | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */
@@ -643,6 +695,13 @@ export interface TelemetryMessage {
 export interface TwistMessage {
   v: number;
   omega: number;
+}
+
+/** Go back to the calibration before the last one by driving; a second undo takes that back. */
+export interface UndoCalibrationCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "undo_calibration";
 }
 
 /** Take back the last set_pose, set_particles or scatter: restore what was believed before. */

@@ -45,10 +45,11 @@ def with_own(base: Program, path="", name="Flat", motion="", folder="") -> Progr
     kinematics = DifferentialDrive(base.robot.spec)
     base.robot.place(base.field.start)
     base.robot.write(np.zeros(2))
+    scanner = base.engine.localization.scanner
     controls = Controls(
         base.robot,
         Odometry(kinematics, base.config.odometry),
-        Localization(base.scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
+        Localization(scanner, base.field, ONE_CLOUD, np.random.default_rng(0), own),
         Driving(DriveController(kinematics, base.config.drive), base.config.drive.cmd_vel_timeout),
         base.field.start,
     )

@@ -18,10 +18,10 @@ def head(message: bytes) -> PictureMessage:
     return PictureMessage.model_validate_json(message[4 : 4 + length])
 
 
-def served(scanner, *snapshots) -> list[PictureMessage]:
+def served(*snapshots) -> list[PictureMessage]:
     """What a page gets that stays for as many pictures."""
     latest, messages, gone = Latest(), [], asyncio.Event()
-    stream, left = CameraStream(latest, scanner, threading.Event()), iter(snapshots)
+    stream, left = CameraStream(latest, threading.Event()), iter(snapshots)
 
     async def send(message):
         if message["type"] == "websocket.send":
@@ -48,6 +48,6 @@ def test_a_picture_that_was_not_scanned_comes_without_the_edges_of_an_older_one(
     program = kinematic(map="stub")
     snapshot = run(program, 0.5)[-1]
     late = replace(snapshot.frame, stamp=snapshot.frame.stamp + 0.03)
-    first, other = served(program.scanner, snapshot, replace(snapshot, frame=late))
+    first, other = served(snapshot, replace(snapshot, frame=late))
     assert first.edges is not None
     assert (other.stamp, other.edges) == (late.stamp, None)

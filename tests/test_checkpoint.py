@@ -32,7 +32,7 @@ def drive():
 def localization_of(program, kind, own=None):
     parameters = changed(LocalizationParameters(), {"filter": kind})
     return Localization(
-        program.scanner,
+        program.engine.localization.scanner,
         program.field,
         parameters,
         np.random.default_rng(3),
@@ -42,7 +42,7 @@ def localization_of(program, kind, own=None):
 
 
 def keeper_of(program, localization):
-    return CheckpointWriter([program.field, program.field.edges, program.scanner, localization.own])
+    return CheckpointWriter([program.field, program.field.edges, localization.own])
 
 
 def answers(localization, frames):
@@ -106,7 +106,7 @@ def test_what_never_changes_is_not_copied(drive):
     restored = keeper_of(program, straight).keep(straight).restore()
     assert restored is not straight
     assert restored._field is program.field
-    assert restored.scanner is program.scanner
+    assert restored.scanner is straight.scanner
     assert restored._entries is straight._entries
     assert restored.own is straight.own
     mine, other = straight._localizer.filter, restored._localizer.filter

@@ -146,9 +146,9 @@ def test_the_map_has_the_fields_tape(rig, peer):
 def test_joints_battery_and_description_are_the_robots(rig, peer):
     joints = arrived(peer, "joint_states")
     assert list(joints.position) == tick(rig, joints.header).reading.positions.tolist()
-    assert joints.name == [one.name for one in rig.source.spec.joints]
+    assert joints.name == [one.name for one in rig.program.robot.spec.joints]
     assert arrived(peer, "battery_state").voltage == pytest.approx(BATTERY_V)
-    assert arrived(peer, "robot_description").data == rig.source.spec.urdf
+    assert arrived(peer, "robot_description").data == rig.program.robot.spec.urdf
     assert [one.name for one in arrived(peer, "diagnostics").status] == [
         "brickpose: program",
         "brickpose: robot",
@@ -161,7 +161,7 @@ def test_a_picture_is_what_the_camera_saw_and_has_its_lens(rig, peer):
     image = cv2.imdecode(np.frombuffer(picture.data, np.uint8), cv2.IMREAD_UNCHANGED)
     seen = tick(rig, picture.header, sensors.picture_stamp).reading.frame.image
     assert np.abs(image.astype(float) - seen).mean() < 3
-    lens = rig.source.spec.lens
+    lens = rig.program.robot.spec.lens
     info = arrived(peer, "camera/camera_info")
     assert (info.width, info.height, list(info.k)) == (
         lens.width,

@@ -238,8 +238,13 @@ def test_a_profile_s_delay_is_taken_off_a_picture_s_stamp(tmp_path):
     profile = Profile(spec.name, datetime.now(UTC), "a test", delayed, np.full(ROBOT, 1e-3))
     (tmp_path / "profile.toml").write_text(profile.to_toml())
     shown = run(kinematic(profile=str(tmp_path / "profile.toml")), 1.0, drive(v=0.15))
-    pictures = [(s.frame.stamp, s.line_scan.scan.stamp) for s in shown if s.line_scan is not None]
-    assert {round(stamp - exposed, 6) for stamp, exposed in pictures} == {0.03}
+    pictures = [
+        (s.reading.frame.stamp, s.frame.stamp, s.line_scan.scan.stamp)
+        for s in shown
+        if s.reading.frame
+    ]
+    assert {round(stamp - exposed, 6) for stamp, exposed, _ in pictures} == {0.03}
+    assert all(exposed == scanned for _, exposed, scanned in pictures)
 
 
 def test_a_calibration_changes_camera_wheels_and_delay() -> None:

@@ -76,7 +76,7 @@ def test_a_simulated_robot_is_seen_through_it(tmp_path: Path) -> None:
     path = str(written(tmp_path, profile(lens_of()).to_toml()))
     program = build_program(Config(robot="kinematic", profile=path))
     try:
-        assert program.scanner.view.lens.matrix[0, 2] == 342
+        assert program.engine.localization.scanner.view.lens.matrix[0, 2] == 342
         for _ in range(5):
             program.engine.step()
     finally:

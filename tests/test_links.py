@@ -46,7 +46,7 @@ def test_each_frame_has_one_parent_and_the_map_is_above_all(source, tick, names)
             parents[one.child_frame_id] = one.header.frame_id
     assert set(parents.values()) - set(parents) == {"map"}
     assert parents[other.settings.base_frame_id] == "odom"
-    above = {one.child: one for one in other.links.fixed}
+    above = {one.child: one for one in other.robot(tick).links.fixed}
     if "base_footprint" in above and "base_link" not in above:
         assert above["base_footprint"].place == pytest.approx((0, 0, -0.028))
 
@@ -54,7 +54,7 @@ def test_each_frame_has_one_parent_and_the_map_is_above_all(source, tick, names)
 @pytest.mark.parametrize(
     "names", [{"base_frame_id": "left_wheel"}, {"base_frame_id": "hub"}, {"scan_frame_id": "hub"}]
 )
-def test_names_with_which_a_frame_would_have_two_parents_are_refused(source, names):
+def test_names_with_which_a_frame_would_have_two_parents_are_refused(source, tick, names):
     other = replace(source, settings=replace(source.settings, **names))
     with pytest.raises(SettingError, match="a name that no link has"):
-        _ = other.links
+        _ = other.robot(tick).links

@@ -5,15 +5,24 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 import yaml
-from engine_runs import kinematic
+from engine_runs import kinematic, run
 from recordings import record
 
 from app.command_line import main
-from app.page.telemetry import field_message
+from app.engine.calibration_commands import calibration_command
+from app.page.outlets import Outlets
+from app.page.telemetry import TelemetryWriter, field_message
+from app.page.view.view import View
+from app.recordings.attachments import PROFILE
+from app.recordings.contents import contents_of
 from app.recordings.replay.opening import ReplayOptions, open_replay
-from robot.calibration.profile import Profile
+from app.ros2.source import TopicSource
+from app.ros2.topic import UNCHANGING
+from app.ros2.topics import topic
+from robot.calibration.profile import Profile, profile_of
 from robot.calibration.unknowns import PRIORS, ROBOT
 from robot.description.spec import SPIKE, RobotSpec
+from robot.toml_file import parse_toml
 
 VALUES = np.array([0.01, -0.02, 0.03, 0.002, -0.003, 0.004, 0.02, 0.04, 0.01, -0.02, 0.03])
 DRAWN = RobotSpec.load()
@@ -71,6 +80,75 @@ def test_a_recording_keeps_the_profile_and_a_replay_may_have_another(profile, tm
     other.write_text(none.to_toml())
     again = open_replay(made, ReplayOptions(profile=other)).robot.spec
     np.testing.assert_allclose(again.robot_from_camera, DRAWN.robot_from_camera, atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def calibrated():
+    """A running robot, the tick before its calibration, and the first ones after it."""
+    program = kinematic()
+    before = run(program, 0.2)[-1]
+    made = Profile(DRAWN.name, datetime.now(UTC), "a test", VALUES, PRIORS[:ROBOT] / 10)
+    program.engine.commands.put(calibration_command(made))
+    return program, before, run(program, 0.2)
+
+
+def test_the_page_s_field_follows_a_calibration(calibrated):
+    program, before, (first, *_, last) = calibrated
+    assert_is_built(last.spec)
+    message = field_message(program)
+    assert message.robot_measured == f"{datetime.now(UTC):%Y-%m-%d}, a test"
+    lines = before.scanner.table.lines(9).round(1)
+    assert not np.array_equal(np.array(message.rays_px), lines)
+    writer = TelemetryWriter(program, Outlets(program))
+    told = [writer.message(shown).robot.calibrated for shown in (before, first, last)]
+    assert told == [None, first.stamp, first.stamp]
+
+
+def test_no_scan_is_shown_through_another_camera_than_its_own(calibrated):
+    _, before, ticks = calibrated
+    assert ticks[0].scanner is not before.scanner
+    assert ticks[0].line_scan is not before.line_scan
+    assert ticks[-1].line_scan is not None
+    # The calibration moved the pictures' stamps, too: the page draws the scan of its picture.
+    assert ticks[-1].frame.stamp == ticks[-1].line_scan.scan.stamp
+
+
+def test_topics_follow_a_calibration(calibrated):
+    program, before, ticks = calibrated
+    source, last = TopicSource.of(program), ticks[-1]
+    seen = next(shown for shown in ticks if shown.reading.frame is not None)
+    told = topic("camera/camera_info").make(source, seen)
+    np.testing.assert_allclose(told.k.reshape(3, 3), BUILT.lens.matrix)
+    for name in ("tf_static", "robot_description"):
+        assert topic(name).stamp(before) == UNCHANGING
+        assert topic(name).stamp(last) == ticks[0].stamp
+    assert topic("robot_description").make(source, last).data == last.spec.urdf
+    fixed = {link.child: link for link in source.robot(last).links.fixed}
+    as_drawn = {link.child: link for link in source.robot(before).links.fixed}
+    assert fixed.keys() == as_drawn.keys()
+    assert fixed != as_drawn
+    assert source.robot(last).drive.track == pytest.approx(BUILT.track)
+
+
+def test_the_3d_view_shows_the_calibrated_robot(calibrated):
+    program, before, ticks = calibrated
+    view = View(program.field, program.robot.spec, program.engine.latest)
+    try:
+        scene = view._scene
+        scene.update(before)
+        drawn = scene._parts[0].vertices.copy()
+        scene.update(ticks[-1])
+        assert not np.array_equal(scene._parts[0].vertices, drawn)
+    finally:
+        view.close()
+
+
+def test_a_recording_begun_after_a_calibration_has_its_profile(calibrated):
+    program, _, _ = calibrated
+    (kept,) = [item for item in contents_of(program).attachments if item.name == PROFILE]
+    profile = profile_of(parse_toml(kept.data.decode(), "kept"))
+    np.testing.assert_allclose(profile.values, VALUES)
+    np.testing.assert_allclose(profile.sd, PRIORS[:ROBOT] / 10)
 
 
 def test_a_profile_of_another_robot_is_refused_by_name(profile, tmp_path, capsys):

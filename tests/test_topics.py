@@ -106,7 +106,7 @@ def test_odometry_tells_pose_and_speed(said, source):
     published, tick = said("odom")
     told = published.message
     np.testing.assert_allclose(flat(told.pose.pose), tick.odom_from_robot.to_array(), atol=1e-12)
-    measured = source.drive.twist(tick.reading.velocities)
+    measured = source.robot(tick).drive.twist(tick.reading.velocities)
     assert told.twist.twist.linear.x == pytest.approx(measured.v)
     assert told.twist.twist.angular.z == pytest.approx(measured.omega)
     assert (told.header.frame_id, told.child_frame_id) == ("odom", "base_footprint")
@@ -118,7 +118,7 @@ def test_transforms_lead_from_the_map_to_every_link(said, source):
     found = {
         t.child_frame_id: t for t in (*published.message.transforms, *static.message.transforms)
     }
-    for frame in ("base_scan", source.links.camera, "left_wheel", "right_wheel"):
+    for frame in ("base_scan", source.robot(tick).links.camera, "left_wheel", "right_wheel"):
         way = [frame]
         while way[-1] in found:
             way.append(found[way[-1]].header.frame_id)
@@ -145,9 +145,9 @@ def test_another_localization_may_tell_where_odometry_is(source, ticks):
 
 
 def test_the_camera_is_where_the_description_has_it(said, source):
-    static, _ = said("tf_static")
+    static, tick = said("tf_static")
     placed = {t.child_frame_id: t for t in static.message.transforms}
-    frame, way = source.links.camera, np.eye(4)
+    frame, way = source.robot(tick).links.camera, np.eye(4)
     while frame != "base_footprint":
         one = placed[frame]
         turn, place = one.transform.rotation, one.transform.translation
@@ -155,7 +155,7 @@ def test_the_camera_is_where_the_description_has_it(said, source):
         step[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
         step[:3, 3] = place.x, place.y, place.z
         way, frame = step @ way, one.header.frame_id
-    np.testing.assert_allclose(way, source.spec.robot_from_camera, atol=1e-9)
+    np.testing.assert_allclose(way, tick.spec.robot_from_camera, atol=1e-9)
 
 
 @given(
@@ -173,7 +173,7 @@ def test_a_wheel_turns_about_its_axis(turn, axis, angle):
 def test_joints_are_told_as_they_were_read(said, source):
     published, tick = said("joint_states")
     told = published.message
-    assert list(told.name) == [joint.name for joint in source.spec.joints]
+    assert list(told.name) == [joint.name for joint in tick.spec.joints]
     np.testing.assert_array_equal(told.position, tick.reading.positions)
     np.testing.assert_array_equal(told.velocity, tick.reading.velocities)
 
@@ -222,8 +222,8 @@ def test_a_picture_is_a_jpeg_of_the_frame_with_its_lens(said, source):
     assert shown.shape == tick.reading.frame.image.shape
     assert np.abs(shown.astype(int) - tick.reading.frame.image).mean() < 3
     assert picture.message.format.startswith("mono8; jpeg")
-    np.testing.assert_array_equal(lens.message.k.reshape(3, 3), source.spec.lens.matrix)
-    np.testing.assert_array_equal(lens.message.d, source.spec.lens.distortion)
+    np.testing.assert_array_equal(lens.message.k.reshape(3, 3), tick.spec.lens.matrix)
+    np.testing.assert_array_equal(lens.message.d, tick.spec.lens.distortion)
     assert lens.message.header.stamp == picture.message.header.stamp
     assert seconds(source, picture.message.header.stamp) == pytest.approx(tick.reading.frame.stamp)
 
@@ -231,7 +231,7 @@ def test_a_picture_is_a_jpeg_of_the_frame_with_its_lens(said, source):
 def test_the_truth_and_the_description_are_told(said, source):
     truth, tick = said("truth")
     np.testing.assert_allclose(flat(truth.message.pose), tick.truth.to_array(), atol=1e-12)
-    assert said("robot_description")[0].message.data == source.spec.urdf
+    assert said("robot_description")[0].message.data == tick.spec.urdf
 
 
 def test_what_was_told_can_be_told_again(said):

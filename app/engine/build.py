@@ -93,7 +93,7 @@ def build_program(
     engine = build_engine(config, robot, field, scanner, own, begin, config.localization, entries)
     if begin.complaint is not None:
         engine.note(begin.complaint)
-    return Program(engine, robot, field, scanner, config, path, own.choice)
+    return Program(engine, robot, field, config, path, own.choice)
 
 
 def robot_spec(config: Config) -> RobotSpec:

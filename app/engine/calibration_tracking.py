@@ -23,6 +23,7 @@ NEAR = 0.02
 CARRIED, CARRIED_TURN = 0.05, 0.5
 """Standard deviation of what odometry adds since then, as a share of it, and of its turn by its way
 [rad/m]."""
+SOURCE = "driving, as it was tracked"
 KNOWN = (State.CERTAIN, State.APPROXIMATE)
 
 
@@ -65,7 +66,9 @@ class CalibrationTracking:
 
 
 def _commands(update: Update, odom_from_robot: Pose2, controls: Controls) -> tuple[Command, ...]:
-    calibration = SetCalibrationCommand(type="set_calibration", values=update.values, sd=update.sd)
+    calibration = SetCalibrationCommand(
+        type="set_calibration", values=update.values, sd=update.sd, source=SOURCE
+    )
     moved = update.odom_from_robot.inverse() @ odom_from_robot
     pose = update.pose @ moved
     belief = controls.follower.belief

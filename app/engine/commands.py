@@ -8,15 +8,22 @@ from enum import Enum, auto
 from types import MappingProxyType
 from typing import Any
 
+from app.engine.calibration_commands import (
+    check_calibrated_by_tape,
+    check_calibration,
+    profile_after,
+)
 from app.engine.controls import Controls
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.pose_commands import cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
+    CalibrateCommand,
     Command,
     DriveCommand,
     FigureEightCommand,
+    FinishCalibrationCommand,
     PauseCommand,
     PingCommand,
     PlaceCommand,
@@ -32,12 +39,11 @@ from app.messages.commands import (
     ShowCommand,
     StopCommand,
     TakeCommand,
+    UndoCalibrationCommand,
     UndoCommand,
     UpdateCommand,
 )
-from robot.calibration.profile import check_values
 from robot.covariance import CovarianceError
-from robot.description.urdf import SpecError
 from robot.driving.odometry import OdometryState
 from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import Field
@@ -114,6 +120,10 @@ def _drive(command: DriveCommand, controls: Controls, _odometry: OdometryState) 
 
 def _figure_eight(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
     controls.driving.figure_eight(controls.stamp)
+
+
+def _calibrate(command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.calibrate(controls.stamp, start=command.start)
 
 
 def _check_driving(_command: Command, program: Program) -> None:
@@ -231,14 +241,7 @@ def _check_parameters(command: SetParametersCommand, program: Program) -> None:
 def _set_calibration(
     command: SetCalibrationCommand, controls: Controls, _odometry: OdometryState
 ) -> None:
-    controls.calibrate(command.values, command.sd)
-
-
-def _check_calibration(command: SetCalibrationCommand, _field: Field) -> None:
-    try:
-        check_values(command.values, command.sd)
-    except SpecError as error:
-        raise CommandError(str(error)) from error
+    controls.calibrate(profile_after(command, controls.spec))
 
 
 def _show(command: ShowCommand, controls: Controls, _odometry: OdometryState) -> None:
@@ -255,6 +258,11 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
     {
         DriveCommand: Rule(_drive, Repeat.NEVER, _check_driving, drives=True),
         FigureEightCommand: Rule(_figure_eight, Repeat.NEVER, _check_driving, drives=True),
+        CalibrateCommand: Rule(
+            _calibrate, Repeat.NEVER, _check_driving, check_calibrated_by_tape, drives=True
+        ),
+        FinishCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        UndoCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         StopCommand: Rule(_stop, Repeat.NEVER),
         TakeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
@@ -267,9 +275,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PlaceCommand: Rule(_place, Repeat.RECORDED, _check_placeable, _check_inside),
         ResetCommand: Rule(_reset, Repeat.SETTING),
         SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),
-        SetCalibrationCommand: Rule(
-            _set_calibration, Repeat.MOMENT, check_field=_check_calibration
-        ),
+        SetCalibrationCommand: Rule(_set_calibration, Repeat.MOMENT, check_field=check_calibration),
         ShowCommand: Rule(_show, Repeat.NEVER),
         ReplayCommand: Rule(_nothing, Repeat.NEVER, _check_replay),
         RecordCommand: Rule(_nothing, Repeat.NEVER),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from app.engine.parameter_changes import with_values_and_models
 from app.engine.problems import Problems
 from app.engine.snapshot import LAYERS
 from app.messages.message import Layer
-from robot.calibration.unknowns import PRIORS, ROBOT, Differences, with_named
+from robot.calibration.profile import Profile
 from robot.description.spec import RobotSpec
 from robot.driving.odometry import Odometry, OdometryState
 from robot.geometry import Pose2
@@ -28,6 +28,7 @@ class EngineState:
     """The state that the next ticks depend on, except for the robot and who drives."""
 
     spec: RobotSpec
+    calibrated: float
     odometry: Odometry
     localization: Localization
     map_from_odom: Pose2
@@ -51,6 +52,8 @@ class Controls:
         self.robot = robot
         self.spec = robot.spec
         """The robot as it is known now: a calibration may change it."""
+        self.calibrated = -math.inf
+        """Stamp of the last calibration since the start [s]; -inf before the first."""
         self.odometry = odometry
         self.follower = follower
         """Follows the robot by its measurements."""
@@ -79,6 +82,7 @@ class Controls:
         stamp = None if self.frame is None else self.frame.stamp
         return EngineState(
             self.spec,
+            self.calibrated,
             self.odometry,
             self.localization,
             self.map_from_odom,
@@ -89,6 +93,7 @@ class Controls:
     def restore(self, state: EngineState) -> None:
         """Continue from another state."""
         self.spec = state.spec
+        self.calibrated = state.calibrated
         self.driving.kinematics = state.odometry.drive
         self.odometry = state.odometry
         self.follower = state.localization
@@ -141,14 +146,10 @@ class Controls:
         self.stop_if_slow(wanted)
         localization.choose(own, wanted)
 
-    def calibrate(self, values: Mapping[str, float], sd: Mapping[str, float]) -> None:
-        """Change what is known of the robot: its differences from the description, by name.
-
-        What is left out stays as it is, values and their standard deviations.
-        """
-        before = PRIORS[:ROBOT] if self.spec.measured_sd is None else self.spec.measured_sd
-        built = Differences.of(self.spec).changed(values).applied_to(self.spec.uncalibrated)
-        self.spec = replace(built, measured_sd=with_named(before, sd))
+    def calibrate(self, profile: Profile) -> None:
+        """Change what is known of the robot."""
+        self.spec = profile.applied_to(self.spec.as_drawn)
+        self.calibrated = self.stamp
         self.odometry.drive = self.driving.kinematics = self.odometry.drive.of(self.spec)
         self.localization.use_robot(self.spec)
 

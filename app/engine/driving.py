@@ -1,16 +1,21 @@
-"""Decides who drives (a person, the figure-eight or nobody) and until when."""
+"""Decides who drives (a person, a programme or nobody) and until when."""
 
 from __future__ import annotations
 
 from typing import Literal
 
+from robot.calibration import programme
 from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
 from robot.geometry import Twist2
 
-Mode = Literal["idle", "drive", "figure_eight"]
+GAP_S = 3.0
+"""The drive of a calibration that is renewed again within this time goes on; it stands until then.
+A minute of driving shall not be lost by a moment without network."""
+
+Mode = Literal["idle", "drive", "figure_eight", "calibrate"]
 
 
 class Driving:
@@ -25,6 +30,7 @@ class Driving:
         self._eight = eight or FigureEight()
         self._began = 0.0
         self._renewed = 0.0
+        self._updated = 0.0
 
     @property
     def kinematics(self) -> DifferentialDrive:
@@ -47,6 +53,13 @@ class Driving:
             self._began = stamp
         self._renewed = stamp
 
+    def calibrate(self, stamp: float, *, start: bool) -> None:
+        """Start the drive of a calibration, or renew the one that has begun."""
+        if start and self.mode != "calibrate":
+            self.mode = "calibrate"
+            self._began = self._updated = stamp
+        self._renewed = stamp
+
     def stop(self) -> None:
         """Stand still at once."""
         self.mode = "idle"
@@ -55,12 +68,25 @@ class Driving:
     def update(self, odometry: OdometryState) -> Twist2:
         """Return the twist to apply where the robot is now by odometry."""
         stamp = odometry.stamp
-        if self.mode == "figure_eight":
-            if stamp - self._renewed >= self._timeout - 5e-7:
-                self.stop()
-            else:
-                self._controller.command(self._eight.twist(stamp - self._began), stamp)
+        if self.mode in ("figure_eight", "calibrate"):
+            self._follow_programme(stamp, stamp - self._renewed >= self._timeout - 5e-7)
+        self._updated = stamp
         twist = self._controller.update(stamp)
         if not self._controller.active:
             self.mode = "idle" if self.mode == "drive" else self.mode
         return twist
+
+    def _follow_programme(self, stamp: float, lapsed: bool) -> None:
+        """Drive on; stand if nobody renews it any more."""
+        if lapsed and self.mode == "calibrate" and stamp - self._renewed < GAP_S:
+            self._controller.stop()
+            # The programme goes on where it was.
+            self._began += stamp - self._updated
+            return
+        elapsed = stamp - self._began
+        if lapsed or (self.mode == "calibrate" and elapsed >= programme.USUAL_S - 5e-7):
+            self.stop()
+        elif self.mode == "calibrate":
+            self._controller.command(programme.velocity(elapsed), stamp)
+        else:
+            self._controller.command(self._eight.twist(elapsed), stamp)

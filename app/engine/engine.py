@@ -166,8 +166,9 @@ class Engine:
 
     def _localize(self, reading: Reading) -> None:
         controls = self.controls
-        controls.frame = reading.frame or controls.frame
-        seen = _exposed(reading.frame, controls.spec.picture_delay) or reading.scan
+        frame = _exposed(reading.frame, controls.spec.picture_delay)
+        controls.frame = frame or controls.frame
+        seen = frame or reading.scan
         if seen is not None:
             self._meter.frame(seen.stamp)
             self._measure(seen)
@@ -207,6 +208,8 @@ class Engine:
             stamp=reading.stamp,
             published=time.monotonic(),
             reading=reading,
+            spec=controls.spec,
+            calibrated=controls.calibrated,
             commands=taken,
             truth=reading.truth,
             odometry=controls.map_from_odom @ odometry.odom_from_robot,
@@ -218,6 +221,7 @@ class Engine:
             mode=controls.driving.mode,
             cloud=localization.cloud,
             frame=controls.frame,
+            scanner=localization.scanner,
             line_scan=localization.line_scan,
             odom_from_scan=controls.odom_from_scan,
             scan_pose=scan_pose,

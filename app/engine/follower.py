@@ -15,7 +15,7 @@ from robot.localization.filter import Cloud
 from robot.localization.integrity import SEARCHING, Integrity
 from robot.localization.parameters import LocalizationParameters
 from robot.scan import Scan
-from robot.scanning.line_scanner import LineScan
+from robot.scanning.line_scanner import LineScan, LineScanner
 
 NO_CLOUD = Cloud(np.empty((0, 3)), np.empty(0))
 
@@ -27,6 +27,8 @@ class Follower:
     """Whether a camera that sends no pictures is reported."""
     paused = False
     belief: Belief | None = None
+    scanner: LineScanner | None = None
+    """Finds tape in pictures; None if it follows none."""
     line_scan: LineScan | None = None
     """What a scanner found in the last picture."""
     parameters = LocalizationParameters()

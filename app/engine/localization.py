@@ -67,7 +67,7 @@ class Localization(Follower):
             configured: the parameters that ``reset`` restores; by default ``parameters``.
             spec: the robot, for what its calibration leaves open; by default nobody measured it.
         """
-        self.scanner = scanner
+        self.scanner: LineScanner = scanner
         self.own = own or OwnModels(field)
         """The user's own models."""
         self.own.load(parameters)
@@ -217,6 +217,7 @@ class Localization(Follower):
     def use_robot(self, spec: RobotSpec) -> None:
         """Follow a robot that was calibrated anew; the filter keeps its belief."""
         self.scanner = self.scanner.seen_through(spec.floor_view)
+        self.line_scan = None
         # What was found of the camera's and the wheels' errors was of the robot before.
         evidence, mounting = self._setup().evidence, _mounting(self.scanner)
         self._monitor = Monitor(evidence, mounting, _steady_errors(spec))

@@ -12,7 +12,6 @@ from app.engine.own_models.own_models import OwnChoice
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.interface import Robot
-from robot.scanning.line_scanner import LineScanner
 
 
 @dataclass(frozen=True)
@@ -22,7 +21,6 @@ class Program:
     engine: Engine
     robot: Robot
     field: Field
-    scanner: LineScanner
     config: Config
     pose_file: Path
     """The file that keeps the pose for the next start."""

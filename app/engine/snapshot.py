@@ -11,13 +11,14 @@ from app.engine.own_models.own_models import OwnChoice
 from app.engine.problems import Problem, Problems
 from app.messages.commands import Command
 from app.messages.message import Layer
+from robot.description.spec import RobotSpec
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate
 from robot.localization.filter import Cloud
 from robot.localization.integrity import Integrity
 from robot.localization.parameters import LocalizationParameters
-from robot.scanning.line_scanner import LineScan
+from robot.scanning.line_scanner import LineScan, LineScanner
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +65,10 @@ class Snapshot:
     """The computer's monotonic clock when this was made [s]."""
     reading: Reading = field(repr=False)
     """What the robot answered in this tick."""
+    spec: RobotSpec = field(repr=False)
+    """The robot as it is known now."""
+    calibrated: float
+    """Stamp of the last calibration since the start [s]; -inf before the first."""
     commands: tuple[Command, ...]
     """Commands taken in this tick, in order."""
     truth: Pose2 | None
@@ -82,7 +87,9 @@ class Snapshot:
     mode: Mode
     cloud: Cloud = field(repr=False)
     frame: Frame | None
-    """The newest picture."""
+    """The newest picture, with the stamp of its exposure."""
+    scanner: LineScanner | None = field(repr=False)
+    """What finds tape in pictures now; None if nothing does."""
     line_scan: LineScan | None = field(repr=False)
     """What the scanner found in the last picture that was used."""
     odom_from_scan: Pose2 | None

@@ -6,21 +6,17 @@ result. If a worker is killed, another worker repeats its job, and only that job
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import re
-import signal
 import socket
-import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from typing import Any, Protocol, TypeVar
 
-import cv2
-
 from app.settings.provenance import versions
+from app.worker_process import WorkerProcess
 from robot.errors import BrickPoseError
 from robot.settings import SettingError
 
@@ -73,7 +69,7 @@ class LocalWorkers:
         self._count = count if count is not None else _cores()
         if self.count < 1:
             raise SettingError(f"{self.count} workers; valid is 1 or more")
-        self._crews: list[_Crew] = []
+        self._crews: list[WorkerProcess] = []
 
     @property
     def count(self) -> int:
@@ -86,9 +82,9 @@ class LocalWorkers:
         """Do all jobs; yield the index and the result or error of each as soon as it is done."""
         left = deque((place, 1) for place in range(len(jobs)))
         while len(self._crews) < min(self.count, len(jobs)):
-            self._crews.append(_Crew())
+            self._crews.append(WorkerProcess())
         idle = list(self._crews)
-        busy: dict[Future[T], tuple[_Crew, int, int]] = {}
+        busy: dict[Future[T], tuple[WorkerProcess, int, int]] = {}
         while left or busy:
             while left and idle:
                 crew = idle.pop()
@@ -113,9 +109,9 @@ class LocalWorkers:
         for crew in crews:
             crew.end()
 
-    def _replaced(self, crew: _Crew) -> _Crew:
+    def _replaced(self, crew: WorkerProcess) -> WorkerProcess:
         crew.end()
-        self._crews[self._crews.index(crew)] = other = _Crew()
+        self._crews[self._crews.index(crew)] = other = WorkerProcess()
         return other
 
 
@@ -232,44 +228,6 @@ def _check_reachable(address: str) -> None:
         socket.create_connection((parts[1].strip("[]"), int(parts[2])), PATIENCE).close()
     except (OSError, UnicodeError) as error:
         raise WorkerError(f"no Dask scheduler answers at {address}: {error}") from error
-
-
-class _Crew:
-    """A pool of one process, so that killing it loses no other process's job."""
-
-    def __init__(self) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._pool = ProcessPoolExecutor(1, mp_context=context, initializer=_begin)
-        others = set(multiprocessing.active_children())
-        # A process inherits what is blocked: Ctrl-C is for the program, which then ends it.
-        signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT,))
-        try:
-            self._pool.submit(os.getpid)
-        finally:
-            signal.pthread_sigmask(signal.SIG_UNBLOCK, (signal.SIGINT,))
-        self._processes = set(multiprocessing.active_children()) - others
-
-    def submit(self, work: Callable[[S], T], job: S) -> Future[T]:
-        return self._pool.submit(work, job)
-
-    def end(self) -> None:
-        """End the process at once, even while it works."""
-        for process in self._processes:
-            process.terminate()
-        self._pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _begin() -> None:
-    """Set up a new process: it uses one core and ends when its parent process ends."""
-    cv2.setNumThreads(1)
-    threading.Thread(target=_end_with_parent, name="parent watch", daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _result(done: Future[T]) -> T | Exception:

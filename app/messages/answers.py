@@ -25,7 +25,7 @@ class AccessMessage(Message):
 
 
 class FieldMessage(Message):
-    """The field, the robot on it, and limits: what a page needs once."""
+    """The field, the robot on it, and limits: what a page needs once, and after a calibration."""
 
     name: str
     extent: list[float]
@@ -53,6 +53,35 @@ class FieldMessage(Message):
     """Width of tape that the scanner looks for [m], to compare with ``ScanMessage.tape_width``."""
     rays_px: list[list[tuple[float, float]]]
     """Each ray as a line of pixels, from its start to its end in the picture."""
+
+
+class UnknownMessage(Message):
+    """One number of the robot that is measured, in a unit for people."""
+
+    name: str
+    unit: str
+    value: float
+    """Difference from the description."""
+    interval: float
+    """The true value lies within this of it, in 95 % [same unit]."""
+    prior: float
+    """The same for a robot built by hand that nobody measured."""
+    learnt: bool
+    """Whether the drive told it."""
+
+
+class CalibrationMessage(Message):
+    """What is known of the robot: by the last adjusted drive, or by its profile without one."""
+
+    measured: str
+    """When and from what the robot was calibrated; empty if it is as described."""
+    undoable: bool
+    """Whether ``undo_calibration`` has something to go back to."""
+    unknowns: list[UnknownMessage]
+    position: float | None
+    """How far off all of this may lay the robot, in 95 % [m]; null if no drive told it."""
+    advice: list[str]
+    """Motions that would tell what is not known yet."""
 
 
 class ParameterMessage(Message):

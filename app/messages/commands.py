@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, TypeAdapter, ValidationError
 
 from app.messages.message import Layer, Message, Metres, Radians
 from robot.errors import CommandError
@@ -49,6 +49,29 @@ class FigureEightCommand(CommandMessage):
     """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
 
     type: Literal["figure_eight"]
+
+
+class CalibrateCommand(CommandMessage):
+    """Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed.
+
+    At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+    """
+
+    type: Literal["calibrate"]
+    start: bool = False
+    """Whether to begin; without it the command only renews a drive that has begun."""
+
+
+class FinishCalibrationCommand(CommandMessage):
+    """End the calibration's drive, and calibrate the robot by what it has seen so far."""
+
+    type: Literal["finish_calibration"]
+
+
+class UndoCalibrationCommand(CommandMessage):
+    """Go back to the calibration before the last one by driving; a second undo takes that back."""
+
+    type: Literal["undo_calibration"]
 
 
 class TakeCommand(CommandMessage):
@@ -139,8 +162,12 @@ class SetCalibrationCommand(CommandMessage):
     type: Literal["set_calibration"]
     values: Annotated[dict[str, float], Field(min_length=1, max_length=11)]
     """Differences by name, in the units of the profile's file [rad, m, s, relative]."""
-    sd: Annotated[dict[str, float], Field(default_factory=dict, max_length=11)]
-    """Their standard deviations."""
+    sd: Annotated[dict[str, float], Field(max_length=11)] = Field(default_factory=dict)
+    """Their standard deviations; what has none is as uncertain as in a robot built by hand."""
+    made: AwareDatetime | None = None
+    """When it was measured; null is when the rest was."""
+    source: Annotated[str, Field(max_length=200)] = "a command"
+    """What it was measured from."""
 
 
 class SetParametersCommand(CommandMessage):
@@ -189,6 +216,9 @@ Command = Annotated[
     | StopCommand
     | TakeCommand
     | FigureEightCommand
+    | CalibrateCommand
+    | FinishCalibrationCommand
+    | UndoCalibrationCommand
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand

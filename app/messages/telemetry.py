@@ -83,6 +83,9 @@ class RobotMessage(Message):
     connected: bool
     battery_v: float | None
     can_be_placed: bool
+    calibrated: float | None
+    """The robot's clock at the last calibration since the start [s]: ``/api/field`` is another
+    since then; null before the first."""
 
 
 class LoopMessage(Message):
@@ -153,6 +156,24 @@ class ReplayMessage(Message):
     """The recorded estimate."""
 
 
+class CalibrationDriveMessage(Message):
+    """The drive of a calibration that runs, or the last one."""
+
+    state: Literal["drive", "adjust", "done", "failed"]
+    """drive: it drives; adjust: it stands, and what it saw is adjusted; done: it is calibrated;
+    failed: it is as it was."""
+    seconds: float
+    """How long it has driven [s]."""
+    whole: float
+    """How long the whole drive is [s]."""
+    fewest: float
+    """After this time ``finish_calibration`` is accepted [s]."""
+    adjusted: int
+    """How often what it saw was adjusted; ``/api/calibration`` has the newest result."""
+    message: str | None
+    """What is missing so far, or why it failed; null when all is well."""
+
+
 class DriverMessage(Message):
     """Who drives."""
 
@@ -177,7 +198,7 @@ class TelemetryMessage(Message):
     estimate: EstimateMessage | None
     integrity: IntegrityMessage
     twist: TwistMessage
-    mode: Literal["idle", "drive", "figure_eight"]
+    mode: Literal["idle", "drive", "figure_eight", "calibrate"]
     driver: DriverMessage
     particles: ParticlesMessage
     scan: ScanMessage
@@ -189,6 +210,8 @@ class TelemetryMessage(Message):
     error_count: int
     """Problems since the start; ``/api/problems`` lists them."""
     recording: RecordingMessage | None = None
+    calibration: CalibrationDriveMessage | None = None
+    """Null before the first drive of a calibration."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
     hidden_layers: list[Layer] | None = None

@@ -43,11 +43,8 @@ class _Picture:
 class CameraStream:
     """Encodes each picture once for all viewers."""
 
-    def __init__(
-        self, latest: Latest[Snapshot], scanner: LineScanner, stopping: threading.Event
-    ) -> None:
+    def __init__(self, latest: Latest[Snapshot], stopping: threading.Event) -> None:
         self._latest = latest
-        self._scanner = scanner
         self._stopping = stopping
         self._encoded: _Picture | None = None
         self._lock = anyio.Lock()
@@ -57,7 +54,7 @@ class CameraStream:
         latest = self._latest.get()
         if latest is None or latest.frame is None:
             raise HTTPException(503, "The camera has sent no picture yet.")
-        data = (await self._encode(latest.frame, latest.line_scan)).jpeg
+        data = (await self._encode(latest, latest.frame)).jpeg
         return Response(data, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
     def motion_jpeg(self) -> Response:
@@ -92,7 +89,7 @@ class CameraStream:
                 if newest is None or newest.frame is None or newest.frame is shown:
                     continue
                 shown = newest.frame
-                yield await self._encode(newest.frame, newest.line_scan)
+                yield await self._encode(newest, newest.frame)
 
     async def _parts(self) -> AsyncIterator[bytes]:
         async for picture in self._pictures():
@@ -102,12 +99,10 @@ class CameraStream:
             )
             yield head.encode() + picture.jpeg + b"\r\n"
 
-    async def _encode(self, frame: Frame, line_scan: LineScan | None) -> _Picture:
+    async def _encode(self, snapshot: Snapshot, frame: Frame) -> _Picture:
         async with self._lock:
             if self._encoded is None or self._encoded.frame is not frame:
-                self._encoded = await anyio.to_thread.run_sync(
-                    _encoded, frame, line_scan, self._scanner
-                )
+                self._encoded = await anyio.to_thread.run_sync(_encoded, snapshot, frame)
             return self._encoded
 
 
@@ -116,10 +111,10 @@ async def _until_gone(socket: WebSocket) -> None:
         pass
 
 
-def _encoded(frame: Frame, line_scan: LineScan | None, scanner: LineScanner) -> _Picture:
-    edges = None
+def _encoded(snapshot: Snapshot, frame: Frame) -> _Picture:
+    edges, line_scan, scanner = None, snapshot.line_scan, snapshot.scanner
     # A picture that came too late was not scanned: the newest scan is that of an older picture.
-    if line_scan is not None and line_scan.scan.stamp == frame.stamp:
+    if line_scan is not None and scanner is not None and line_scan.scan.stamp == frame.stamp:
         edges = _edges_message(line_scan, scanner)
     head = PictureMessage(stamp=frame.stamp, edges=edges).model_dump_json().encode()
     _, data = cv2.imencode(".jpg", frame.image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])

@@ -17,11 +17,14 @@ from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     AckMessage,
+    CalibrateCommand,
     Command,
     ErrorMessage,
+    FinishCalibrationCommand,
     PingCommand,
     RecordCommand,
     ReplayCommand,
+    UndoCalibrationCommand,
     parse,
 )
 from app.page.outlets import Outlets
@@ -119,7 +122,7 @@ class _Viewer:
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
     def _take(self, command: Command) -> None:
-        """Pass a command to recorder, replay or engine.
+        """Pass a command to recorder, replay, calibrator or engine.
 
         Raises:
             BrickPoseError: the command cannot be carried out; the message says why.
@@ -133,6 +136,12 @@ class _Viewer:
             program.replay.asked.ask(
                 command.paused, command.speed, command.position_s, command.step
             )
+        elif isinstance(command, CalibrateCommand):
+            outlets.calibrate(self.driver, command)
+        elif isinstance(command, FinishCalibrationCommand):
+            outlets.calibrator.finish()
+        elif isinstance(command, UndoCalibrationCommand):
+            outlets.calibrator.undo()
         elif not isinstance(command, PingCommand):
             outlets.drivers.put(self.driver, command)
 

@@ -1,14 +1,16 @@
-"""Outputs of the program besides the page: recordings, ROS 2 and Foxglove."""
+"""Outputs of the program besides the page: recordings, ROS 2, Foxglove and calibrations."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Protocol
 
 from app.console import say
-from app.engine.drivers import Drivers
+from app.engine.drive_calibrator import DriveCalibrator
+from app.engine.drivers import Driver, Drivers
 from app.engine.program import Program
+from app.messages.commands import CalibrateCommand
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
 from app.ros2.foxglove.foxglove import Foxglove
@@ -41,6 +43,7 @@ class Outlets:
     def __init__(self, program: Program) -> None:
         config = program.config
         self.drivers = Drivers.of(program)
+        self.calibrator = DriveCalibrator(program, lambda: datetime.now(UTC))
         self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
         self.inbox = Inbox(program, self.publisher.source, self.drivers)
         self.recorder = Recorder(
@@ -84,6 +87,18 @@ class Outlets:
         else:
             self.recorder.stop()
 
+    def calibrate(self, driver: Driver, command: CalibrateCommand) -> None:
+        """Let the robot drive to be calibrated, and follow it.
+
+        Raises:
+            CommandError: somebody else drives, or the last drive is not adjusted yet.
+        """
+        if command.start:
+            self.calibrator.require_collected()
+        self.drivers.put(driver, command)
+        if command.start:
+            self.calibrator.begin()
+
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
@@ -92,6 +107,7 @@ class Outlets:
 
     def close(self) -> None:
         """End all outputs, and wait until the recording is written; may be called twice."""
+        self.calibrator.close()
         self.recorder.close()
         for route in self._routes:
             route.close()

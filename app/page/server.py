@@ -33,6 +33,7 @@ from app.messages.answers import (
 )
 from app.messages.telemetry import TelemetryMessage
 from app.page.access import SameOriginOnly, own_names
+from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.floor_grid import floor_grid_router
@@ -96,13 +97,14 @@ def create_app(
     _add_page(app)
     _add_state(app, program, thread, (view, keeper), outlets)
     _add_field(app, program)
-    camera = CameraStream(program.engine.latest, program.scanner, thread.stopping)
+    camera = CameraStream(program.engine.latest, thread.stopping)
     _add_streams(app, view, camera)
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
     app.include_router(floor_grid_router(program))
     app.include_router(lens_router(program))
+    app.include_router(calibration_router(program, outlets.calibrator))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     return app
@@ -226,14 +228,13 @@ def _health(
 
 
 def _add_field(app: FastAPI, program: Program) -> None:
-    field = field_message(program)
     _, picture = cv2.imencode(".png", program.field.floor.image)
     png = picture.tobytes()
 
     @app.get("/api/field")
     def get_field() -> FieldMessage:
-        """The field and the robot on it."""
-        return field
+        """The field and the robot on it, as it is known now."""
+        return field_message(program)
 
     @app.get("/api/field.png", response_class=Response, responses=content("image/png"))
     def field_picture() -> Response:
@@ -254,10 +255,10 @@ def _add_field(app: FastAPI, program: Program) -> None:
     def ray_profile(ray: int) -> ProfileMessage:
         """What the scanner saw along one ray of the newest picture, and why it counted or not."""
         latest = program.engine.latest.get()
-        if latest is None or latest.line_scan is None:
+        if latest is None or latest.line_scan is None or latest.scanner is None:
             raise HTTPException(503, "The camera has sent no picture yet.")
         try:
-            return profile(program.scanner, latest.line_scan, ray)
+            return profile(latest.scanner, latest.line_scan, ray)
         except RayError as error:
             raise HTTPException(404, str(error)) from error
 

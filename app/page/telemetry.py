@@ -26,6 +26,7 @@ from app.page.belief import (
     integrity_message,
     particles_message,
 )
+from app.page.calibration import drive_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from robot.geometry import Array, Pose2
@@ -36,12 +37,11 @@ from robot.settings import Setting, describe
 
 
 class TelemetryWriter:
-    """Writes telemetry; it knows field, robot and scanner, which do not change, and the outputs."""
+    """Writes telemetry; it knows field and robot, which do not change, and the outputs."""
 
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self._field = program.field
         self._robot = program.robot
-        self._scanner = program.scanner
         self._outlets = outlets
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
@@ -57,43 +57,47 @@ class TelemetryWriter:
             mode=snapshot.mode,
             driver=driver_message(self._outlets.drivers.state),
             particles=particles_message(snapshot, self._field.extent),
-            scan=self._scan(snapshot),
+            scan=_scan_message(snapshot),
             robot=RobotMessage(
                 name=self._robot.name,
                 connected=snapshot.connected,
                 battery_v=snapshot.battery_v,
                 can_be_placed=isinstance(self._robot, RepositionableRobot),
+                calibrated=snapshot.calibrated if math.isfinite(snapshot.calibrated) else None,
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
             filter=filter_message(snapshot),
             problems=[*snapshot.problems, *self._outlets.failures],
             error_count=snapshot.problem_count,
             recording=self._outlets.recorder.status,
+            calibration=drive_message(self._outlets.calibrator.drive, snapshot.stamp),
             replay=_replay_message(snapshot.replay),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )
 
-    def _scan(self, snapshot: Snapshot) -> ScanMessage:
-        line_scan = snapshot.line_scan
-        table = self._scanner.table
-        if line_scan is None:
-            return ScanMessage(
-                stamp=0.0,
-                bearings=_rounded(table.bearings, 5),
-                ranges=[None] * len(table.bearings),
-                robot_from_scan=PoseMessage(x=table.centre[0], y=table.centre[1], theta=0.0),
-                robot=None,
-                tape_width=None,
-            )
-        start = line_scan.scan.robot_from_scan
+
+def _scan_message(snapshot: Snapshot) -> ScanMessage:
+    line_scan = snapshot.line_scan
+    if line_scan is None:
+        assert snapshot.scanner is not None  # a program that is served has a scanner
+        table = snapshot.scanner.table
         return ScanMessage(
-            stamp=line_scan.scan.stamp,
-            bearings=_rounded(line_scan.scan.bearings, 5),
-            ranges=[None if math.isinf(r) else round(r, 5) for r in line_scan.scan.ranges.tolist()],
-            robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
-            robot=pose_message(snapshot.scan_pose),
-            tape_width=tape_width(line_scan),
+            stamp=0.0,
+            bearings=_rounded(table.bearings, 5),
+            ranges=[None] * len(table.bearings),
+            robot_from_scan=PoseMessage(x=table.centre[0], y=table.centre[1], theta=0.0),
+            robot=None,
+            tape_width=None,
         )
+    start = line_scan.scan.robot_from_scan
+    return ScanMessage(
+        stamp=line_scan.scan.stamp,
+        bearings=_rounded(line_scan.scan.bearings, 5),
+        ranges=[None if math.isinf(r) else round(r, 5) for r in line_scan.scan.ranges.tolist()],
+        robot_from_scan=PoseMessage(x=start.x, y=start.y, theta=start.theta),
+        robot=pose_message(snapshot.scan_pose),
+        tape_width=tape_width(line_scan),
+    )
 
 
 def tape_width(line_scan: LineScan) -> float | None:
@@ -127,8 +131,10 @@ def pose_message(pose: Pose2 | None) -> PoseMessage | None:
 
 
 def field_message(program: Program) -> FieldMessage:
-    """Return what a page needs once."""
-    field, spec, scanner = program.field, program.robot.spec, program.scanner
+    """Return what a page needs once, and again after a calibration."""
+    latest, controls = program.engine.latest.get(), program.engine.controls
+    field, spec = program.field, latest.spec if latest else controls.spec
+    scanner = (latest and latest.scanner) or controls.localization.scanner
     drive, initial = program.config.drive, program.config.localization.filter
     lines = scanner.table.lines(9).round(1).tolist()
     return FieldMessage(

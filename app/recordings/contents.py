@@ -22,7 +22,6 @@ from app.recordings.attachments import (
 )
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.settings.config import MAPS, Config
-from app.settings.profiles import profile_file
 from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec
 from robot.description.urdf import parse_xml
@@ -36,9 +35,9 @@ def contents_of(program: Program) -> Contents:
         OSError, ValueError: a file is missing or unreadable by now.
     """
     latest = program.engine.latest.get()
-    config = program.config
+    config, spec = program.config, program.robot.spec
     if latest is not None:
-        config = replace(config, localization=latest.parameters)
+        config, spec = replace(config, localization=latest.parameters), latest.spec
     known = versions()
     map_files = list(_map_files(config.map) if config.map else _replayed(program, "map/"))
     facts = {
@@ -55,7 +54,7 @@ def contents_of(program: Program) -> Contents:
     attachments = (
         Attachment(SETTINGS, as_toml(config).encode()),
         *map_files,
-        *(_replayed(program, "robot/") or _robot_files(program.robot.spec, profile_file(config))),
+        *(_replayed(program, "robot/") or _robot_files(spec)),
         *_model_files(config, latest.own if latest else program.given),
         Attachment(VERSIONS, json.dumps(known, indent=1).encode()),
     )
@@ -90,12 +89,12 @@ def _map_files(name: str) -> Iterator[Attachment]:
     yield Attachment(f"map/{picture.name}", picture.read_bytes())
 
 
-def _robot_files(spec: RobotSpec, profile: Path | None) -> Iterator[Attachment]:
+def _robot_files(spec: RobotSpec) -> Iterator[Attachment]:
     """Yield the robot as drawn, and its profile if it has one."""
     drawn = spec.as_drawn
     yield Attachment(URDF, drawn.urdf.encode())
-    if profile is not None:
-        yield Attachment(PROFILE, profile.read_bytes())
+    if spec.profile:
+        yield Attachment(PROFILE, spec.profile.encode())
     for item in parse_xml(drawn.urdf).findall("ros2_control/sensor/param[@name='camera_info']"):
         lens = Path((item.text or "").strip())
         yield Attachment(f"robot/{lens}", (SPIKE.parent / lens).read_bytes())

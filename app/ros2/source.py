@@ -1,4 +1,4 @@
-"""What messages are made from, besides the snapshot: constant data, and the clock."""
+"""What messages are made from, besides the snapshot: field, settings, robot, and the clock."""
 
 from __future__ import annotations
 
@@ -78,33 +78,13 @@ class RosClock:
 
 
 @dataclass(frozen=True)
-class TopicSource:
-    """One robot on one field, with the settings of its topics."""
+class KnownRobot:
+    """The robot as it is known at a tick, and what follows from that."""
 
-    robot_name: str
     spec: RobotSpec
-    field: Field
     scanner: LineScanner
     drive: DifferentialDrive
     settings: Ros2Settings
-    timeout: float
-    """How long a drive command holds [s]."""
-    clock: RosClock
-
-    @classmethod
-    def of(cls, program: Program) -> TopicSource:
-        """Return the source for a program."""
-        spec, config = program.robot.spec, program.config
-        return cls(
-            program.robot.name,
-            spec,
-            program.field,
-            program.scanner,
-            DifferentialDrive(spec, config.drive.multipliers),
-            config.ros2,
-            config.drive.cmd_vel_timeout,
-            RosClock(),
-        )
 
     @cached_property
     def links(self) -> Links:
@@ -115,3 +95,40 @@ class TopicSource:
     def range_min(self) -> float:
         """The shortest distance at which any ray can see [m]."""
         return float(np.nanmin(self.scanner.table.limits[:, 0]))
+
+
+@dataclass
+class TopicSource:
+    """One robot on one field, with the settings of its topics."""
+
+    robot_name: str
+    field: Field
+    settings: Ros2Settings
+    timeout: float
+    """How long a drive command holds [s]."""
+    clock: RosClock
+    _robot: KnownRobot
+
+    @classmethod
+    def of(cls, program: Program) -> TopicSource:
+        """Return the source for a program."""
+        spec, config = program.engine.controls.spec, program.config
+        drive = DifferentialDrive(spec, config.drive.multipliers)
+        scanner = program.engine.localization.scanner
+        return cls(
+            program.robot.name,
+            program.field,
+            config.ros2,
+            config.drive.cmd_vel_timeout,
+            RosClock(),
+            KnownRobot(spec, scanner, drive, config.ros2),
+        )
+
+    def robot(self, snapshot: Snapshot) -> KnownRobot:
+        """Return the robot as it is known at a tick; only a calibration makes another."""
+        known, spec = self._robot, snapshot.spec
+        if known.spec is not spec or known.settings is not self.settings:
+            assert snapshot.scanner is not None  # a program with topics has a scanner
+            known = KnownRobot(spec, snapshot.scanner, known.drive.of(spec), self.settings)
+            self._robot = known
+        return known

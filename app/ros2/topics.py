@@ -12,7 +12,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "tf_static",
         "tf2_msgs/msg/TFMessage",
-        motion.never_changes,
+        motion.calibration_stamp,
         motion.static_transforms,
         quality=LATCHED,
     ),
@@ -68,7 +68,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "robot_description",
         "std_msgs/msg/String",
-        motion.never_changes,
+        motion.calibration_stamp,
         robot_state.robot_description,
         quality=LATCHED,
     ),

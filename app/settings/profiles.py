@@ -35,6 +35,16 @@ def profile_file(config: Config) -> Path | None:
     return path if path.exists() else None
 
 
+def written_file(config: Config) -> Path | None:
+    """Return the file that a running robot's calibration is written to.
+
+    None if the robot is simulated: its calibration ends with the program.
+    """
+    if config.robot != "buildhat":
+        return None
+    return profile_file(config) or own_profile(RobotSpec.load().name)
+
+
 def before(path: Path) -> Path:
     """Return the file that keeps the profile from before."""
     return path.with_name(path.name + BEFORE)

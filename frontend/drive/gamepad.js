@@ -58,7 +58,7 @@ export class GamepadInput {
     const pressed = pad.buttons.map((button) => button.pressed);
     const fresh = (/** @type {number} */ i) => pressed[i] && !this.#pressed[i];
     if (fresh(STOP_BUTTON)) this.drive.stop();
-    else if (fresh(FIGURE_EIGHT_BUTTON)) this.drive.setFigureEight(!this.drive.figureEight);
+    else if (fresh(FIGURE_EIGHT_BUTTON)) this.drive.setProgramme(this.drive.programme ? null : "figure_eight");
     this.#pressed = pressed;
   }
 }

@@ -1,12 +1,13 @@
 // @ts-check
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {{forward: number, turn: number}} Stick each from -1 to 1; turning left is positive */
+/** @typedef {"figure_eight" | "calibrate"} Programme what the robot drives by itself */
 
 /** Interval between renewals of a drive command [ms]: four fit into the shortest time-out. */
 const RENEW_MS = 50;
 /** Shortest interval between commands [ms]; else a moving stick is sent at once. */
 const SOONEST_MS = 25;
-/** A figure-eight is renewed so often within the time-out of drive commands. */
+/** A programme is renewed so often within the time-out of drive commands. */
 const RENEWALS = 5;
 /** Turning speed at full stick [rad/s] for each m/s of the chosen speed. */
 const TURN_PER_SPEED = 8;
@@ -22,7 +23,8 @@ export class Drive {
   maxOmega = 1;
   /** How long a command holds that is not renewed [ms]. */
   timeout = 300;
-  figureEight = false;
+  /** What this page lets the robot drive by itself. @type {Programme | null} */
+  programme = null;
   /** A recording cannot be driven, nor may everybody drive. */
   possible = true;
   /** Another page or program that drives; null if none does. @type {string | null} */
@@ -57,7 +59,7 @@ export class Drive {
     if (!this.possible || (stick ? this.other !== null : !this.#sticks.has(source))) return;
     if (stick) this.#sticks.set(source, stick);
     else this.#sticks.delete(source);
-    this.figureEight = false;
+    this.programme = null;
     if (this.#sticks.size > 0) return this.#run();
     this.#rest();
     this.#slowDown();
@@ -81,7 +83,7 @@ export class Drive {
     this.send({ type: "stop" });
   }
 
-  /** Stop if an input is held, as its release may not be seen; the figure-eight continues. */
+  /** Stop if an input is held, as its release may not be seen; a programme continues. */
   release() {
     if (this.#sticks.size > 0) this.#leave();
   }
@@ -91,12 +93,12 @@ export class Drive {
     this.#forget();
   }
 
-  /** @param {boolean} active */
-  setFigureEight(active) {
-    if (!this.possible || (active && this.other !== null)) return;
-    if (!active) return this.#leave();
+  /** Start a programme, or end it. @param {Programme | null} programme */
+  setProgramme(programme) {
+    if (!this.possible || (programme && this.other !== null)) return;
+    if (programme === null) return this.#leave();
     this.#forget();
-    this.figureEight = true;
+    this.programme = programme;
     this.#run();
   }
 
@@ -123,7 +125,7 @@ export class Drive {
 
   #forget() {
     this.#sticks.clear();
-    this.figureEight = false;
+    this.programme = null;
     this.#rest();
     for (const listener of this.#stopListeners) listener();
   }
@@ -148,9 +150,9 @@ export class Drive {
   #renew() {
     const now = performance.now();
     // Half a timer interval early counts as on time.
-    if (this.figureEight && now - this.#sent < this.timeout / RENEWALS - RENEW_MS / 2) return;
+    if (this.programme && now - this.#sent < this.timeout / RENEWALS - RENEW_MS / 2) return;
     this.#sent = now;
-    this.send(this.figureEight ? { type: "figure_eight" } : this.#command());
+    this.send(this.programme ? { type: this.programme } : this.#command());
   }
 
   /** @returns {Command} */

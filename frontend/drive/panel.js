@@ -33,7 +33,7 @@ export class DrivePanel {
     this.keys = new Keys(this.drive);
     this.gamepad = new GamepadInput(this.drive, (name) => setText(this.#pad, padText(name)));
     for (const stop of ["stop", "stop-thumb"]) this.#wireStop(findButton(stop));
-    this.#eight.onclick = () => this.drive.setFigureEight(!this.drive.figureEight);
+    this.#eight.onclick = () => this.drive.setProgramme(this.#drivesEight ? null : "figure_eight");
     this.#take.onclick = () => this.drive.take();
     this.#slider.addEventListener("input", () => this.#setSpeed());
     connection.onState((state) => state === "lost" && this.#lost());
@@ -76,6 +76,10 @@ export class DrivePanel {
     this.#hint.hidden = this.#who.textContent !== "";
   }
 
+  get #drivesEight() {
+    return this.drive.programme === "figure_eight";
+  }
+
   /** Stop acts on the press, not on the release. @param {HTMLButtonElement} button */
   #wireStop(button) {
     button.addEventListener("pointerdown", () => this.drive.stop());
@@ -99,7 +103,7 @@ export class DrivePanel {
   }
 
   #show() {
-    this.#eight.setAttribute("aria-pressed", String(this.drive.figureEight));
+    this.#eight.setAttribute("aria-pressed", String(this.#drivesEight));
     this.joystick?.show();
   }
 }

@@ -6,7 +6,7 @@ import { distance, millimetres, minutes, plain } from "./format.js";
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
-const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight" };
+const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight", calibrate: "calibrating" };
 const LINKS = { connecting: "connecting", lost: "disconnected" };
 
 /** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */
@@ -41,6 +41,7 @@ export class TopBar {
   /** @param {FieldMessage} field */
   setField(field) {
     this.#measured.hidden = !field.robot_measured;
+    setText(this.#measured, `calibrated ${field.robot_measured.split(",")[0]}`);
     this.#measured.title = `Calibrated ${field.robot_measured}`;
   }
 

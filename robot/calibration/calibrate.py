@@ -17,6 +17,8 @@ from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 
+START_COVARIANCE = np.diag(np.square([0.05, 0.05, math.radians(10)]))
+"""How well people can put a robot where they say [m, m, rad]."""
 SHORTEST_S = 5.0
 """Shortest drive that is adjusted [s]."""
 

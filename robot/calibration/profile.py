@@ -17,7 +17,7 @@ from robot.description.spec import RobotSpec
 from robot.description.urdf import SpecError
 from robot.geometry import Array
 from robot.settings import SettingError
-from robot.toml_file import read_toml
+from robot.toml_file import parse_toml, read_toml
 
 NEVER = datetime(1970, 1, 1, tzinfo=UTC)
 """When a robot was measured of which nothing is known."""
@@ -48,6 +48,31 @@ class Profile:
         """Return the profile of a robot of which nothing is known yet."""
         return cls(robot, NEVER, source, np.zeros(ROBOT), PRIORS[:ROBOT].copy())
 
+    @classmethod
+    def of(cls, built: RobotSpec) -> Profile:
+        """Return the profile that corrected a description."""
+        if not built.profile:
+            return cls.unmeasured(built.name, "")
+        return profile_of(parse_toml(built.profile, "the profile"))
+
+    def changed(
+        self,
+        values: Mapping[str, float],
+        sd: Mapping[str, float],
+        made: datetime | None,
+        source: str,
+    ) -> Profile:
+        """Return the profile with some values measured anew, by the unknowns' names.
+
+        What has no standard deviation gets that of a robot built by hand.
+        """
+        changed, changed_sd = self.values.copy(), self.sd.copy()
+        for name, value in values.items():
+            place = NAMES.index(name)
+            changed[place], changed_sd[place] = value, sd.get(name, PRIORS[place])
+        made = made or self.made
+        return replace(self, made=made, source=source, values=changed, sd=changed_sd)
+
     def applied_to(self, spec: RobotSpec) -> RobotSpec:
         """Return the description of the built robot.
 
@@ -57,8 +82,11 @@ class Profile:
         if spec.name != self.robot:
             raise SpecError(f"the profile is of the robot {self.robot!r}, not of {spec.name!r}")
         built = Differences(self.values).applied_to(self.with_lens(spec))
-        measured = f"{self.made:%Y-%m-%d}, {self.source or 'nobody knows from what'}"
-        return replace(built, measured=measured, measured_sd=self.sd)
+        source = self.source or "nobody knows from what"
+        measured = "" if self.made == NEVER else f"{self.made:%Y-%m-%d}, {source}"
+        text = self.to_toml()
+        sd = None if self.made == NEVER else self.sd
+        return replace(built, measured=measured, profile=text, measured_sd=sd)
 
     def with_lens(self, spec: RobotSpec) -> RobotSpec:
         """Return a description with the profile's lens, if it has one, and else as it is.
@@ -129,17 +157,17 @@ def profile_of(content: dict[str, Any]) -> Profile:
 
 
 def check_values(values: Mapping[str, float], sd: Mapping[str, float]) -> None:
-    """Refuse differences, or standard deviations, that no robot has.
+    """Refuse differences that no robot has, and standard deviations of no value.
 
     Raises:
         SpecError: a name is unknown, or a value impossible; names what is valid.
     """
-    for key, numbers, lowest in (("value", values, -1.0), ("sd", sd, 0.0)):
+    for key, least, numbers in (("value", -MOST_SD, values), ("sd", 0.0, sd)):
         for name, number in numbers.items():
             if name not in NAMES[:ROBOT]:
                 raise SpecError(f"there is no {name}; valid are {', '.join(NAMES[:ROBOT])}")
-            most = MOST_SD * PRIORS[NAMES.index(name)]
-            _number({key: number}, name, key, lowest * most, most)
+            prior = PRIORS[NAMES.index(name)]
+            _number({key: number}, name, key, least * prior, MOST_SD * prior)
 
 
 def _number(table: dict[str, Any], name: str, key: str, low: float, high: float) -> float:

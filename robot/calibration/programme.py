@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from robot.geometry import Twist2
 
+USUAL_S = 60.0
+"""How long a calibration drives [s]."""
 RAMP_S = 0.3
 """Time in which a part reaches its speed, and in which it ends [s]."""
 

@@ -43,6 +43,8 @@ class RobotSpec:
     """How much later than its exposure a picture is stamped [s]."""
     measured: str = ""
     """When and from what a calibration measured the robot; empty if none did."""
+    profile: str = field(default="", repr=False)
+    """The profile that corrected it, as the text of its file; empty if none did."""
     drawing: RobotSpec | None = field(default=None, repr=False)
     """The description before a calibration corrected it; None if none did."""
     measured_sd: Array | None = field(default=None, repr=False)

@@ -25,11 +25,11 @@ from app.settings.config import Config
 from app.settings.kept_profile import write_profile
 from app.settings.profiles import NONE, own_profile
 from robot.calibration.adjustment import CalibrationError, Solution
-from robot.calibration.calibrate import SHORTEST_S, Calibration, calibrate
+from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.profile import load_profile
-from robot.calibration.programme import velocity
+from robot.calibration.programme import USUAL_S, velocity
 from robot.calibration.unknowns import ROBOT, UNKNOWNS
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -37,10 +37,8 @@ from robot.geometry import Pose2
 from robot.interface import Reading, RobotError
 from robot.settings import SettingError
 
-SECONDS, LONGEST_S = 60.0, 600.0
-"""Usual and longest duration of a drive [s]."""
-START_COVARIANCE = np.diag(np.square([0.05, 0.05, math.radians(10)]))
-"""How well people can put a robot where they say [m, m, rad]."""
+LONGEST_S = 600.0
+"""Longest duration of a drive [s]."""
 OUT = Path("profile.toml")
 Report = Callable[[float, Solution], None]
 LIVE_ONLY = ("robot", "condition", "seed", "serial_port", "camera")
@@ -54,7 +52,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         CalibrationError: the drive does not tell what the robot is like; nothing is written then.
         SettingError, FieldError, RecordingError, OSError: says what cannot be used.
     """
-    seconds = given.pop("seconds", SECONDS)
+    seconds = given.pop("seconds", USUAL_S)
     if not SHORTEST_S <= seconds <= LONGEST_S:
         raise SettingError(f"--seconds is {seconds:g}; valid is {SHORTEST_S:g} to {LONGEST_S:g}")
     out, start = given.pop("out", None), given.pop("start", None)

@@ -42,7 +42,6 @@ class Scene:
 
     def __init__(self, server: viser.ViserServer, field: Field, spec: RobotSpec) -> None:
         self._server = server
-        self._spec = spec
         self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
         self._ticks = 0
         self._layers: frozenset[str] | None = None
@@ -51,15 +50,20 @@ class Scene:
         scene.set_up_direction("+z")
         self._floor(field)
         self._robot = scene.add_frame("/robot", show_axes=False)
-        for number, (colour, mesh) in enumerate(robot_meshes(spec.urdf).items()):
+        self._spec = spec
+        self._parts = [
             scene.add_mesh_simple(
                 f"/robot/{number}", mesh.vertices, mesh.faces, color=colour, flat_shading=True
             )
+            for number, (colour, mesh) in enumerate(robot_meshes(spec.urdf).items())
+        ]
         self._nodes = self._add_nodes(scene)
 
     def update(self, snapshot: Snapshot) -> None:
         """Show a snapshot."""
         self._ticks += 1
+        if snapshot.spec is not self._spec:
+            self._change_robot(snapshot.spec)
         self._paths["truth"].add(snapshot.truth)
         self._paths["odometry"].add(snapshot.odometry)
         self._paths["estimate"].add(snapshot.pose)
@@ -74,6 +78,12 @@ class Scene:
             if self._ticks % 5 == 0:
                 self._show_paths()
         self._server.flush()
+
+    def _change_robot(self, spec: RobotSpec) -> None:
+        """Show the robot as a calibration knows it: the same parts, a little elsewhere."""
+        self._spec = spec
+        for part, mesh in zip(self._parts, robot_meshes(spec.urdf).values(), strict=True):
+            part.vertices, part.faces = mesh.vertices.astype(np.float32), mesh.faces
 
     def _floor(self, field: Field) -> None:
         xmin, ymin, xmax, ymax = field.floor.extent

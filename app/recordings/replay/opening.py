@@ -139,7 +139,6 @@ def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
         engine,
         robot,
         field,
-        begin.scanner,
         config,
         pose_file,
         own.choice,

@@ -32,7 +32,7 @@ TWIST_COVARIANCE = in_space(np.diag(TWIST_VARIANCE))
 def odometry(source: TopicSource, snapshot: Snapshot) -> Message:
     """Dead reckoning, and the velocity from the measured wheel velocities."""
     settings = source.settings
-    twist = source.drive.twist(snapshot.reading.velocities)
+    twist = source.robot(snapshot).drive.twist(snapshot.reading.velocities)
     return new(
         "nav_msgs/msg/Odometry",
         header=header(source, snapshot.stamp, settings.odom_frame_id),
@@ -55,15 +55,15 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
         map_from_odom = snapshot.pose @ snapshot.odom_from_robot.inverse()
         result.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
     angles: Array = snapshot.reading.positions
-    for wheel, angle in zip(source.links.wheels, angles.tolist(), strict=True):
+    for wheel, angle in zip(source.robot(snapshot).links.wheels, angles.tolist(), strict=True):
         result.append(link_transform(source, stamp, wheel, wheel.turned(angle)))
     return new("tf2_msgs/msg/TFMessage", transforms=result)
 
 
 def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     """The transforms of the robot's fixed links."""
-    stamp = snapshot.stamp
-    result = [link_transform(source, stamp, item, item.turn) for item in source.links.fixed]
+    stamp, links = snapshot.stamp, source.robot(snapshot).links
+    result = [link_transform(source, stamp, item, item.turn) for item in links.fixed]
     return new("tf2_msgs/msg/TFMessage", transforms=result)
 
 
@@ -73,7 +73,7 @@ def joint_states(source: TopicSource, snapshot: Snapshot) -> Message:
     return new(
         "sensor_msgs/msg/JointState",
         header=header(source, reading.stamp, ""),
-        name=[joint.name for joint in source.spec.joints],
+        name=[joint.name for joint in source.robot(snapshot).spec.joints],
         position=reading.positions,
         velocity=reading.velocities,
         effort=np.empty(0),
@@ -102,6 +102,11 @@ def tick_stamp(snapshot: Snapshot) -> float:
 def each_second(snapshot: Snapshot) -> float:
     """The stamp of content that is new once a second."""
     return float(np.floor(snapshot.stamp))
+
+
+def calibration_stamp(snapshot: Snapshot) -> float:
+    """The stamp of content that only a calibration changes."""
+    return snapshot.calibrated  # UNCHANGING before the first calibration
 
 
 def never_changes(snapshot: Snapshot) -> float:

@@ -22,7 +22,7 @@ UNMEASURED = ("temperature", "current", "charge", "capacity", "design_capacity",
 
 def robot_description(source: TopicSource, snapshot: Snapshot) -> Message:
     """The URDF."""
-    return new("std_msgs/msg/String", data=source.spec.urdf)
+    return new("std_msgs/msg/String", data=source.robot(snapshot).spec.urdf)
 
 
 def battery_stamp(snapshot: Snapshot) -> float | None:

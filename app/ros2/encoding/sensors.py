@@ -29,8 +29,8 @@ def laser_scan(source: TopicSource, snapshot: Snapshot) -> Message:
         angle_increment=float((bearings[-1] - bearings[0]) / max(1, len(bearings) - 1)),
         time_increment=0.0,
         scan_time=0.0,
-        range_min=source.range_min,
-        range_max=float(source.scanner.settings.range_max),
+        range_min=source.robot(snapshot).range_min,
+        range_max=float(source.robot(snapshot).scanner.settings.range_max),
         ranges=scan.ranges.astype(np.float32),
         intensities=np.empty(0, dtype=np.float32),
     )
@@ -71,7 +71,7 @@ def compressed_image(source: TopicSource, snapshot: Snapshot) -> Message:
     coding = "mono8" if frame.image.ndim == 2 else "bgr8"
     return new(
         "sensor_msgs/msg/CompressedImage",
-        header=header(source, frame.stamp, source.links.camera),
+        header=header(source, frame.stamp, source.robot(snapshot).links.camera),
         # As image_transport writes it: the encoding of the picture, and of the compressed data.
         format=f"{coding}; jpeg compressed {coding}",
         data=np.asarray(data).ravel(),
@@ -82,10 +82,10 @@ def camera_info(source: TopicSource, snapshot: Snapshot) -> Message:
     """The lens parameters, with the stamp of the picture."""
     frame = snapshot.reading.frame
     assert frame is not None  # otherwise the stamp is None
-    lens = source.spec.lens
+    lens = source.robot(snapshot).spec.lens
     return new(
         "sensor_msgs/msg/CameraInfo",
-        header=header(source, frame.stamp, source.links.camera),
+        header=header(source, frame.stamp, source.robot(snapshot).links.camera),
         height=lens.height,
         width=lens.width,
         distortion_model=lens.model,

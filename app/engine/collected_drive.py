@@ -1,0 +1,97 @@
+"""The ticks of a calibration's drive, collected for its adjustment."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import Future
+from dataclasses import dataclass
+
+from app.engine.program import Program
+from app.engine.snapshot import Snapshot
+from app.messages.commands import SetPoseCommand
+from app.worker_process import WorkerProcess
+from robot.calibration.calibrate import START_COVARIANCE, Calibration, calibrate
+from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.description.spec import RobotSpec
+from robot.fields.field import Field
+from robot.geometry import Pose2
+from robot.localization.integrity import State
+
+NICENESS = 5
+"""An adjustment's share of the processor is what the control loop and other programs leave."""
+
+
+@dataclass(frozen=True)
+class _Job:
+    """What a process needs for an adjustment."""
+
+    log: DriveLog
+    spec: RobotSpec
+    field: Field
+    start: Pose2
+
+
+class CollectedDrive:
+    """One drive, from its first tick on; for one thread."""
+
+    def __init__(self, program: Program, first: Snapshot, process: WorkerProcess) -> None:
+        """Begin with the first tick; a process will adjust the drive."""
+        self.spec = first.spec.uncalibrated
+        """The robot as it would be without a calibration."""
+        self._field = program.field
+        self._process = process
+        # It loads what it needs while the robot drives.
+        process.submit(_give_way, NICENESS)
+        self._recorder = DriveRecorder(self.spec, program.config.scanner, program.field.tape)
+        known = first.integrity.state is State.CERTAIN and first.pose is not None
+        # Else where somebody told that it was, and how its wheels have turned since.
+        self._start = first.pose if known and first.pose else first.odometry
+        self.began = first.stamp
+        """Stamp of the first tick [s]."""
+        self._last = first
+        self.add(first)
+
+    @property
+    def seconds(self) -> float:
+        """Its duration [s]."""
+        return self._last.stamp - self.began
+
+    def add(self, snapshot: Snapshot) -> None:
+        """Add a tick."""
+        self._recorder.add(snapshot.reading)
+        self._last = snapshot
+
+    def adjusted(self) -> Future[Calibration]:
+        """Let the process adjust what was collected so far.
+
+        The future raises a CalibrationError if the drive does not tell what the robot is like.
+        """
+        job = _Job(self._recorder.log, self.spec, self._field, self._start)
+        return self._process.submit(_calibrate, job)
+
+    def pose_command(self, calibration: Calibration, newest: Snapshot) -> SetPoseCommand:
+        """Return the command that tells the filter where the robot is.
+
+        Args:
+            calibration: what the whole drive told.
+            newest: a tick after the drive, at whose end the robot stood.
+        """
+        solution = calibration.solution
+        moved = self._last.odom_from_robot.inverse() @ newest.odom_from_robot
+        pose = Pose2(*solution.state.poses[-1].tolist()) @ moved
+        covariance = (solution.pose_covariance + solution.pose_covariance.T) / 2
+        return SetPoseCommand(
+            type="set_pose",
+            x=pose.x,
+            y=pose.y,
+            theta=pose.theta,
+            covariance=covariance.ravel().tolist(),
+        )
+
+
+def _give_way(niceness: int) -> None:
+    os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+def _calibrate(job: _Job) -> Calibration:
+    return calibrate(job.log, job.spec, job.field, job.start, START_COVARIANCE)

@@ -1,0 +1,159 @@
+// @ts-check
+import { find, findButton, make, setText } from "../page/elements.js";
+import { millimetres, plain } from "../page/format.js";
+import { sentence } from "../page/toasts.js";
+import { getJson } from "../wire/http.js";
+import { UnknownRow } from "./row.js";
+
+/** @typedef {import("../messages").CalibrationDriveMessage} CalibrationDriveMessage */
+/** @typedef {import("../messages").CalibrationMessage} CalibrationMessage */
+/** @typedef {import("../messages").Command} Command */
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../drive/lease.js").Drive} Drive */
+/** @typedef {import("../wire/connection.js").Connection} Connection */
+
+/** Telemetry tells of a drive that was accepted within this time [ms]. */
+const BEGINS_MS = 1000;
+const HINT =
+  "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the" +
+  " robot about where the map shows it.";
+
+/** Calibration by driving: the button, what is known so far, and the way back. */
+export class CalibrationPanel {
+  /** On a phone, where the drive panel has no header, there is another one. */
+  #openers = ["calibration-open", "calibration-more"].map(findButton);
+  #more = findButton("more");
+  #panel = find("calibration", HTMLElement);
+  #state = find("calibration-state", HTMLElement);
+  #progress = find("calibration-progress", HTMLProgressElement);
+  #list = find("calibration-unknowns", HTMLElement);
+  #meaning = find("calibration-meaning", HTMLElement);
+  #start = findButton("calibration-drive");
+  #finish = findButton("calibration-finish");
+  #undo = findButton("calibration-undo");
+  #profile = find("calibration-profile", HTMLAnchorElement);
+  /** @type {UnknownRow[]} */
+  #rows = [];
+  /** @type {CalibrationMessage | null} */
+  #known = null;
+  /** What the numbers on the page were loaded for. */
+  #loaded = "";
+  /** When this page started the drive that it renews [ms]. */
+  #started = -Infinity;
+  /** Whether telemetry has told of that drive. */
+  #seen = false;
+
+  /**
+   * @param {Drive} drive
+   * @param {(command: Command) => Promise<boolean>} order
+   * @param {Connection} connection
+   */
+  constructor(drive, order, connection) {
+    this.drive = drive;
+    this.order = order;
+    for (const opener of this.#openers)
+      opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
+    findButton("calibration-close").onclick = () => this.#show(false);
+    for (const part of [...this.#openers, this.#panel])
+      part.addEventListener("keydown", (event) => this.#key(event));
+    this.#start.onclick = () => this.#begin();
+    this.#finish.onclick = () => order({ type: "finish_calibration" });
+    this.#undo.onclick = () => order({ type: "undo_calibration" });
+    connection.onState((state) => state !== "open" && (this.#loaded = ""));
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  follow(telemetry) {
+    const drive = telemetry.calibration ?? null;
+    this.#renew(drive);
+    if (this.#panel.hidden) return;
+    const key = `${drive?.state} ${drive?.adjusted} ${telemetry.robot.calibrated}`;
+    if (key !== this.#loaded) this.#load(key);
+    const driving = drive?.state === "drive";
+    this.#progress.hidden = !driving;
+    if (driving) {
+      this.#progress.max = drive.whole;
+      this.#progress.value = drive.seconds;
+    }
+    this.#start.hidden = driving;
+    this.#start.disabled =
+      !this.drive.possible || this.drive.other !== null || drive?.state === "adjust";
+    this.#finish.hidden = !driving;
+    this.#finish.disabled = !driving || drive.seconds < drive.fewest;
+    this.#finish.title = driving ? `From ${plain(drive.fewest)} s on` : "";
+    this.#undo.disabled = !this.#known?.undoable || !this.drive.possible || driving;
+    setText(this.#state, this.#words(drive, telemetry.replay !== null));
+  }
+
+  /** Let go of the drive when it is over. @param {CalibrationDriveMessage | null} drive */
+  #renew(drive) {
+    if (this.drive.programme !== "calibrate") return;
+    if (drive?.state === "drive") this.#seen = true;
+    else if (this.#seen || performance.now() - this.#started > BEGINS_MS)
+      this.drive.setProgramme(null);
+  }
+
+  async #begin() {
+    // These two are answered: the renewals that follow are not.
+    if (!(await this.order({ type: "take" })) || !(await this.order({ type: "calibrate", start: true }))) return;
+    this.#started = performance.now();
+    this.#seen = false;
+    this.drive.setProgramme("calibrate");
+  }
+
+  /** @param {CalibrationDriveMessage | null} drive @param {boolean} replayed */
+  #words(drive, replayed) {
+    if (replayed) return "A recording cannot be driven; its calibration is the recorded one.";
+    if (drive?.state === "drive") {
+      const seconds = `Driving: ${plain(drive.seconds)} s of ${plain(drive.whole)} s.`;
+      return drive.message ? `${seconds} Not yet: ${drive.message}.` : seconds;
+    }
+    if (drive?.state === "adjust") return "The robot stands; what it saw is being adjusted.";
+    if (drive?.state === "failed")
+      return `${sentence(drive.message ?? "")} Nothing was changed. ${HINT}`;
+    const measured = this.#known?.measured;
+    if (!measured) return `As described: nobody has calibrated this robot. ${HINT}`;
+    return sentence(`Calibrated ${[measured, drive?.message].filter(Boolean).join("; ")}`);
+  }
+
+  /** @param {boolean} open */
+  #show(open) {
+    this.#panel.hidden = !open;
+    for (const opener of this.#openers) opener.setAttribute("aria-expanded", String(open));
+    if (open) this.#more.setAttribute("aria-expanded", "false");
+    this.#loaded = "";
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    if (event.key !== "Escape" || this.#panel.hidden) return;
+    this.#show(false);
+    this.#openers.find((opener) => opener.checkVisibility())?.focus();
+  }
+
+  /** @param {string} key */
+  async #load(key) {
+    this.#loaded = key;
+    try {
+      this.#known = /** @type {CalibrationMessage} */ (await getJson("/api/calibration"));
+    } catch (error) {
+      setText(this.#meaning, `The calibration could not be read: ${sentence(error)}`);
+      return;
+    }
+    this.#write(this.#known);
+  }
+
+  /** @param {CalibrationMessage} known */
+  #write({ unknowns, position, advice, measured }) {
+    if (this.#rows.length !== unknowns.length) {
+      this.#rows = unknowns.map((unknown) => new UnknownRow(unknown));
+      this.#list.replaceChildren(...this.#rows.map((row) => row.element));
+    }
+    this.#rows.forEach((row, place) => row.show(unknowns[place]));
+    this.#profile.hidden = measured === "";
+    const lines = position === null ? [] : [`Together: the place is known to ± ${millimetres(position, 1)}.`];
+    if (advice.length > 0) lines.push(`To learn more: ${advice.join("; ")}.`);
+    this.#meaning.hidden = lines.length === 0;
+    this.#meaning.replaceChildren(...lines.map((line) => make("span", {}, line)));
+  }
+}
