@@ -93,14 +93,18 @@ class FloorCamera:
         for_clutter, for_light, for_glare = rng.spawn(3)
         littered = add_clutter(floor.scaled(settings.floor_scale), settings.clutter, for_clutter)
         lit = add_uneven_light(littered, settings.uneven_light, for_light)
-        floor = add_glare(lit, settings.glare, for_glare)
+        self._floor = add_glare(lit, settings.glare, for_glare)
         self._settings = settings
         self._rng = rng
-        self._samples = FloorSamples(view, floor, settings.exposure)
+        self.turn(view)
         self._light = _vignette(view.lens.width, view.lens.height, settings.vignetting)
         self._light *= settings.light
         self._noise = _noise_table(view, settings.noise, rng)
         self._size = (view.lens.height, view.lens.width)
+
+    def turn(self, view: FloorView) -> None:
+        """Look at the floor in another way, through the same lens; no picture may be under way."""
+        self._samples = FloorSamples(view, self._floor, self._settings.exposure)
 
     def picture(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
         """Take a grey picture (h, w) at a pose in the map, while moving with a twist.

@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 from robot.description.spec import RobotSpec
 from robot.settings import check_settings, setting
 
+BUMPS = ("none", "roll", "pitch", "yaw")
+
 
 @dataclass(frozen=True)
 class Imperfections:
@@ -46,6 +48,15 @@ class Imperfections:
     focal_length_sd: float = setting(
         0.0, "Relative error of the lens's focal length", low=0, high=0.1
     )
+    bump: str = setting(
+        "none", "Whether something bumps the camera, and about which axis of the robot it turns",
+        choices=BUMPS,
+    )  # fmt: skip
+    bump_time: float = setting(20.0, "When it is bumped", unit="s", low=0, high=3600)
+    bump_angle: float = setting(
+        1.0, "How far it turns then (REP-103: nose down, and to the left)", unit="degree",
+        low=-10, high=10,
+    )  # fmt: skip
     robot: int = setting(
         -1, "Seed of what one robot keeps: wheels, track, mounting; -1 is the run's seed",
         low=-1, high=2**32 - 1,
@@ -65,6 +76,17 @@ class Imperfections:
     def of_robot(self, rng: np.random.Generator) -> np.random.Generator:
         """Return the generator of a robot's permanent errors: from its own seed, or the run's."""
         return rng if self.robot < 0 else np.random.default_rng(self.robot)
+
+
+def bumped(spec: RobotSpec, imperfections: Imperfections) -> RobotSpec:
+    """Return the robot after its camera was bumped: turned where it is."""
+    if imperfections.bump == "none":
+        return spec
+    axis = np.eye(3)[BUMPS.index(imperfections.bump) - 1]
+    turn = Rotation.from_rotvec(math.radians(imperfections.bump_angle) * axis)
+    robot_from_camera = spec.robot_from_camera.copy()
+    robot_from_camera[:3, :3] = turn.as_matrix() @ robot_from_camera[:3, :3]
+    return replace(spec, robot_from_camera=robot_from_camera)
 
 
 MOUNTING = 2**31

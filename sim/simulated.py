@@ -98,14 +98,20 @@ class SimulatedRobot:
         rng: np.random.Generator,
         wait: Callable[[float], None] = no_wait,
         view: FloorView | None = None,
+        bump: tuple[float, FloorView] | None = None,
     ) -> None:
-        """Build the robot; ``view`` is its camera's true view, if it is not as described."""
+        """Build the robot.
+
+        ``view`` is its camera's true view, if it is not as described; ``bump`` says from which
+        stamp [s] on it has another one.
+        """
         self.name = name
         self.spec = spec
         self._world = world
         self._encoders = encoders
         self._settings = camera
         self._camera = FloorCamera(view or spec.floor_view, field.floor, camera, rng)
+        self._bump = bump
         self._wait = wait
         self._steps = round(PERIOD / world.step_time)
         if abs(self._steps * world.step_time - PERIOD) > 1e-9:
@@ -189,4 +195,7 @@ class SimulatedRobot:
 
     def _render(self, stamp: float) -> Future[NDArray[np.uint8]]:
         """Render the picture of a stamp while the program goes on."""
+        if self._bump is not None and stamp >= self._bump[0]:
+            self._camera.turn(self._bump[1])
+            self._bump = None
         return self._renderer.submit(self._camera.expose, *self._past.at(stamp))

@@ -37,7 +37,7 @@ from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletWorld, load_pybullet
 from sim.encoders import Encoders
-from sim.imperfections import Imperfections, draw
+from sim.imperfections import Imperfections, bumped, draw
 from sim.kinematic import KinematicWorld
 from sim.simulated import SimulatedRobot, no_wait
 
@@ -213,9 +213,19 @@ def build_simulated(
         true = draw(spec.as_drawn, config.sim.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.sim.physics)
         encoders = Encoders(spec, config.sim.imperfections, rng)
-        seen = true.floor_view
+        seen, imperfections = true.floor_view, config.sim.imperfections
+        bump = imperfections.bump_time, bumped(true, imperfections).floor_view
         return SimulatedRobot(
-            "Simulated robot", spec, field, world, encoders, config.sim.camera, rng, wait, seen
+            "Simulated robot",
+            spec,
+            field,
+            world,
+            encoders,
+            config.sim.camera,
+            rng,
+            wait,
+            seen,
+            None if imperfections.bump == "none" else bump,
         )
     perfect = Encoders(spec, Imperfections.none(), rng)
     return SimulatedRobot(

@@ -15,7 +15,7 @@ from robot.geometry import Pose2
 from robot.interface import Reading
 from robot.localization.integrity import Alert, Cause, State
 
-PATIENCE_S = 1.0
+PATIENCE_S = 0.5
 """A result is taken so long after its work began [s], on the robot's clock: drives repeat exactly,
 however fast the computer is. It is waited for only if it is not there by then."""
 NEAR = 0.02

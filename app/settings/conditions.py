@@ -58,6 +58,7 @@ CONDITIONS: Mapping[str, Preset] = MappingProxyType(
             "sim.camera.clutter": "all",
             **_late(0.030),
         },
+        **{f"bumped-{axis}": {"sim.imperfections.bump": axis} for axis in ("roll", "pitch", "yaw")},
         "as-real": _AS_REAL,
         "hand-built": {
             **_AS_REAL,

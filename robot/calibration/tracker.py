@@ -33,8 +33,8 @@ from robot.scanning.settings import LineScannerSettings
 
 PERIOD_S, STEP = 0.2, 0.05
 """Least time between two pictures that are used [s], and least turn of a wheel [rad]."""
-WINDOW, CHECK = 25, 12
-"""Pictures of a window, and new ones between two checks: 5 and 2.4 s of driving."""
+WINDOW, CHECK = 25, 9
+"""Pictures of a window, and new ones between two checks: 5 and 1.8 s of driving."""
 MEASURED = (25, 50, 75)
 """A camera that has moved is measured from so many pictures, each time better."""
 MEMORY_S = 60.0
@@ -44,6 +44,11 @@ SUSPECT = 11.3
 exceeds it by chance."""
 JUMP, JUMP_TURN = 0.02, 0.1
 """A pose that differs by more from what the wheels say since the last one has jumped [m, rad]."""
+ENDS = (12, 6)
+"""Pictures at the end of a window that are looked at alone: the camera may be bumped within it."""
+UNUSUAL, BLEND = 1.4, 0.2
+"""Edges of such a window lie farther off than usual by this factor; the share of what is usual that
+is learnt from one window."""
 DRAWN_SD = np.array([0.002, 0.002, 0.002, 5e-4, 5e-4, 5e-4, 0.003, 0.002, 0.02, 0.02, 0.02])
 """How well a robot is taken to be as drawn, if nobody calibrated it."""
 DRIFT_SD = np.array([2e-4, 2e-4, 2e-4, 5e-5, 5e-5, 5e-5, 0, 5e-4, 0.002, 0.002, 0.002, 0, 0, 0, 0])
@@ -102,6 +107,8 @@ class CalibrationTracker:
         self._path: dict[float, Array] = {}
         """Poses by stamp, as the last window that fitted had them."""
         self._learnt_until = -math.inf
+        self._usual = 1.0
+        """Residual of most windows, in the deviations that are expected."""
         self._moved_at: float | None = None
         """Stamp of the last picture before those from which a moved camera is measured."""
         self._working: tuple[Picture, ...] = ()
@@ -165,7 +172,8 @@ class CalibrationTracker:
             return None
         self._fresh, self._working = 0, window
         log, known, path = self._log(window), self._known, dict(self._path)
-        return lambda: self._checked(window, log, known, path)
+        usual = UNUSUAL * self._usual
+        return lambda: self._checked(window, log, known, path, usual)
 
     def _measuring(self, moved_at: float) -> Job | None:
         window = tuple(picture for picture in self._pictures if picture.stamp >= moved_at)
@@ -177,9 +185,17 @@ class CalibrationTracker:
         return lambda: self._check.measure(log, start, known, SHIFTED_MOST)
 
     def _checked(
-        self, window: tuple[Picture, ...], log: DriveLog, known: Known, path: dict[float, Array]
+        self,
+        window: tuple[Picture, ...],
+        log: DriveLog,
+        known: Known,
+        path: dict[float, Array],
+        usual: float,
     ) -> Finding | None:
-        """Return what a window says; None if nothing fits."""
+        """Return what a window says; None if nothing fits.
+
+        In a window without a bump, the edges lie not farther off than ``usual``, in deviations.
+        """
         if _is_smooth(window):
             poses = np.array([p.pose.to_array() for p in window if p.pose is not None])
             finding = self._check.check(log, poses, known)
@@ -191,11 +207,16 @@ class CalibrationTracker:
         begin = window[first]
         start = path[begin.stamp] if begin.pose is None else begin.pose.to_array()
         finding = self._check.measure(log.since(first), start, known)
-        if finding is None or finding.fits:
+        if finding is None or (finding.fits and finding.significance <= MOVED):
             return finding
-        # The camera may have been bumped within the window.
-        half = len(finding.poses) - CHECK
-        return self._check.measure(log.since(first + half), finding.poses[half], known)
+        # If the camera was bumped within the window, only its end fits as windows usually do.
+        findings = [finding]
+        for count in ENDS:
+            if findings[-1].residual > usual:
+                end = log.since(len(window) - count)
+                newest = self._check.measure(end, finding.poses[-count], known)
+                findings += [] if newest is None else [newest]
+        return min(findings, key=lambda each: each.residual)
 
     def take(self, finding: Finding | None) -> Update | None:
         """Take the result of a job; return what is to be taken over."""
@@ -228,6 +249,7 @@ class CalibrationTracker:
         """Learn a drift from a window, if none of it was learnt from before."""
         if stamps[0] < self._learnt_until:
             return None
+        self._usual += BLEND * (finding.residual - self._usual)
         tight, drift = finding.tight, DRIFT_SD**2 * (stamps[-1] - stamps[0]) / 60
         self._known = Known(tight.values, tight.covariance + np.diag(drift))
         self._learnt_until = stamps[-1]

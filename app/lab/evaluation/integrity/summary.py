@@ -14,6 +14,7 @@ Row = dict[str, Any]
 
 EXPECTED: dict[str, tuple[Cause, ...]] = {
     "askew": (Cause.CAMERA_ASKEW,),
+    **{f"bumped-{axis}": (Cause.CAMERA_ASKEW,) for axis in ("roll", "pitch", "yaw")},
     "late": (Cause.PICTURES_LATE,),
     "worn": (Cause.WHEEL_SIZE,),
     "slippery": (Cause.WHEEL_SLIP,),
