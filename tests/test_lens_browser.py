@@ -64,6 +64,7 @@ def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> Non
         verdict, taken = page.locator("#verdict"), page.locator("#taken")
         expect(verdict).to_have_text("Choose the board, then start.")
         page.get_by_role("button", name="Start").click()
+        expect(page.locator("#board-fields")).not_to_have_attribute("open", "")
         expect(verdict).to_contain_text("No chessboard of 9 x 6 inner corners in sight")
         expect(page.locator("#steps li").first).to_contain_text("upper left corner")
         assert [bar(page, name) for name in ("x", "y", "size", "tilt")] == [0, 0, 0, 0]
@@ -105,6 +106,20 @@ def test_a_lens_is_calibrated_on_the_page(browser, monkeypatch, tmp_path) -> Non
         page.reload()
         expect(taken).to_have_text(str(PICTURES))
         expect(page.locator("#result-model")).to_have_text("plumb_bob")
+
+
+def test_a_board_that_there_is_not_is_told_and_can_be_mended(browser) -> None:
+    with board_robot() as (_, address), page_at(browser, address, "/lens") as page:
+        page.locator("#board-kind").select_option("charuco")
+        page.locator("#board-dictionary").select_option("4x4_50")
+        page.locator("#board-columns").fill("30")
+        page.get_by_role("button", name="Start").click()
+        expect(page.locator("#banner")).to_contain_text("there are 50 of 4x4_50")
+        page.locator("#board-kind").select_option("chessboard")
+        page.locator("#board-columns").fill("10")
+        page.get_by_role("button", name="Start").click()
+        expect(page.locator("#verdict")).to_contain_text("No chessboard of 9 x 6")
+        expect(page.locator("#banner")).to_be_empty()
 
 
 def drawn(page: Page, canvas: str) -> int:

@@ -51,9 +51,16 @@ def test_after_a_gap_nobody_knows_whether_it_was_still() -> None:
     guide = LensGuide(CHESSBOARD)
     there = seen((320, 240))
     guide.look(0.0, there)
-    assert guide.look(1.5, there).words == "hold it still"
-    assert guide.look(1.5, there).words == "hold it still"  # the same picture once more
-    assert guide.look(1.75, there).verdict == "taken"
+    assert guide.look(2.5, there).words == "hold it still"
+    assert guide.look(2.5, there).words == "hold it still"  # the same picture once more
+    assert guide.look(3.75, there).verdict == "taken"
+
+
+def test_a_slow_computer_takes_what_did_not_move_meanwhile() -> None:
+    guide = LensGuide(CHESSBOARD)
+    guide.look(0.0, seen((320, 240)))
+    assert guide.look(1.8, seen((328, 240))).verdict == "moving"
+    assert guide.look(3.6, seen((329, 240))).verdict == "taken"
 
 
 def test_what_is_of_no_use_is_told_and_interrupts() -> None:

@@ -23,13 +23,15 @@ export class BoardForm {
   #start = findButton("start");
   /** The board that was looked for in the last status, as JSON. */
   #shown = "null";
+  /** The board that this page asked for, as JSON, until its first picture. */
+  #asked = "";
 
   /** @param {(request: LensStartRequest) => void} start */
   constructor(start) {
     this.#form.onsubmit = (event) => {
       event.preventDefault();
       start({ type: "start", board: this.board });
-      this.#details.open = false;
+      this.#asked = JSON.stringify(this.board);
     };
     this.#form.oninput = () => this.#show();
     this.#show();
@@ -52,6 +54,9 @@ export class BoardForm {
   follow({ board, taken }) {
     setText(this.#start, taken ? "Start anew" : "Start");
     const key = JSON.stringify(board);
+    // Folded only when it is looked for: a board that is refused has to be mended.
+    if (key === this.#asked && taken === 0) this.#details.open = false;
+    if (taken > 0) this.#asked = "";
     if (key === this.#shown) return;
     this.#shown = key;
     this.#details.open = board === null;

@@ -86,7 +86,8 @@ class Profile:
         measured = "" if self.made == NEVER else f"{self.made:%Y-%m-%d}, {source}"
         text = self.to_toml()
         sd = None if self.made == NEVER else self.sd
-        return replace(built, measured=measured, profile=text, measured_sd=sd)
+        drawing = spec.as_drawn  # with its own lens
+        return replace(built, measured=measured, profile=text, measured_sd=sd, drawing=drawing)
 
     def with_lens(self, spec: RobotSpec) -> RobotSpec:
         """Return a description with the profile's lens, if it has one, and else as it is.

@@ -18,8 +18,10 @@ STILL = 0.015
 """A board is still whose corners move by less than this share of the picture's diagonal in a
 second: 12 px/s at 640 x 480 px, which shear the picture of a rolling shutter of 20 ms by 0.25 px.
 """
-LONGEST_GAP_S = 1.0
+LONGEST_GAP_S = 2.0
 """Pictures farther apart do not tell whether the board is still [s]."""
+USUAL_GAP_S = 0.5
+"""In a longer gap it may move no farther than in this [s]: a slow computer looks rarely."""
 NEW = 0.2
 """A picture is new that differs from all others by so much in place, size and tilt together."""
 KNOWN = "there is a picture like this: move it or tilt it"
@@ -101,7 +103,7 @@ def _still(before: tuple[float, Sighting], newest: tuple[float, Sighting]) -> bo
         return False
     steps = [old.places[number] - new.places[number] for number in common]
     moved = float(np.linalg.norm(steps, axis=1).mean()) / math.hypot(*new.size)
-    return moved < STILL * (stamp - earlier)
+    return moved < STILL * min(stamp - earlier, USUAL_GAP_S)
 
 
 def _view(sighting: Sighting, board: Board) -> Array:
