@@ -18,7 +18,7 @@ from app.messages.lens import (
     Pixels,
 )
 from app.settings.kept_profile import profile_before, with_lens, write_profile
-from app.settings.profiles import NONE, own_profile, profile_file
+from app.settings.profiles import profile_file, written_file
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import parameters
 from robot.calibration.lens.coverage import missing
@@ -98,12 +98,7 @@ class CalibratedLens:
 
 def saved_profile(program: Program) -> Path | None:
     """Return the file of a real robot's profile; None for a simulated or recorded robot."""
-    config = program.config
-    if config.robot != "buildhat" or program.loop is not None:
-        return None
-    if config.profile and config.profile != NONE:
-        return Path(config.profile)
-    return own_profile(program.robot.spec.name)
+    return None if program.loop is not None else written_file(program.config)
 
 
 def outline(sighting: Sighting) -> Pixels:
