@@ -19,7 +19,7 @@ WALL_CLOCK = re.compile(
 )
 
 READERS = {
-    "app/lab/calibrate/command.py",  # the date of a profile
+    "app/lab/calibrate/calibrated_robot.py",  # the date of a profile
     "app/settings/kept_profile.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
