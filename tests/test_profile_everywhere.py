@@ -7,6 +7,7 @@ import pytest
 import yaml
 from engine_runs import kinematic, run
 from recordings import record
+from ros_messages import topic
 
 from app.command_line import main
 from app.engine.calibration_commands import calibration_command
@@ -18,7 +19,6 @@ from app.recordings.contents import contents_of
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.ros2.source import TopicSource
 from app.ros2.topic import UNCHANGING
-from app.ros2.topics import topic
 from robot.calibration.profile import Profile, profile_of
 from robot.calibration.unknowns import PRIORS, ROBOT
 from robot.description.spec import SPIKE, RobotSpec

@@ -9,12 +9,14 @@ import pytest
 from app.command_line import main
 from app.engine.build import robot_spec
 from app.settings.config import Config
-from app.settings.kept_profile import undo, write_profile
+from app.settings.kept_profile import undo, write_calibration, write_profile
 from app.settings.profiles import before, own_profile, profile_file
 from app.tools.doctor.finding import OK, PROBLEM, WARNING
 from app.tools.doctor.profile_check import check_profile
+from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.profile import Profile, load_profile
 from robot.description.spec import RobotSpec
+from robot.description.urdf import SpecError
 from robot.settings import SettingError
 
 SPEC = RobotSpec.load()
@@ -71,6 +73,19 @@ def test_undo_without_a_profile_says_what_makes_one(own):
     with pytest.raises(SettingError, match="calibrate drive makes one"):
         undo(own)
     assert not before(own).exists()
+
+
+def test_a_lens_that_was_measured_while_the_robot_ran_is_not_overwritten(own):
+    write_calibration(own, profile(0.001))
+    write_calibration(own, profile(0.002))
+    assert load_profile(own).values[5] == 0.002
+    measured = replace(profile(0.003), lens=MeasuredLens.of(SPEC.lens))
+    write_profile(own, measured)
+    with pytest.raises(SpecError, match="has another lens by now"):
+        write_calibration(own, profile(0.004))
+    assert own.read_text() == measured.to_toml()
+    write_calibration(own, replace(measured, source="a drive"))
+    assert load_profile(own).source == "a drive"
 
 
 def test_the_doctor_tells_what_is_wrong_with_a_profile(own):

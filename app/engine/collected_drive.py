@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 from concurrent.futures import Future
 from dataclasses import dataclass
+
+import numpy as np
 
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
@@ -19,6 +22,10 @@ from robot.localization.integrity import State
 
 NICENESS = 5
 """An adjustment's share of the processor is what the control loop and other programs leave."""
+
+
+STANDING_SD = np.array([0.002, 0.002, math.radians(0.5)])
+"""How far a robot that stands may have moved unnoticed while its drive is adjusted [m, m, rad]."""
 
 
 @dataclass(frozen=True)
@@ -79,13 +86,14 @@ class CollectedDrive:
         solution = calibration.solution
         moved = self._last.odom_from_robot.inverse() @ newest.odom_from_robot
         pose = Pose2(*solution.state.poses[-1].tolist()) @ moved
-        covariance = (solution.pose_covariance + solution.pose_covariance.T) / 2
+        sd = np.maximum(np.sqrt(np.diag(solution.pose_covariance)), STANDING_SD)
         return SetPoseCommand(
             type="set_pose",
             x=pose.x,
             y=pose.y,
             theta=pose.theta,
-            covariance=covariance.ravel().tolist(),
+            sd_xy=float(sd[:2].max()),
+            sd_theta=float(sd[2]),
         )
 
 

@@ -23,7 +23,7 @@ from app.engine.problems import LOG
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import StopCommand
-from app.settings.kept_profile import undo, write_profile
+from app.settings.kept_profile import undo, write_calibration
 from app.settings.profiles import written_file
 from app.worker_process import WorkerProcess
 from robot.calibration.adjustment import CalibrationError
@@ -31,6 +31,7 @@ from robot.calibration.calibrate import Calibration
 from robot.calibration.profile import Profile
 from robot.calibration.programme import USUAL_S
 from robot.calibration.unknowns import ROBOT
+from robot.description.urdf import SpecError
 from robot.errors import BrickPoseError, CommandError
 from robot.worker_thread import WorkerThread
 
@@ -242,9 +243,9 @@ class DriveCalibrator:
         words, path = None, written_file(program.config)
         if path is not None:
             try:
-                write_profile(path, profile)
-            except OSError as error:
-                words = f"it holds until the program ends: {path}: {error.strerror}"
+                write_calibration(path, profile)
+            except (SpecError, OSError) as error:
+                words = f"it holds until the program ends: {error}"
         adjusted = self._drive.adjusted + 1
         self._show(state="done", calibration=calibration, adjusted=adjusted, words=words)
 

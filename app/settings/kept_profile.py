@@ -11,7 +11,7 @@ import numpy as np
 
 from app.files import atomic_file
 from app.settings.profiles import before
-from robot.calibration.lens.lens_table import MeasuredLens
+from robot.calibration.lens.lens_table import MeasuredLens, table_lines
 from robot.calibration.profile import Profile, load_profile
 from robot.calibration.unknowns import FOCAL, PRIORS, ROTATION, SHIFT
 from robot.description.spec import RobotSpec
@@ -64,6 +64,22 @@ def write_profile(path: Path, profile: Profile) -> None:
         shutil.copyfile(path, before(path))
     with atomic_file(path) as new:
         new.write_text(profile.to_toml(), encoding="utf-8")
+
+
+def write_calibration(path: Path, profile: Profile) -> None:
+    """Write what was measured of a running robot, through the lens that it was started with.
+
+    Raises:
+        SpecError: the file has another lens by now, or is no profile: it is not overwritten.
+        OSError: it cannot be written.
+    """
+    if path.exists() and _lens_lines(load_profile(path)) != _lens_lines(profile):
+        raise SpecError(f"{path} has another lens by now; start again to look through that one")
+    write_profile(path, profile)
+
+
+def _lens_lines(profile: Profile) -> list[str]:
+    return [] if profile.lens is None else table_lines(profile.lens)
 
 
 def undo(path: Path) -> Path | None:
