@@ -25,6 +25,8 @@ MOST_PICTURES = 60
 """Pictures that are looked at, spread over the drive."""
 RAYS = 5
 """Neighbouring rays that see one piece of tape."""
+ENOUGH = 1e-4
+"""Share by which the last step may still change the errors, or the unknowns."""
 LEAST_PIECES = 100
 """With fewer pieces of tape, nothing is told."""
 FAR_OFF, USUAL = 30.0, 3.0
@@ -56,7 +58,9 @@ def camera_from_tape(seen: Sightings, twists: Array, width: float) -> Guess:
         return Guess()
     shares = np.zeros(len(TOLD))
     for scale in (FAR_OFF, USUAL):
-        solution = least_squares(pieces.errors, shares, loss="cauchy", f_scale=scale)
+        solution = least_squares(
+            pieces.errors, shares, loss="cauchy", f_scale=scale, ftol=ENOUGH, xtol=ENOUGH
+        )
         shares = solution.x
     jacobian = np.asarray(solution.jac, np.float64)
     covariance = np.linalg.inv(jacobian.T @ jacobian)

@@ -24,6 +24,8 @@ END = 0.03
 """Edges are not measured nearer to their ends than this [m], as corners round them off."""
 GRAZING = 0.15
 """Sine of the least angle between a ray and an edge that it measures."""
+PIXEL_STEP = 0.05
+"""Distance over which rays change, for their derivatives [px]."""
 FARTHEST = 5.0
 """Floor points farther than this are none [m]: the camera looks at the horizon."""
 
@@ -127,11 +129,12 @@ class Sightings:
         turn, place = pose[:3, :3], pose[:3, 3]
         seen = np.isfinite(self.pixels[:, :, 0])
         pixels = self.pixels[seen]
-        points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
-        at_edges = _on_floor(rays @ turn.T, place)
+        points = at_edges = _on_floor(rays @ turn.T, place)
+        if errors is not None:
+            points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
         # In the frame at the stamp, a row exposed later saw the floor from where the robot was.
         v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
         late = self.late[seen]
@@ -153,17 +156,14 @@ class Sightings:
         self, pixels: Array, rays: Array, focal: float, turn: Array, height: float
     ) -> tuple[Array, Array]:
         """Return derivatives of floor points: (n, 2, 7) by the camera, (n, 2, 2) by the pixel."""
-        small, apart = 1e-5, 0.5
-        changes = [
-            (self._rays(pixels, focal + small) - rays) / small,
-            *(
-                (self._rays(pixels + step, focal) - self._rays(pixels - step, focal)) / (2 * apart)
-                for step in apart * np.eye(2)
-            ),
-        ]
+        beside = (self._rays(pixels + step, focal) for step in PIXEL_STEP * np.eye(2))
+        by_column, by_row = ((moved - rays) / PIXEL_STEP for moved in beside)
+        # A longer lens sees what is nearer to the centre.
+        right, down = (-(pixels - self.spec.lens.matrix[:2, 2]) / (1 + focal)).T[:, :, None]
+        changes = np.stack([right * by_column + down * by_row, by_column, by_row])
         down = rays @ turn.T
         about_axes = np.cross(np.eye(3)[:, None, :], down)
-        turned = np.concatenate([about_axes, np.stack(changes) @ turn.T])
+        turned = np.concatenate([about_axes, changes @ turn.T])
         q, depth = down[:, :2], down[:, 2:]
         slopes = -height * (turned[..., :2] / depth - q * turned[..., 2:] / depth**2)
         by_camera = np.empty((len(pixels), 2, 7))
