@@ -22,6 +22,8 @@ FLOOR_SD = 0.00012
 """Standard deviation of the tape's edge on the floor [m]."""
 END = 0.03
 """Edges are not measured nearer to their ends than this [m], as corners round them off."""
+NEAR_END = -2
+"""Stands for an edge that is not measured so near to its end."""
 GRAZING = 0.15
 """Sine of the least angle between a ray and an edge that it measures."""
 PIXEL_STEP = 0.05
@@ -77,6 +79,8 @@ class Misses:
     """(n, 2) where they saw the floor, in the map [m]."""
     by_pixel: Array = field(repr=False)
     """(n, 2) by the pixel [1/px]."""
+    near_ends: int
+    """How many more lie so near to an edge's end that they do not count."""
 
 
 @dataclass(frozen=True)
@@ -214,7 +218,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     edge = nearest_edges(
         ends, np.ascontiguousarray(toward_tape.reshape(-1, 2)), seen.edges, seen.normals, gate, END
     )
-    matched = np.flatnonzero(edge >= 0)
+    matched, near_ends = np.flatnonzero(edge >= 0), int((edge == NEAR_END).sum())
     edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
     normal = seen.normals[edge]
     c, s = c[picture, 0], s[picture, 0]
@@ -249,6 +253,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
         seen.pixels.reshape(-1, 2)[matched],
         ends[matched],
         by_pixel / sd[:, None],
+        near_ends,
     )
 
 
@@ -257,6 +262,8 @@ def nearest_edges(
     points: Array, toward_tape: Array, edges: Array, normals: Array, gate: float, end: float
 ) -> NDArray[np.int64]:
     """Return the edge (n,) that each ray met, by where it did; -1 if none is near.
+
+    It is ``NEAR_END`` if that is near an end of the edge.
 
     Args:
         points: (n, 2) where the rays met edges, in the map [m]; nan gives -1.
@@ -283,6 +290,9 @@ def nearest_edges(
             ex, ey = edges[j, 2] - edges[j, 0], edges[j, 3] - edges[j, 1]
             length = math.hypot(ex, ey)
             margin = min(end, 0.25 * length)
-            if margin <= (ex * dx + ey * dy) / length <= length - margin:
+            along = (ex * dx + ey * dy) / length
+            if margin <= along <= length - margin:
                 best, result[i] = away, j
+            elif -margin <= along <= length + margin:
+                best, result[i] = away, NEAR_END
     return result
