@@ -161,7 +161,7 @@ class Adjustment:
             # An edge at the border of the gate may come and go for ever.
             if still or abs(before.cost - equations.cost) < SAME_COST:
                 break
-        share = len(equations.misses.residuals) / max(1, self._count)
+        share = len(equations.misses.residuals) / max(1, self._counting(equations.misses))
         return Solution(state, covariance, pose_covariance, equations.misses, equations.cost, share)
 
     def alone(self, solution: Solution, weights: Weights, by_others: Array) -> tuple[Array, Array]:
@@ -176,7 +176,7 @@ class Adjustment:
         seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
-        lost = self._count - len(seen.residuals)
+        lost = self._counting(seen) - len(seen.residuals)
         at_gate = weights.gate / (TYPICAL_SD * weights.doubt * CAUCHY)
         equations.cost += lost * CAUCHY**2 * math.log1p(at_gate**2)
         equations.add_pairs(*self._step_errors(state))
@@ -184,6 +184,10 @@ class Adjustment:
         equations.add_start(state.poses[0], self._start, self._start_information)
         equations.add_prior(state.values - weights.mean, weights.information)
         return equations
+
+    def _counting(self, seen: Misses) -> int:
+        """Return how many edges should lie on the field's: nobody measures at their ends."""
+        return self._count - seen.near_ends
 
     def _step_errors(self, state: State) -> tuple[Array, Array, Array, Array]:
         """Return errors of the steps (k - 1, 3), and their derivatives, in standard deviations.

@@ -11,6 +11,7 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from robot.calibration.sightings import FLOOR_SD, PIXEL_SD, FloorPoints, Sightings
@@ -25,6 +26,12 @@ MOST_PICTURES = 60
 """Pictures that are looked at, spread over the drive."""
 RAYS = 5
 """Neighbouring rays that see one piece of tape."""
+BENT, PARALLEL = 0.1, 0.97
+"""How bent the sides of a piece of tape may be, and the least cosine between them."""
+AGREEING = 1.0
+"""If most errors of the width are larger, nothing is told, in standard deviations."""
+ENOUGH = 1e-4
+"""Share by which the last step may still change the errors, or the unknowns."""
 LEAST_PIECES = 100
 """With fewer pieces of tape, nothing is told."""
 FAR_OFF, USUAL = 30.0, 3.0
@@ -54,10 +61,19 @@ def camera_from_tape(seen: Sightings, twists: Array, width: float) -> Guess:
     pieces = _Pieces(seen, twists, width)
     if len(pieces.picture) < LEAST_PIECES:
         return Guess()
-    shares = np.zeros(len(TOLD))
-    for scale in (FAR_OFF, USUAL):
-        solution = least_squares(pieces.errors, shares, loss="cauchy", f_scale=scale)
-        shares = solution.x
+    # Where strokes overlap, tape is wider than drawn. Where they often do, errors that are far off
+    # must not count from the beginning; elsewhere they have to, as all of them are far off.
+    for scales in ((FAR_OFF, USUAL), (USUAL,)):
+        shares = np.zeros(len(TOLD))
+        for scale in scales:
+            solution = least_squares(
+                pieces.errors, shares, loss="cauchy", f_scale=scale, ftol=ENOUGH, xtol=ENOUGH
+            )
+            shares = solution.x
+        if pieces.agree(shares):
+            break
+    else:
+        return Guess()
     jacobian = np.asarray(solution.jac, np.float64)
     covariance = np.linalg.inv(jacobian.T @ jacobian)
     values, sd = np.zeros(COUNT), PRIORS.copy()
@@ -79,6 +95,31 @@ class _Pieces:
         """(n, 1) of which picture."""
         self._near = first[:, None] + np.arange(RAYS)
         self._far = self._near + rays
+        straight = self._straight()
+        self.picture = self.picture[straight]
+        self._near, self._far = self._near[straight], self._far[straight]
+
+    def _straight(self) -> NDArray[np.bool_]:
+        """Return which pieces (n,) have straight sides that are about parallel.
+
+        Corners have not. However a camera looks, straight lines are straight.
+        """
+        floor = self._seen.floor_points(np.zeros(COUNT), self._twists)
+        directions, good = [], np.ones(len(self.picture), bool)
+        for side in (self._near, self._far):
+            points = floor.points[self.picture, side]
+            around = np.nan_to_num(points - points.mean(axis=1, keepdims=True))
+            spread, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", around, around))
+            good &= spread[:, 0] < (BENT * RAYS * np.sqrt(spread[:, 1]) / 10) ** 2
+            directions.append(axes[:, :, 1])
+        parallel = np.abs((directions[0] * directions[1]).sum(axis=1))
+        result: NDArray[np.bool_] = good & (parallel > PARALLEL)
+        return result
+
+    def agree(self, shares: Array) -> bool:
+        """Whether most pieces are as wide as the tape, with these unknowns (4,)."""
+        gaps = self.errors(shares)[2 * RAYS * len(self.picture) : -len(TOLD)]
+        return bool(np.median(np.abs(gaps)) < AGREEING)
 
     def errors(self, shares: Array) -> Array:
         """Return errors in standard deviations, and the priors' own.

@@ -20,6 +20,8 @@ STATE = 5
 BAND = 2 * STATE - 1
 CAUCHY = 3.0
 """Distance from which on an edge counts less, in standard deviations."""
+LEAST_INFORMATION = 1e-12
+"""What is known less counts as unknown [1/unit^2]."""
 SLIP_SD, SLIP_TIME = 0.04, 1.0
 """Standard deviation of a wheel's slip, and the time over which it forgets what it was [s]."""
 
@@ -160,6 +162,8 @@ class Equations:
         information = np.square(weighted).sum(axis=0) - known
         # At the solution the misses are as small as they get: they pull at the others only.
         pulls = -weighted.T @ (self._root[:, 0] * seen.residuals)
+        # Of one that no edge tells, nothing is said.
+        information = np.maximum(information, LEAST_INFORMATION)
         return pulls / information, 1 / np.sqrt(information)
 
     def _factor(self) -> Array:

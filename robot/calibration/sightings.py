@@ -22,8 +22,12 @@ FLOOR_SD = 0.00012
 """Standard deviation of the tape's edge on the floor [m]."""
 END = 0.03
 """Edges are not measured nearer to their ends than this [m], as corners round them off."""
+NEAR_END = -2
+"""Stands for an edge that is not measured so near to its end."""
 GRAZING = 0.15
 """Sine of the least angle between a ray and an edge that it measures."""
+PIXEL_STEP = 0.05
+"""Distance over which rays change, for their derivatives [px]."""
 FARTHEST = 5.0
 """Floor points farther than this are none [m]: the camera looks at the horizon."""
 
@@ -75,6 +79,8 @@ class Misses:
     """(n, 2) where they saw the floor, in the map [m]."""
     by_pixel: Array = field(repr=False)
     """(n, 2) by the pixel [1/px]."""
+    near_ends: int
+    """How many more lie so near to an edge's end that they do not count."""
 
 
 @dataclass(frozen=True)
@@ -127,11 +133,12 @@ class Sightings:
         turn, place = pose[:3, :3], pose[:3, 3]
         seen = np.isfinite(self.pixels[:, :, 0])
         pixels = self.pixels[seen]
-        points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
         right = pixels if errors is None else pixels - errors[seen]
         rays = self._rays(right, values[FOCAL])
         by_camera, by_pixel = self._derivatives(right, rays, values[FOCAL], turn, place[2])
-        at_edges = _on_floor(rays @ turn.T, place)
+        points = at_edges = _on_floor(rays @ turn.T, place)
+        if errors is not None:
+            points = _on_floor(self._rays(pixels, values[FOCAL]) @ turn.T, place)
         # In the frame at the stamp, a row exposed later saw the floor from where the robot was.
         v, omega = np.broadcast_to(twists[:, None], (*seen.shape, 2))[seen].T
         late = self.late[seen]
@@ -153,17 +160,14 @@ class Sightings:
         self, pixels: Array, rays: Array, focal: float, turn: Array, height: float
     ) -> tuple[Array, Array]:
         """Return derivatives of floor points: (n, 2, 7) by the camera, (n, 2, 2) by the pixel."""
-        small, apart = 1e-5, 0.5
-        changes = [
-            (self._rays(pixels, focal + small) - rays) / small,
-            *(
-                (self._rays(pixels + step, focal) - self._rays(pixels - step, focal)) / (2 * apart)
-                for step in apart * np.eye(2)
-            ),
-        ]
+        beside = (self._rays(pixels + step, focal) for step in PIXEL_STEP * np.eye(2))
+        by_column, by_row = ((moved - rays) / PIXEL_STEP for moved in beside)
+        # A longer lens sees what is nearer to the centre.
+        right, down = (-(pixels - self.spec.lens.matrix[:2, 2]) / (1 + focal)).T[:, :, None]
+        changes = np.stack([right * by_column + down * by_row, by_column, by_row])
         down = rays @ turn.T
         about_axes = np.cross(np.eye(3)[:, None, :], down)
-        turned = np.concatenate([about_axes, np.stack(changes) @ turn.T])
+        turned = np.concatenate([about_axes, changes @ turn.T])
         q, depth = down[:, :2], down[:, 2:]
         slopes = -height * (turned[..., :2] / depth - q * turned[..., 2:] / depth**2)
         by_camera = np.empty((len(pixels), 2, 7))
@@ -214,7 +218,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     edge = nearest_edges(
         ends, np.ascontiguousarray(toward_tape.reshape(-1, 2)), seen.edges, seen.normals, gate, END
     )
-    matched = np.flatnonzero(edge >= 0)
+    matched, near_ends = np.flatnonzero(edge >= 0), int((edge == NEAR_END).sum())
     edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
     normal = seen.normals[edge]
     c, s = c[picture, 0], s[picture, 0]
@@ -249,6 +253,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
         seen.pixels.reshape(-1, 2)[matched],
         ends[matched],
         by_pixel / sd[:, None],
+        near_ends,
     )
 
 
@@ -257,6 +262,8 @@ def nearest_edges(
     points: Array, toward_tape: Array, edges: Array, normals: Array, gate: float, end: float
 ) -> NDArray[np.int64]:
     """Return the edge (n,) that each ray met, by where it did; -1 if none is near.
+
+    It is ``NEAR_END`` if that is near an end of the edge.
 
     Args:
         points: (n, 2) where the rays met edges, in the map [m]; nan gives -1.
@@ -283,6 +290,9 @@ def nearest_edges(
             ex, ey = edges[j, 2] - edges[j, 0], edges[j, 3] - edges[j, 1]
             length = math.hypot(ex, ey)
             margin = min(end, 0.25 * length)
-            if margin <= (ex * dx + ey * dy) / length <= length - margin:
+            along = (ex * dx + ey * dy) / length
+            if margin <= along <= length - margin:
                 best, result[i] = away, j
+            elif -margin <= along <= length + margin:
+                best, result[i] = away, NEAR_END
     return result
