@@ -15,6 +15,7 @@ def test_a_calibrated_robot_errs_less_than_a_drawn_one() -> None:
     assert (errors.odometry >= CHANGED).all()
     assert (errors.mounting[:2] < drawn.mounting[:2]).all()
     assert errors.mounting[2] == drawn.mounting[2]  # the map is no part of the robot
+    assert (errors.measured > 0).all() and not drawn.measured.any()
 
 
 def test_what_was_not_measured_errs_as_before() -> None:

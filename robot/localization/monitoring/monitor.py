@@ -101,6 +101,8 @@ class Monitor:
         """
         self.use(evidence)
         self._mounting = mounting
+        self._measured = np.diag(errors.measured**2)
+        """Covariance (3, 3) of what a calibration leaves open, along the robot's axes."""
         self._odometry = OdometryCheck(errors)
         self._camera = MountingCheck(errors)
         self._tilt_of_steps = np.zeros(2)
@@ -286,6 +288,9 @@ class Monitor:
             self._odometry.step_covariance if recently else NO_DOUBT.covariance,
         )
         torn = float(errors.rest.max()) > TORN
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        known = known + rotation @ self._measured @ rotation.T
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
 
 

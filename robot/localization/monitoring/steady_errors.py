@@ -28,6 +28,10 @@ class SteadyErrors:
     """(7,) in the order of ``odometry_check.ERRORS``."""
     mounting: Array = field(default_factory=CAREFUL_MOUNT.copy, repr=False)
     """(3,) of pitch, roll [rad] and the map's scale [-]."""
+    measured: Array = field(default_factory=lambda: np.zeros(3), repr=False)
+    """(3,) of the camera's place and yaw on the robot, as a calibration says [m, m, rad]; zero if
+    it was not calibrated, as nobody says then how wrong the drawing is. The pose errs as they do,
+    and no scan tells."""
 
     @classmethod
     def calibrated(cls, sd: Array, track: float) -> SteadyErrors:
@@ -43,4 +47,5 @@ class SteadyErrors:
         # A drive that told nothing of some of them leaves them as wide as they were.
         odometry = np.minimum(np.hypot(left_open, CHANGED), UNCALIBRATED)
         tilt = np.minimum(np.hypot([pitch, roll], SAME_MOUNT), CAREFUL_MOUNT[:2])
-        return cls(odometry, np.append(tilt, CAREFUL_MOUNT[2]))
+        measured = np.minimum([x, y, yaw], UNCALIBRATED[4:])
+        return cls(odometry, np.append(tilt, CAREFUL_MOUNT[2]), measured)
