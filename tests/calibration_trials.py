@@ -60,7 +60,7 @@ def main() -> None:
     errors = []
     for seed in range(*given.seeds):
         motion = MOTIONS[given.motion]
-        log, true, _ = driven(given.world, seed, given.seconds, motion, taped)
+        log, true, _ = driven(given.world, seed, given.seconds, motion, given.map)
         try:
             found = calibrate(log, SPEC, taped, placed(seed, taped), START_COVARIANCE)
         except CalibrationError as error:

@@ -30,9 +30,10 @@ def driven(
     seed: int,
     seconds: float,
     motion: Callable[[float], Twist2] = velocity,
-    taped: Field = SQUARE,
+    map_name: str = "square",
 ) -> tuple[DriveLog, Array, Array]:
     """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
+    taped = load_field(map_name, MAPS)
     config = apply_condition(Config(robot="sim"), world)
     # More pictures than the recorder takes would only be rendered.
     camera = replace(config.sim.camera, frame_rate=10.0)
