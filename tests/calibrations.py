@@ -1,5 +1,6 @@
 """Drives of simulated robots that calibrate themselves."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -13,7 +14,8 @@ from robot.calibration.programme import velocity
 from robot.calibration.unknowns import COUNT, Differences
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
-from robot.geometry import Array, Pose2
+from robot.fields.field import Field
+from robot.geometry import Array, Pose2, Twist2
 from sim.imperfections import draw
 from sim.simulated import no_wait
 
@@ -23,15 +25,22 @@ START_COVARIANCE = np.diag(np.square([0.05, 0.05, 0.17]))
 
 
 @cache
-def driven(world: str, seed: int, seconds: float) -> tuple[DriveLog, Array, Array]:
+def driven(
+    world: str,
+    seed: int,
+    seconds: float,
+    motion: Callable[[float], Twist2] = velocity,
+    map_name: str = "square",
+) -> tuple[DriveLog, Array, Array]:
     """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
+    taped = load_field(map_name, MAPS)
     config = apply_condition(Config(robot="sim"), world)
     # More pictures than the recorder takes would only be rendered.
     camera = replace(config.sim.camera, frame_rate=10.0)
     config = replace(config, sim=replace(config.sim, camera=camera))
     true = draw(SPEC, config.sim.imperfections, Streams.of(seed).robot)
-    robot = build_simulated(config, SPEC, SQUARE, Streams.of(seed).robot, no_wait)
-    recorder, drive = DriveRecorder(SPEC, config.scanner), DifferentialDrive(SPEC)
+    robot = build_simulated(config, SPEC, taped, Streams.of(seed).robot, no_wait)
+    recorder, drive = DriveRecorder(SPEC, config.scanner, taped.tape), DifferentialDrive(SPEC)
     truths = []
     try:
         while not truths or truths[-1][0] < seconds:
@@ -39,7 +48,7 @@ def driven(world: str, seed: int, seconds: float) -> tuple[DriveLog, Array, Arra
             recorder.add(reading)
             assert reading.truth is not None
             truths.append((reading.stamp, *reading.truth.to_array()))
-            robot.write(drive.wheels(velocity(reading.stamp)))
+            robot.write(drive.wheels(motion(reading.stamp)))
     finally:
         robot.close()
     values = np.zeros(COUNT)
@@ -53,7 +62,7 @@ def driven(world: str, seed: int, seconds: float) -> tuple[DriveLog, Array, Arra
     return log, values, np.column_stack(poses)
 
 
-def placed(seed: int) -> Pose2:
+def placed(seed: int, taped: Field = SQUARE) -> Pose2:
     """Where somebody says that the robot is: off by some centimetres and degrees."""
     error = np.random.default_rng(seed).normal(0.0, (0.03, 0.03, 0.1))
-    return Pose2(*(SQUARE.start.to_array() + error).tolist())
+    return Pose2(*(taped.start.to_array() + error).tolist())

@@ -136,3 +136,22 @@ def test_a_drive_refuses_a_lens_for_other_pictures(tmp_path: Path, capsys) -> No
     assert main(["calibrate", "drive", *given]) == 1
     assert "lens is for pictures of 1280 x 720 px" in capsys.readouterr().err
     assert path.read_text() == text
+
+
+def test_a_drive_does_not_overwrite_the_profile_of_another_robot(tmp_path: Path, capsys) -> None:
+    text = TEXT.replace(f'robot = "{SPEC.name}"', 'robot = "other"')
+    assert text != TEXT
+    path = written(tmp_path, text)
+    given = ["--robot", "kinematic", "--seconds", "12", "--out", str(path)]
+    assert main(["calibrate", "drive", *given]) == 1
+    assert "is of the robot 'other'" in capsys.readouterr().err
+    assert path.read_text() == text
+
+
+@pytest.mark.parametrize("x", ["9", "nan"])
+def test_a_start_that_is_not_on_the_field_is_refused(x: str, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "profile.toml"
+    given = ["--robot", "kinematic", "--seconds", "12", "--start", x, "0", "0"]
+    assert main(["calibrate", "drive", *given, "--out", str(path)]) == 2
+    assert "is not on the field square" in capsys.readouterr().err
+    assert not path.exists()

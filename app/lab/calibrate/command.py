@@ -22,13 +22,12 @@ from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
-from app.settings.kept_profile import write_profile
+from app.settings.kept_profile import profile_before, write_profile
 from app.settings.profiles import NONE, own_profile
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder
 from robot.calibration.lens.lens_table import MeasuredLens
-from robot.calibration.profile import load_profile
 from robot.calibration.programme import USUAL_S, velocity
 from robot.calibration.unknowns import ROBOT, UNKNOWNS
 from robot.description.spec import RobotSpec
@@ -60,7 +59,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         real = given.get("robot") == "buildhat"
         out = own_profile(RobotSpec.load().name) if real else OUT
     pose = None if start is None else Pose2(*start)
-    lens = load_profile(out).lens if out.exists() else None
+    lens = profile_before(out, RobotSpec.load()).lens
     page = given.pop("report", out.with_suffix(".html"))
     recording = given.pop("recording", None)
     report = _show if sys.stderr.isatty() else _silent
@@ -75,6 +74,7 @@ def calibrate_drive(given: dict[str, Any]) -> int:
         result = calibrate_recording(recording, given.get("map"), seconds, pose, report, lens)
     for line in lines_of(result.calibration):
         say(line)
+    profile_before(out, result.spec)
     write_profile(out, result.profile)
     with atomic_file(page) as new:
         new.write_text(drive_report(result), encoding="utf-8")
@@ -113,6 +113,7 @@ def calibrate_by_driving(
     config = replace(config, profile=NONE)
     program = build_program(config)
     try:
+        program.field.require_inside(start or program.field.start)
         spec = _seen_through(lens, program.robot.spec)
         recorder = DriveRecorder(spec, config.scanner, program.field.tape)
         for reading in _driven(program, seconds):
@@ -163,6 +164,7 @@ def calibrate_recording(
     program = open_replay(path, ReplayOptions(map=map_name))
     first: float | None = None
     try:
+        program.field.require_inside(start or program.field.start)
         spec = _seen_through(lens, program.robot.spec.as_drawn)
         recorder = DriveRecorder(spec, program.config.scanner, program.field.tape)
         while True:
