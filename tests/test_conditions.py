@@ -26,7 +26,8 @@ from sim.simulated import SimSettings
 
 NAMES = [
     *("default", "noisy", "dark", "uneven", "cluttered", "fast", "askew", "late", "worn"),
-    *("slippery", "stretched", "sparse", "gaps", "all-at-once", "as-real", "hand-built"),
+    *("slippery", "stretched", "sparse", "gaps", "all-at-once"),
+    *("bumped-roll", "bumped-pitch", "bumped-yaw", "as-real", "hand-built"),
 ]
 
 

@@ -69,6 +69,7 @@ def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, 
                 "connected": True,
                 "battery_v": pytest.approx(8.0, abs=0.1),
                 "can_be_placed": False,
+                "calibrated": None,
             }
         picture = httpx.get(f"{server.url}/camera.jpg")
         assert picture.headers["content-type"] == "image/jpeg"
