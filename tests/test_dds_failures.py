@@ -84,11 +84,18 @@ def test_a_flood_of_commands_is_thinned_out_and_the_engine_keeps_its_pace():
     with rig_and_peer(Peer) as (rig, peer):
         peer.write("rt/cmd_vel", STAMPED)
         peer.wait("matched", "rt/cmd_vel")
+        # The peer knows the robot now; the robot may know the peer a second later.
+        rig.until(
+            lambda now: now.twist.v > 0,
+            each=lambda: peer.send("rt/cmd_vel", stamped(rig.source, 0.02)),
+        )
+        rig.until(lambda now: now.twist.v == 0)
         begun = len(rig.seen)
         for _ in range(3000):
             peer.send("rt/cmd_vel", stamped(rig.source, 0.05))
         peer.wait("sent", "rt/cmd_vel", after=len(peer.events) - 1)
-        rig.until(lambda now: now.twist.v > 0)
+        # It may have driven, and stopped again, before the peer said that all is sent.
+        rig.until(lambda _: any(tick.twist.v > 0 for tick in rig.seen[begun:]))
         ticks = rig.seen[begun:]
         taken = [one for now in ticks for one in now.commands if isinstance(one, DriveCommand)]
         seconds = ticks[-1].stamp - ticks[0].stamp
