@@ -88,8 +88,9 @@ def test_trouble_at_the_board_stops_them_is_told_and_can_be_cured(
     try:
         begin, _ = state(hat)
         assert time_to_stop(hat, begin) < STOP_S
-        # A wheel that nobody asks to turn any more is no problem: what was told stays on record.
-        until(live, lambda _: message in httpx.get(f"{server.url}/api/problems").text)
+        # The command may have ended before a blocked wheel was noticed: it is given again.
+        record = f"{server.url}/api/problems"
+        drive_until(live, SPEED, lambda _: message in httpx.get(record).text)
     finally:
         hat.ask(cure)
     until(live, lambda now: now["robot"]["connected"] and not now["problems"])
