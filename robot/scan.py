@@ -32,6 +32,10 @@ class Scan:
     clear: Array | None = None
     """(k,) probability that a ray returns an edge that it meets, by the noise and the light of the
     picture; None means certainty."""
+    hidden: Array | None = None
+    """(k, 2) from where to where [m] something else lies on each ray that may hide an edge: a shoe
+    on the floor, for example. Without such a thing it is from inf to -inf; None means no ray has
+    one."""
 
     def within(self, low: float, high: float) -> Scan:
         """Return the same scan as a laser with this range would report it.

@@ -12,6 +12,7 @@ from one look-up; only the others are sampled. The result is the same to the las
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -30,6 +31,13 @@ SAMPLES = (4, 8)
 FOOTPRINT_M = 0.0015
 """Length of floor, along the view, that one sample should cover at most [m]."""
 
+EXPOSURE_S = 0.0025
+"""Part of an exposure that one sample should cover at most [s]: a fast robot moves by a millimetre
+meanwhile. With fewer samples, blurred edges become steps, and each step an edge."""
+
+MOST_SAMPLES = 32
+"""Most samples of a pixel."""
+
 MARGIN_PX = 2.0
 """Interpolation looks one pixel further than the sample; rounding takes the other."""
 
@@ -42,7 +50,7 @@ class FloorSamples:
         self._floor = floor
         self._exposure = exposure
         self._size = (view.lens.height, view.lens.width)
-        bands = _bands(view)
+        bands = _bands(view, exposure)
         self._points, self._times = _samples(view, bands, exposure)
         counts = [band.samples for band in bands for _ in range(band.first, band.last)]
         self._counts = np.array(counts)
@@ -101,16 +109,21 @@ class _Band:
     samples: int
 
 
-def _bands(view: FloorView) -> list[_Band]:
-    """Cut the picture into bands; rows whose pixels cover much floor use more samples."""
+def _bands(view: FloorView, exposure: float) -> list[_Band]:
+    """Cut the picture into bands; rows whose pixels cover much floor use more samples.
+
+    An exposure that takes long [s] needs as many in all rows.
+    """
     height = view.lens.height
     middle = np.full(height + 1, (view.lens.width - 1) / 2)
     floor = view.floor_points(np.column_stack([middle, np.arange(height + 1) - 0.5]))
     footprint = np.linalg.norm(np.diff(floor, axis=0), axis=1)
     wanted = np.nan_to_num(footprint / FOOTPRINT_M, nan=np.inf)
-    level = np.searchsorted(SAMPLES[:-1], wanted)
-    cuts = [0, *(np.flatnonzero(np.diff(level)) + 1), height]
-    return [_Band(a, b, SAMPLES[level[a]]) for a, b in pairwise(cuts)]
+    by_footprint = np.array(SAMPLES)[np.searchsorted(SAMPLES[:-1], wanted)]
+    moments = max(1.0, exposure / EXPOSURE_S)
+    samples = np.maximum(by_footprint, min(2 ** math.ceil(math.log2(moments)), MOST_SAMPLES))
+    cuts = [0, *(np.flatnonzero(np.diff(samples)) + 1), height]
+    return [_Band(a, b, int(samples[a])) for a, b in pairwise(cuts)]
 
 
 def _samples(

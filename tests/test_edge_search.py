@@ -28,8 +28,15 @@ def answer(*edges: tuple[float, float], length: int = 120) -> NDArray[np.int16]:
 
 def pairs_of(answers: NDArray[np.int16]) -> tuple[list[tuple[int, int]], int]:
     pairs = np.zeros((PAIRS, 2, 2), dtype=np.int32)
-    met = find_pairs(answers, 2, 25.0, pairs)
+    met = find_pairs(answers, 2, 25.0, pairs, np.empty(2))
     return [(int(entry), int(leave)) for entry, leave in pairs[: met // 2, :, 0]], met
+
+
+def single_of(answers: NDArray[np.int16]) -> list[float]:
+    single = np.empty(2)
+    find_pairs(answers, 2, 25.0, np.zeros((PAIRS, 2, 2), dtype=np.int32), single)
+    result: list[float] = single.tolist()
+    return result
 
 
 @pytest.mark.parametrize(
@@ -97,6 +104,26 @@ def test_noise_widens_the_kernel_and_then_raises_the_threshold() -> None:
     assert threshold == pytest.approx(3.5 * 15 * math.sqrt(2 / 3))
 
 
+@pytest.mark.parametrize(
+    ("edges", "single"),
+    [
+        ([(40, 0)], (math.nan, math.nan)),
+        ([(40, -20), (80, 20)], (math.nan, math.nan)),  # too weak
+        ([(40, -90), (80, 90)], (math.nan, math.nan)),
+        ([(40, -90), (60, 90), (80, 90)], (math.nan, math.nan)),
+        ([(40, -90)], (math.nan, 40)),
+        ([(20, -90), (40, 90), (60, -90)], (math.nan, 60)),
+        ([(30, 90)], (30, math.nan)),  # begins in something dark
+        ([(20, 90), (30, 90), (50, -90), (80, 90)], (30, math.nan)),
+        ([(30, 90), (50, -90)], (30, 50)),
+    ],
+)
+def test_an_exit_without_entry_and_an_entry_without_exit_are_told(
+    edges: list[tuple[float, float]], single: tuple[float, float]
+) -> None:
+    assert single_of(answer(*edges)) == pytest.approx(single, nan_ok=True)
+
+
 def vertical_ray(length: int = 60) -> tuple[NDArray[np.uint32], NDArray[np.float32]]:
     """One ray up a picture 40 pixels wide, a sample a pixel, half a pixel beside the columns."""
     rows = 80 - np.arange(length)
@@ -119,7 +146,7 @@ def test_an_edge_is_found_between_the_pixels(shift: float, sd: float) -> None:
     places, pixels = vertical_ray()
     picture = blurred_stripe(40 + shift, 60 + shift, sd)
     counts = np.array([60], dtype=np.int32)
-    edges, met, noise, half, _ = find_edges(picture, places, counts, pixels, 1, 2, 25.0)
+    edges, met, _, noise, half, _ = find_edges(picture, places, counts, pixels, 1, 2, 25.0)
     assert met[0] == 2 and half == 2 and noise == 0
     assert edges[0, 0] == pytest.approx([20 - shift, 40 - shift], abs=0.05)
     assert np.isnan(edges[0, 1:]).all()

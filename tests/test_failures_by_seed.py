@@ -36,6 +36,14 @@ def test_a_known_start_is_kept_and_bounded(name: str, seed: int, laps: float, re
     assert not misleading(claims).any(), reason
 
 
+@pytest.mark.parametrize(("name", "seed"), [("square", 20011), ("stub", 20014), ("square", 20016)])
+def test_tape_under_shoes_is_hidden_and_not_missing(name: str, seed: int) -> None:
+    """Fifty rays that shoes stopped told of a place without tape: the right one was lost."""
+    claims = claims_of(name, "cluttered", "known", seed, 0.7)
+    assert right(claims).all()
+    assert all(state is State.CERTAIN for state in claims.states)
+
+
 @pytest.mark.parametrize("seed", [1, 4])
 def test_a_robot_that_first_stood_and_then_drives_raises_no_doubt(seed: int) -> None:
     """While it stood no scan was taken: the steps that then set its pose right told of a tear."""

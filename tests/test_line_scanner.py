@@ -70,6 +70,35 @@ def test_what_lies_behind_something_else_is_still_found(tmp_path: Path) -> None:
     assert scan.scan.ranges[45] == pytest.approx(0.475, abs=1e-3)
 
 
+def test_things_on_the_floor_are_told_with_where_they_begin_and_end(tmp_path: Path) -> None:
+    """One shoe lies on the tape, one before it, and the ray straight on begins in a third."""
+    shoes = [(500, 0, 80), (180, 0, 60), (330, 150, 30)]
+    drawing = "".join(f'<circle cx="{x}" cy="{y}" r="{r}"/>' for x, y, r in shoes)
+    field = drawn(tmp_path, "shoes", drawing)
+    found = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(), STILL))).scan
+    assert found.hidden is not None
+    assert not found.hit[45]
+    assert found.hidden[45] == pytest.approx([0.0, 0.58], abs=4e-3)
+    # y is to the left, and so are positive bearings; the drawing's y is down.
+    aside = int(np.argmin(np.abs(found.bearings - math.atan2(-150, 330))))
+    middle = math.hypot(330, 150) / 1000
+    assert found.hit[aside]
+    assert found.hidden[aside] == pytest.approx([middle - 0.03, middle + 0.03], abs=4e-3)
+    opposite = len(found.bearings) - 1 - aside
+    assert found.hit[opposite]
+    assert found.hidden[opposite].tolist() == [math.inf, -math.inf]
+
+
+def test_an_entry_without_exit_hides_all_that_lies_behind(tmp_path: Path) -> None:
+    """The tape beyond a carpet that fills the upper part of the picture."""
+    carpet = '<rect x="300" y="-700" width="500" height="1400"/>'
+    field = drawn(tmp_path, "carpet", carpet)
+    found = SCANNER.scan(Frame(0.0, camera_of(field).picture(Pose2(), STILL))).scan
+    assert found.hidden is not None and not found.hit[45]
+    assert found.hidden[45, 0] == pytest.approx(0.3, abs=4e-3)
+    assert found.hidden[45, 1] == math.inf or found.hidden[45, 1] > 0.75
+
+
 @pytest.mark.parametrize("grey", [0, 128, 255])
 def test_an_even_picture_has_no_returns_and_says_why(grey: int) -> None:
     found = SCANNER.scan(Frame(3.5, np.full(SIZE, grey, dtype=np.uint8)))

@@ -124,7 +124,7 @@ def worst(rays: Array, at: Pose2) -> float:
 def test_with_exact_odometry_all_rays_end_on_edges_seen_from_the_newest_scan() -> None:
     local, drive = stretch(1.0)
     rays = local.rays(12, 12)
-    assert rays.shape == (144, 7)
+    assert rays.shape == (144, 9)
     assert worst(rays, drive.true) < 0.003
     # What is driven after the newest scan does not count.
     local.move(Pose2(0.1, 0, 0.5))
@@ -144,7 +144,7 @@ def test_rays_keep_their_ranges_and_limits_of_sight() -> None:
     local.move(Pose2(0.1, 0.0, 0.2))
     local.add(blank())
     rays = local.rays(9, 61)
-    assert rays.shape == (122, 7)
+    assert rays.shape == (122, 9)
     here_from_first = Pose2(0.1, 0.0, 0.2).inverse()
     np.testing.assert_allclose(
         rays[:61, :2], np.tile(here_from_first.apply(np.zeros((1, 2))), (61, 1))
@@ -169,7 +169,7 @@ def test_the_past_goes_from_the_newest_back_step_by_step() -> None:
     steps = [Pose2(*rng.normal(0, [0.05, 0.05, 0.5])) for _ in range(10)]
     past = driven(steps).past(10, 61, MOTION)
     assert past.moves.shape == (10, 3) and past.noise.shape == (10, 3, 3)
-    assert past.rays.shape == (10, 61, 7)
+    assert past.rays.shape == (10, 61, 9)
     np.testing.assert_allclose(past.moves[0], 0, atol=1e-12)
     for move, noise, step in zip(past.moves[1:], past.noise[1:], reversed(steps), strict=False):
         np.testing.assert_allclose(move, step.inverse().to_array(), atol=1e-12)
@@ -178,7 +178,7 @@ def test_the_past_goes_from_the_newest_back_step_by_step() -> None:
 
 def test_of_some_scans_the_past_has_the_newest_and_the_oldest_and_the_way_between() -> None:
     past = driven([Pose2(0.01 * i) for i in range(10)]).past(4, 7, MOTION)
-    assert past.rays.shape == (4, 7, 7)
+    assert past.rays.shape == (4, 7, 9)
     np.testing.assert_allclose(-past.moves[:, 0].sum(), 0.45)
     np.testing.assert_allclose(past.noise[0], MOTION.moments(Pose2())[1], atol=1e-15)
 

@@ -7,12 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stub_drive import MAPS, STUB, Drive
 
-from robot.fields.edges import outline, sharp_ends
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
@@ -23,6 +21,7 @@ from robot.localization.ray_evidence import (
     NEAR,
     SEEN,
     STRAY,
+    THING,
     UNEXPECTED_SHARE,
     RayEvidence,
 )
@@ -49,8 +48,9 @@ def ray(
     far: float = math.inf,
     bearing: float = 0.0,
     clear: float = 1.0,
+    thing: tuple[float, float] = (math.inf, -math.inf),
 ) -> Array:
-    return np.array([[0.0, 0.0, bearing, length, near, far, clear]])
+    return np.array([[0.0, 0.0, bearing, length, near, far, clear, *thing]])
 
 
 def value(pose: Pose2, rays: Array, on: str = "stub") -> float:
@@ -78,6 +78,42 @@ def seen_from(true: Pose2, of: Field = STUB, robot_from_scan: Pose2 = Pose2()) -
 )
 def test_a_ray_counts_as_the_mixture_says(pose: Pose2, length: float, wanted: float) -> None:
     assert value(pose, ray(length)) == pytest.approx(wanted, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("pose", "thing", "wanted"),
+    [
+        (AT_SIDE, (0.4, 0.7), math.log(THING)),  # on the edge
+        (AT_SIDE, (0.0, 0.7), math.log(THING)),  # from the ray's start on
+        (AT_SIDE, (0.3, math.inf), math.log(THING)),
+        (AT_SIDE, (0.2, 0.3), math.log(THING) + math.log(MISSED)),  # in front: the edge is seen
+        (Pose2(0.7, 0.7, 0.8), (0.2, 0.3), math.log(THING)),
+        (AT_SIDE, (0.49, 0.56), math.log(MISSED)),  # the tape itself, not recognized
+        (AT_SIDE, (0.51, math.inf), math.log(MISSED)),
+    ],
+)
+def test_what_lies_on_the_floor_hides_edges_at_a_price(
+    pose: Pose2, thing: tuple[float, float], wanted: float
+) -> None:
+    """A shoe hides tape; tape that is drawn there is no shoe."""
+    assert value(pose, ray(math.inf, thing=thing)) == pytest.approx(wanted)
+
+
+def test_an_edge_behind_a_thing_may_be_returned() -> None:
+    wanted = BEST + math.log(THING)
+    assert value(ACROSS_STUB, ray(0.675, thing=(0.1, 0.3))) == pytest.approx(wanted)
+    assert value(ACROSS_STUB, ray(0.675)) < wanted - 2
+    assert value(ACROSS_STUB, ray(0.675, thing=(0.3, 0.5))) < wanted - 2
+
+
+def test_things_weigh_as_much_where_nothing_fits() -> None:
+    """So a floor full of shoes does not tell that the robot is elsewhere."""
+    seen, blocked = ray(0.5), ray(0.5, thing=(0.1, 0.2))
+    for rays in (seen, ray(math.inf)):
+        other = rays.copy()
+        other[:, 7:] = blocked[:, 7:]
+        before, after = (ON["stub"].background_log_likelihood(each) for each in (rays, other))
+        assert after - before == pytest.approx(math.log(THING))
 
 
 def test_returns_count_alike_however_far_rays_reach() -> None:
@@ -184,7 +220,7 @@ def test_what_is_blind_may_be_missed_or_seen_past() -> None:
 
 
 def test_no_rays_tell_nothing() -> None:
-    assert value(AT_SIDE, np.zeros((0, 7))) == 0
+    assert value(AT_SIDE, np.zeros((0, 9))) == 0
 
 
 def test_it_is_the_average_of_the_rays() -> None:
@@ -239,42 +275,3 @@ def test_that_also_nothing_is_seen_where_a_mark_is_due_tells_against_a_place() -
 def test_a_mark_that_is_seen_and_not_in_the_map_tells_against_it() -> None:
     with_stub, without = seen_from(BEFORE_STUB), seen_from(BEFORE_STUB, SQUARE)
     assert value(BEFORE_STUB, without, "square") > value(BEFORE_STUB, with_stub, "square") + 0.3
-
-
-# --- where edges end
-
-
-@pytest.mark.parametrize("of", [SQUARE, STUB], ids=["square", "stub"])
-def test_edges_of_straight_tape_end_at_its_corners(of: Field) -> None:
-    ends = sharp_ends(of.edges)
-    assert ends.shape == (len(of.edges), 2) and ends.all()
-
-
-def test_the_joints_of_a_curve_are_no_ends() -> None:
-    assert not sharp_ends(outline(shapely.Point(0, 0).buffer(0.3, quad_segs=16))).any()
-    # Half a disc: a curve with two corners.
-    half = shapely.intersection(
-        shapely.Point(0, 0).buffer(0.3, quad_segs=16), shapely.box(-1, 0, 1, 1)
-    )
-    edges = outline(half)
-    ends = sharp_ends(edges)
-    assert ends[:, 0].sum() == ends[:, 1].sum() == 2
-    corners = np.vstack([edges[ends[:, 0], :2], edges[ends[:, 1], 2:]])
-    np.testing.assert_allclose(np.abs(corners), np.tile([0.3, 0], (4, 1)), atol=1e-9)
-
-
-def test_in_a_town_the_bends_are_no_ends() -> None:
-    ends = sharp_ends(TOWN.edges)
-    assert 8 <= ends[:, 1].sum() < 0.5 * len(ends)
-    assert ends[:, 0].sum() == ends[:, 1].sum(), "each joint is of one edge's end and one's start"
-
-
-@pytest.mark.parametrize(
-    ("turn", "sharp"), [(0.2, False), (-0.2, False), (0.4, True), (-0.4, True)]
-)
-def test_how_much_an_outline_turns_makes_it_end(turn: float, sharp: bool) -> None:
-    for heading in (0.0, math.pi - 0.1):
-        a = np.array([math.cos(heading), math.sin(heading)])
-        b = a + np.array([math.cos(heading + turn), math.sin(heading + turn)])
-        edges = np.array([[0.0, 0.0, *a], [*a, *b]])
-        np.testing.assert_array_equal(sharp_ends(edges), [[True, sharp], [sharp, True]])

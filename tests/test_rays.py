@@ -69,7 +69,7 @@ def test_rays_that_see_nowhere_are_marked() -> None:
 def test_there_are_no_more_than_asked_for_and_they_span_the_scan(count: int, most: int) -> None:
     bearings = np.linspace(-0.5, 0.5, count)
     rays = rays_of(Scan(0.0, bearings, np.ones(count)), most)
-    assert rays.shape == (min(count, most), 7)
+    assert rays.shape == (min(count, most), 9)
     if min(count, most) > 1:
         assert rays[0, 2] == bearings[0] and rays[-1, 2] == bearings[-1]
         assert (np.diff(rays[:, 2]) > 0).all()

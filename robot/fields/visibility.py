@@ -48,6 +48,8 @@ class Visibility(NamedTuple):
     """(m,) whether the scanner sees each part."""
     support: float
     """Length of an edge that neighbouring rays must meet for the scanner to see it [m]."""
+    inward: EdgeIndex
+    """The edges the other way round: rays meet them where they leave tape."""
 
 
 def visibility(
@@ -58,15 +60,16 @@ def visibility(
     Without tape, the edges are walls, and all of them are seen.
     """
     ends = sharp_ends(edges)
+    inward = index_edges(np.ascontiguousarray(edges[:, [2, 3, 0, 1]]))
     if not tape:
-        return Visibility(ends, np.arange(len(edges) + 1), np.ones(len(edges), dtype=np.bool_), 0.0)
+        all_seen = np.ones(len(edges), dtype=np.bool_)
+        return Visibility(ends, np.arange(len(edges) + 1), all_seen, 0.0, inward)
     rules = settings or LineScannerSettings()
     parts = np.maximum(np.ceil(lengths(edges) / STEP - 1e-9), 1).astype(np.int64)
     starts = np.concatenate([[0], np.cumsum(parts)])
     after = followers(edges)
     before = np.full(len(edges), -1)
     before[after[after >= 0]] = np.flatnonzero(after >= 0)
-    inward = index_edges(np.ascontiguousarray(edges[:, [2, 3, 0, 1]]))
     seen = np.zeros(starts[-1], dtype=np.bool_)
     for widths, support in _kinds(tape, rules.support):
         limits = (
@@ -79,7 +82,7 @@ def visibility(
         )
         seen |= _judge_parts(edges, starts, before, after, inward, limits)
     seen = _without_border(seen, starts, edges, before, after)
-    return Visibility(ends, starts, seen, rules.support)
+    return Visibility(ends, starts, seen, rules.support, inward)
 
 
 def _kinds(tape: tuple[Tape, ...], support: float) -> Iterator[tuple[Array, float]]:

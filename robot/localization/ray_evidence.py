@@ -28,6 +28,11 @@ picture. The scanner does better (1 % missed, hardly anything else); these value
 less clean floors. In noise and in the dark, the scan itself says how much less returns."""
 UNEXPECTED_SHARE = 0.05
 """Share of the rays that return something where no edge is expected."""
+THING = 0.3
+"""Likelihood that something lies on a ray that is not drawn: a shoe, a shadow. It hides edges, so
+it must cost something: otherwise any tape that the scanner does not recognize would be a shoe."""
+DRAWN = 0.04
+"""What lies on a ray is drawn if it begins and ends within this distance of drawn edges [m]."""
 NEAR, FAR = 0.015, 0.06
 """An edge closer than this to the start or the end of a ray's sight [m] may be missed, because the
 scanner must see the whole width of the tape."""
@@ -69,34 +74,26 @@ class RayEvidence:
         return peaks
 
     def background_log_likelihood(self, rays: Array) -> float:
-        """Return the mean log-likelihood of rays (n, 7) at a place that fits badly.
+        """Return the mean log-likelihood of rays (n, 9) at a place that fits badly.
 
-        It is 0 if no ray returns, because then any empty part of the floor fits.
+        If no ray returns, any empty part of the floor fits. Nothing on the floor is drawn there.
         """
         ranges = rays[:, 3]
         returned = ranges[np.isfinite(ranges)]
+        things = math.log(THING) * int((rays[:, 7] < rays[:, 8]).sum())
         if not len(returned):
-            return 0.0
+            return things / len(ranges)
         worse = BACKGROUND_LOSS * len(returned) + BACKGROUND_MISS_LOSS * (
             len(ranges) - len(returned)
         )
-        return (float(self.log_peaks(returned).sum()) - worse) / len(ranges)
+        return (float(self.log_peaks(returned).sum()) - worse + things) / len(ranges)
 
     def log_likelihood(self, pose: Pose2, rays: Array) -> float:
-        """Return the mean log-likelihood of rays (n, 7) at a pose."""
-        return ray_log_likelihood(
-            pose.to_array(),
-            rays,
-            self.index,
-            self.sight,
-            self.range_max,
-            self.sd,
-            self.slope,
-            self.missed,
-        )
+        """Return the mean log-likelihood of rays (n, 9) at a pose."""
+        return float(self.log_likelihoods(pose.to_array()[None], rays)[0])
 
     def log_likelihoods(self, poses: Array, rays: Array) -> Array:
-        """Return the mean log-likelihood (m,) of rays (n, 7) at each of the poses (m, 3)."""
+        """Return the mean log-likelihood (m,) of rays (n, 9) at each of the poses (m, 3)."""
         return _at_each(
             poses,
             rays,
@@ -120,11 +117,11 @@ def ray_log_likelihood(
     slope: float,
     missed: float,
 ) -> float:
-    """Return the mean log-likelihood of rays (n, 7) at a pose (3,).
+    """Return the mean log-likelihood of rays (n, 9) at a pose (3,).
 
     Rays that see nowhere do not count. It is 0 if no ray is left.
     """
-    dues = np.empty((len(rays), 5))
+    dues = np.empty((len(rays), 6))
     c, s = math.cos(pose[2]), math.sin(pose[2])
     for i in range(len(rays)):
         if math.isnan(rays[i, 4]):
@@ -135,12 +132,14 @@ def ray_log_likelihood(
         near, far = rays[i, 4], min(rays[i, 5], range_max)
         x = pose[0] + c * rays[i, 0] - s * rays[i, 1] + near * dx
         y = pose[1] + s * rays[i, 0] + c * rays[i, 1] + near * dy
-        _look(x, y, dx, dy, far - near, index, sight, dues[i])
+        _look(x, y, dx, dy, far - near, rays[i, 7] - near, rays[i, 8] - near, index, sight, dues[i])
     total, counted = 0.0, 0
     for i in range(len(rays)):
         if math.isnan(rays[i, 4]):
             continue
         counted += 1
+        if dues[i, 5] > 0:
+            total += math.log(THING)
         due, behind = dues[i, 0], dues[i, 1]
         result = rays[i, 3] - rays[i, 4]
         if math.isfinite(result):
@@ -180,30 +179,71 @@ def _look(
     dx: float,
     dy: float,
     reach: float,
+    hidden_from: float,
+    hidden_to: float,
     index: EdgeIndex,
     sight: Visibility,
     row: Array,
 ) -> None:
-    """Write what a ray meets that starts at (x, y) into ``row`` (5,).
+    """Write what a ray meets that starts at (x, y) into ``row`` (6,).
+
+    The ray is followed over ``reach``, and something was seen on the way from ``hidden_from`` to
+    ``hidden_to`` [m].
 
     0: distance of the expected edge [m], infinite without one. 1: distance of the edge behind it
-    [m], if the expected edge may be missed at its end; else infinite. 2, 3: x and y where the ray
-    meets the expected edge [m]. 4: 0 if the ray meets no edge, or one at the border of its sight; 1
-    if the edge may be missed at its end; 2 if it should be seen.
+    [m], if the expected edge may be missed; else infinite. 2, 3: x and y where the ray meets the
+    expected edge [m]. 4: 0 if the ray meets no edge, or one that is hidden or at the border
+    of its sight; 1 if the edge may be missed at its end; 2 if it should be seen. 5: 1 if something
+    lies there that is not drawn; else 0.
     """
     due, edge = cast_toward(x, y, dx, dy, index, reach)
-    row[0], row[1], row[4] = math.inf, math.inf, 0.0
+    row[0], row[1], row[4], row[5] = math.inf, math.inf, 0.0, 0.0
+    hidden = hidden_from < hidden_to and not _is_drawn(
+        x, y, dx, dy, hidden_from, hidden_to, index, sight.inward
+    )
+    if hidden:
+        row[5] = 1.0
     if edge < 0:
         return
     row[0], row[2], row[3] = due, x + due * dx, y + due * dy
     at_end, across = _met(row[2], row[3], dx, dy, edge, index.edges, sight)
-    if NEAR < due < reach - FAR / across:
+    hidden = hidden and hidden_from - NEAR < due < hidden_to + NEAR
+    if NEAR < due < reach - FAR / across and not hidden:
         row[4] = 1.0 if at_end else 2.0
-    if at_end:
-        past = due + 0.005
+    if at_end or hidden:
+        past = (max(due, hidden_to) if hidden else due) + 0.005
+        if past >= reach:
+            return
         behind, edge = cast_toward(x + past * dx, y + past * dy, dx, dy, index, reach - past)
         if edge >= 0:
             row[1] = past + behind
+
+
+@njit(cache=True, nogil=True)
+def _is_drawn(
+    x: float,
+    y: float,
+    dx: float,
+    dy: float,
+    begin: float,
+    end: float,
+    index: EdgeIndex,
+    inward: EdgeIndex,
+) -> bool:
+    """Whether something dark is drawn that begins and ends where it does on a ray [m].
+
+    A thing that reaches back to the ray's start, or on to infinity, has only one end to compare.
+    """
+    if begin <= 0 and math.isinf(end):
+        return False
+    if begin > 0:
+        start = max(begin - DRAWN, 0.0)
+        if cast_toward(x + start * dx, y + start * dy, dx, dy, index, 2 * DRAWN)[1] < 0:
+            return False
+    if math.isinf(end):
+        return True
+    start = end - DRAWN
+    return cast_toward(x + start * dx, y + start * dy, dx, dy, inward, 2 * DRAWN)[1] >= 0
 
 
 @njit(cache=True, nogil=True)

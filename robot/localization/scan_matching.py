@@ -50,7 +50,7 @@ class ScanMatcher:
     more of it a pixel sees. It is 0 for a laser."""
 
     def match(self, pose: Pose2, rays: Array, information: Array | None = None) -> Match:
-        """Move a pose to where rays (n, 7) fit.
+        """Move a pose to where rays (n, 9) fit.
 
         Args:
             pose: the supposed pose of the robot in the map.
@@ -88,7 +88,7 @@ def fit_rays(
     Args:
         start: the supposed pose (3,).
         known: its information (3, 3), the inverse of its covariance; zeros if nothing is known.
-        rays: (n, 7) as ``rays_of`` returns them.
+        rays: (n, 9) as ``rays_of`` returns them.
         index: the field's edges.
         range_max: how far rays reach [m].
         sd: standard deviation of a range [m].

@@ -79,6 +79,46 @@ def ranges_of(
     return ranges, edges
 
 
+@njit(cache=True, nogil=True)
+def hidden_of(
+    pairs: Array,
+    single: Array,
+    met: NDArray[np.int32],
+    chosen: NDArray[np.int8],
+    verdicts: NDArray[np.int8],
+    distances: Array,
+) -> Array:
+    """Return from where to where something that is no tape lies on each ray (k, 2) [m].
+
+    A shoe or a shadow may hide tape, or spoil its edge. Behind tape that counts, nothing is looked
+    for. Without such a thing it is from inf to -inf.
+
+    Args:
+        pairs: (k, p, 2) entries and exits [samples].
+        single: (k, 2) exit of something that the ray begins in, and entry of something in which it
+            ends [samples]; nan without.
+        met: (k,) number of edges that each ray met, two for each pair.
+        chosen: (k,) index of the pair of each ray that counts.
+        verdicts: (k,) zero for rays that count.
+        distances: (k, m) of the samples from the rays' centre [m].
+    """
+    hidden = np.empty((len(met), 2))
+    for ray in range(len(met)):
+        begin, end = np.inf, -np.inf
+        counts = verdicts[ray] == 0
+        things = chosen[ray] if counts else met[ray] // 2
+        if not np.isnan(single[ray, 0]):
+            begin, end = 0.0, between(distances[ray], single[ray, 0])
+        if things > 0:
+            begin = min(begin, between(distances[ray], pairs[ray, 0, 0]))
+            end = between(distances[ray], pairs[ray, things - 1, 1])
+        if not counts and (not np.isnan(single[ray, 1]) or things == pairs.shape[1]):
+            begin = min(begin, between(distances[ray], single[ray, 1])) if things == 0 else begin
+            end = np.inf
+        hidden[ray, 0], hidden[ray, 1] = begin, end
+    return hidden
+
+
 @njit(cache=True, nogil=True, inline="always")
 def _sample_at(reach: float, distances: Array, position: float) -> float:
     """Return the position [samples] of a distance [m] along a ray, from one that is near; else -1.

@@ -48,7 +48,7 @@ def find_edges(
     kernel: int,
     threshold: float,
     light: bool = False,
-) -> tuple[Array, NDArray[np.int32], float, int, Array]:
+) -> tuple[Array, NDArray[np.int32], Array, float, int, Array]:
     """Find entries and exits of dark stripes on each ray, between the pixels.
 
     Args:
@@ -64,8 +64,10 @@ def find_edges(
     Returns:
         Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; the number of
         edges met (k,), where an odd number means that the last entry has no exit, and -1 that the
-        ray is out of sight; the picture's noise [grey levels]; the half width of the kernel chosen
-        for the noise [samples]; the probability (k,) that tape on a ray is found.
+        ray is out of sight; the first exit without an entry before it, and the last entry without
+        an exit after it (k, 2) [samples], nan without; the picture's noise [grey levels]; the half
+        width of the kernel chosen for the noise [samples]; the probability (k,) that tape on a ray
+        is found.
     """
     grey = sample_rays(picture, places, counts)
     noise = noise_of(grey, counts, apart)
@@ -76,12 +78,13 @@ def find_edges(
     edges = np.full((len(counts), PAIRS, 2), np.nan)
     met = np.zeros(len(counts), dtype=np.int32)
     pairs = np.zeros((PAIRS, 2, 2), dtype=np.int32)
+    single = np.full((len(counts), 2), np.nan)
     flat, width = picture.ravel(), picture.shape[1]
     for ray in range(len(counts)):
         if counts[ray] == 0:
             met[ray] = -1
             continue
-        met[ray] = find_pairs(answers[ray, : counts[ray]], half, weakest, pairs)
+        met[ray] = find_pairs(answers[ray, : counts[ray]], half, weakest, pairs, single[ray])
         for pair in range(met[ray] // 2):
             for side in range(2):
                 place, length = pairs[pair, side, 0], pairs[pair, side, 1]
@@ -91,6 +94,7 @@ def find_edges(
     return (
         edges,
         met,
+        single,
         noise,
         half,
         clearness(grey, counts, noise, half, weakest, LIGHT_CONTRAST if light else CONTRAST),
@@ -135,7 +139,11 @@ def differences(grey: NDArray[np.int16], counts: NDArray[np.int32], half: int) -
 
 @njit(cache=True, nogil=True)
 def find_pairs(
-    answer: NDArray[np.int16], half: int, threshold: float, pairs: NDArray[np.int32]
+    answer: NDArray[np.int16],
+    half: int,
+    threshold: float,
+    pairs: NDArray[np.int32],
+    single: Array,
 ) -> int:
     """Find entries and exits of dark stripes along one ray, to the nearest sample.
 
@@ -146,13 +154,16 @@ def find_pairs(
         answer: (m,) row of ``differences`` of the ray.
         half: half width of the kernel [samples].
         threshold: weakest edge that counts [grey levels].
-        pairs: (PAIRS, 2, 2) the output: position and length of entry and exit [samples].
+        pairs: (PAIRS, 2, 2) output: position and length of entry and exit [samples].
+        single: (2,) output: position of the last exit before the first entry, as a ray may begin in
+            something dark, and of the last entry if it has no exit [samples]; nan without.
 
     Returns:
         Number of edges met; an odd number means that the last entry has no exit.
     """
     weakest = math.ceil(threshold * half)
     result = sharpest = stop = 0
+    single[:] = np.nan
     for i in range(len(answer)):
         # Most samples are not on an edge, and need no more than this test.
         if abs(answer[i]) < weakest or i < stop:
@@ -168,6 +179,10 @@ def find_pairs(
             result += 1
             if result == PAIRS:
                 break
+        elif peak > 0 and result == 0:
+            single[0] = place
+    if sharpest < 0:
+        single[1] = pairs[result, 0, 0]
     return 2 * result + (sharpest < 0)
 
 

@@ -23,6 +23,8 @@ class FoundTape(NamedTuple):
     """(k, 3) unit normal and offset [m] of the entry edges; nan without a line."""
     ranges: Array
     """(k,) by the entries' lines [m], inf for rays that do not count."""
+    hidden: Array
+    """(k, 2) from where to where something that is no tape lies on the ray [m], ``Scan.hidden``."""
     noise: float
     """Of the picture [grey levels]."""
     kernel: int
@@ -36,12 +38,20 @@ class FoundTape(NamedTuple):
         closer = other.verdicts > self.verdicts
         counted = np.isfinite(self.ranges) | np.isfinite(other.ranges)
         taken = np.where(counted, other.ranges < self.ranges, closer)
+        # What is tape to the one is a thing to the other.
+        hull = np.column_stack(
+            [
+                np.minimum(self.hidden[:, 0], other.hidden[:, 0]),
+                np.maximum(self.hidden[:, 1], other.hidden[:, 1]),
+            ]
+        )
         return FoundTape(
             np.where(taken[:, None], other.edges, self.edges),
             np.where(taken, other.verdicts, self.verdicts),
             np.where(taken, other.widths, self.widths),
             np.where(taken[:, None], other.lines, self.lines),
             np.where(taken, other.ranges, self.ranges),
+            np.where(counted[:, None], np.where(taken[:, None], other.hidden, self.hidden), hull),
             self.noise,
             self.kernel,
             np.minimum(self.clear, other.clear),

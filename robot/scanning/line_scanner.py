@@ -19,7 +19,7 @@ from robot.camera import FloorView
 from robot.geometry import Array, Pose2, Twist2, heading_vectors
 from robot.interface import Frame
 from robot.scan import Scan
-from robot.scanning.along_rays import between, points_of, ranges_of, unskew
+from robot.scanning.along_rays import between, hidden_of, points_of, ranges_of, unskew
 from robot.scanning.dashed_edges import judge_dashes
 from robot.scanning.edge_search import differences, find_edges
 from robot.scanning.found_tape import FoundTape
@@ -154,7 +154,15 @@ class LineScanner:
                 twist.omega,
             )
         return LineScan(
-            Scan(frame.stamp, table.bearings, ranges, self._start, self._sight, clear=tape.clear),
+            Scan(
+                frame.stamp,
+                table.bearings,
+                ranges,
+                self._start,
+                self._sight,
+                clear=tape.clear,
+                hidden=tape.hidden,
+            ),
             tape.verdicts,
             edges,
             tape.widths,
@@ -189,7 +197,7 @@ class LineScanner:
 
     def _search(self, picture: NDArray[np.uint8], look: Look, moved: bool) -> FoundTape:
         table, wanted = self.table, self.settings
-        pairs, met, noise, kernel, clear = find_edges(
+        pairs, met, single, noise, kernel, clear = find_edges(
             picture,
             table.places,
             table.counts,
@@ -214,9 +222,10 @@ class LineScanner:
             limits = (wanted.width_tolerance, wanted.straightness, wanted.taper)
             judge_dashes(points, met, look.dashes, limits, chosen, verdicts, widths, lines)
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, self._directions)
+        hidden = hidden_of(pairs, single, met, chosen, verdicts, table.distances)
         if not moved:
             edges = pairs[np.arange(len(chosen)), chosen]
-        return FoundTape(edges, verdicts, widths, lines, ranges, noise, kernel, clear)
+        return FoundTape(edges, verdicts, widths, lines, ranges, hidden, noise, kernel, clear)
 
     def pixels(self, positions: Array) -> Array:
         """Return the pixels (k, 2) of one position on each ray (k,) [samples]; nan stays nan."""

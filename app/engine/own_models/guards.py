@@ -90,6 +90,8 @@ class OwnSensor:
             bearings=scan.bearings.copy(),
             ranges=scan.ranges.copy(),
             sight=None if scan.sight is None else scan.sight.copy(),
+            clear=None if scan.clear is None else scan.clear.copy(),
+            hidden=None if scan.hidden is None else scan.hidden.copy(),
         )
         result = self.guard.call((len(poses),), poses.copy(), own)
         return np.zeros(len(poses)) if result is None else result

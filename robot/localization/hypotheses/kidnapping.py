@@ -36,7 +36,7 @@ class Kidnapping:
     def weigh(
         self, best: float, rays: Array, evidence: RayEvidence, p: HypothesisParameters
     ) -> None:
-        """Compare how well rays (n, 7) fit the best hypothesis with a place that fits badly."""
+        """Compare how well rays (n, 9) fit the best hypothesis with a place that fits badly."""
         anywhere = evidence.background_log_likelihood(rays)
         gain = p.scan_worth * (anywhere - best)
         self.log_weight += min(max(gain, -p.most_a_scan), 1.5 * p.most_a_scan)

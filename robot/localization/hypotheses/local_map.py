@@ -77,7 +77,7 @@ class LocalMap:
         return True
 
     def rays(self, scans: int, beams: int) -> Array:
-        """Return at most ``beams`` rays of each of at most ``scans`` scans, as ``rays_of`` (n, 7).
+        """Return at most ``beams`` rays of each of at most ``scans`` scans, as ``rays_of`` (n, 9).
 
         They are seen from the robot's pose at the newest kept scan.
         """
@@ -125,9 +125,9 @@ def _seen_from(here_from_robot: Pose2, scan: Scan, beams: int) -> Array:
 
 
 def _stacked(scans: list[Array]) -> Array:
-    """Stack the rays of several scans (m, k, 7); fill up with rays that see nowhere."""
+    """Stack the rays of several scans (m, k, 9); fill up with rays that see nowhere."""
     most = max(len(rays) for rays in scans)
-    stacked = np.full((len(scans), most, 7), np.nan)
+    stacked = np.full((len(scans), most, 9), np.nan)
     for place, rays in enumerate(scans):
         stacked[place, : len(rays)] = rays
     return stacked

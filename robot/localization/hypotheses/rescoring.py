@@ -32,7 +32,7 @@ class ScanHistory:
     noise: Array = field(repr=False)
     """(m, 3, 3) covariance of each step, seen from its start."""
     rays: Array = field(repr=False)
-    """(m, k, 7) rays of each scan, as ``rays_of`` returns them."""
+    """(m, k, 9) rays of each scan, as ``rays_of`` returns them."""
 
 
 @dataclass(frozen=True, slots=True)

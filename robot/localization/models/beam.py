@@ -65,7 +65,7 @@ class Beam:
         """What of the rays (k, 7) is the same for all poses.
 
         Direction in the robot frame (2), range, p of a range cut short, where sight begins, and
-        from where to where an edge is surely seen.
+        from where to where an edge is surely seen: before anything that may hide one.
         """
         used = evenly(len(scan.ranges), self.max_beams)
         rays = np.empty((len(used), 7))
@@ -78,5 +78,7 @@ class Beam:
             near, far = scan.sight[used].T
             surely = np.minimum(far - FAR, self.range_max)
             rays[:, 4:] = np.column_stack([near, near + NEAR, surely])
+        if scan.hidden is not None:
+            rays[:, 6] = np.minimum(rays[:, 6], scan.hidden[used, 0] - NEAR)
         # A ray that sees nothing anywhere has no opinion.
         return rays[~np.isnan(rays[:, 4])]

@@ -57,6 +57,7 @@ class LikelihoodFieldProb:
             ranges=scan.ranges[used],
             sight=None if scan.sight is None else scan.sight[used],
             clear=None if scan.clear is None else scan.clear[used],
+            hidden=None if scan.hidden is None else scan.hidden[used],
         )
         points = scan.points()
         if _width(poses, points) >= self.skip_distance:

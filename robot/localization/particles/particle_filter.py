@@ -227,4 +227,5 @@ def _believed(scan: Scan, extra_sd: float) -> Scan:
         scan.sight,
         extra_sd,
         scan.clear,
+        scan.hidden,
     )

@@ -49,7 +49,7 @@ class DriveSegment:
         return cls(np.array([scan.stamp for scan in some]), truths, tuple(some))
 
     def rays(self, place: int) -> Array:
-        """Return the rays of a scan (n, 7), as ``rays_of`` makes them."""
+        """Return the rays of a scan (n, 9), as ``rays_of`` makes them."""
         return rays_of(self.scans[place], BEAMS)
 
     def step(self, place: int) -> Pose2:
