@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from robot.calibration.adjustment import CalibrationError, Solution, Weights, residual_sd
 from robot.calibration.drive_log import DriveLog
-from robot.calibration.drive_path import BEGINNING_S, WINDOWS, Drive, DrivePath, begin
+from robot.calibration.drive_path import (
+    BEGINNING_S,
+    WINDOWS,
+    Drive,
+    DrivePath,
+    begin,
+    start_text,
+)
 from robot.calibration.position_error import position_sd
 from robot.calibration.unknowns import PRIORS, ROBOT, ROTATION, UNKNOWNS
 from robot.description.spec import RobotSpec
@@ -110,7 +117,7 @@ def calibrate(
         if window >= BEGINNING_S:
             report(path.seconds, path.solution)
     _check_fit(path)
-    return _with_unlearnt_left(path)
+    return _with_unlearnt_left(path, path.compare_starts())
 
 
 def _check(log: DriveLog) -> None:
@@ -135,8 +142,11 @@ def _check_fit(path: DrivePath) -> None:
         )
 
 
-def _with_unlearnt_left(path: DrivePath) -> Calibration:
-    """Adjust once more, with all that was not learnt left as it was."""
+def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration:
+    """Adjust once more, with all that was not learnt left as it was.
+
+    Others are starts from which the drive fits as well.
+    """
     solution = path.solution
     sd = np.sqrt(np.diag(solution.covariance))
     unlearnt = sd > UNTOLD * PRIORS
@@ -146,7 +156,14 @@ def _with_unlearnt_left(path: DrivePath) -> Calibration:
         sd[unlearnt] = PRIORS[unlearnt]
     values = np.where(unlearnt, 0.0, solution.state.values)
     sd[ROTATION] = np.hypot(sd[ROTATION], _turned_by_others(values[ROTATION], sd[ROTATION]))
-    return Calibration(values, sd, solution, residual_sd(solution.misses), path.remarks)
+    remarks = path.remarks
+    if others:
+        remarks += (
+            f"the drive may have begun at {start_text(path.start)}, or as well at "
+            f"{' or '.join(map(start_text, others))}: the robot saw no mark that tells; where it "
+            "is must be said anew",
+        )
+    return Calibration(values, sd, solution, residual_sd(solution.misses), remarks)
 
 
 def _turned_by_others(rotation: Array, sd: Array) -> Array:

@@ -27,8 +27,9 @@ from robot.calibration.model_check import remarks
 from robot.calibration.sightings import Sightings
 from robot.calibration.start_poses import SECONDS, alike, entry_table, start_poses
 from robot.calibration.tracking import follow_path
-from robot.calibration.unknowns import COUNT, DELAY, LEFT, PRIORS, RIGHT, SEPARATION, index_of
+from robot.calibration.unknowns import COUNT
 from robot.calibration.wheel_motion import WheelMotion
+from robot.calibration.window_weights import window_weights
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
@@ -40,6 +41,8 @@ BEGINNING_S = 6.0
 """How far the drive is followed from each pose where it may have begun [s]."""
 CLEARLY = 40.0
 """A start fits better than another one if its cost is lower by this."""
+FEW = 5
+"""Iterations of an adjustment that begins at the solution, but from another start."""
 LEAST_SEEN, FAR_OFF = 0.7, 3.0
 """A path fits if at least this share of the edges that were seen lies on the field's, and they lie
 at most so many times as far off as was expected."""
@@ -48,8 +51,6 @@ TOGETHER, ENOUGH, LEAST_LYING = 10, 100, 0.5
 saw, if these are enough."""
 MOST_SLIP = 0.3
 """... or where a wheel had to slip more than this: seven standard deviations."""
-ALL_FREE_S = 12.0
-"""In windows longer than this, nothing is stiff [s]."""
 
 
 class Drive:
@@ -126,7 +127,7 @@ class DrivePath:
     @property
     def fits(self) -> bool:
         """Whether the edges that were seen lie on the field's."""
-        return self.solution.share >= LEAST_SEEN and residual_sd(self.solution.misses) <= FAR_OFF
+        return _fits(self.solution)
 
     @property
     def lost_at(self) -> float:
@@ -154,7 +155,7 @@ class DrivePath:
             self._state, self._covariance, part, motion, self._drive.entries, first=first
         )
         self._adjustment = Adjustment(part, motion, self._start, self._start_covariance)
-        for weights in _weights(window, self._drive.guess):
+        for weights in window_weights(window, self._drive.guess):
             self.solution = self._adjustment.solve(state, weights)
             state = self.solution.state
         self._state, self._covariance = state, self.solution.pose_covariance
@@ -165,6 +166,45 @@ class DrivePath:
         assert self._adjustment is not None
         drive = self._drive
         return remarks(self._adjustment, self.solution, Weights(), drive.field, drive.lens)
+
+    def compare_starts(self) -> tuple[Pose2, ...]:
+        """Move to another start if all of the drive fits clearly better from there.
+
+        The beginning of a drive may look the same from several places; marks that were seen later
+        distinguish them.
+
+        Returns:
+            The other starts from which it fits as well.
+        """
+        images = [image @ self.start for image in (Pose2(), *self._drive.field.symmetries)]
+        others = [
+            (start, other)
+            for start in self._drive.start_poses(self.start)
+            if not any(alike(start, image) for image in images)
+            and (other := self._moved_to(start)) is not None
+        ]
+        if not others:
+            return ()
+        start, best = min(others, key=lambda each: each[1].cost)
+        if best.cost + CLEARLY < self.solution.cost:
+            self._start, self.solution, self._state = start.to_array(), best, best.state
+            part, motion = self._drive.window(len(best.state.poses))
+            self._adjustment = Adjustment(part, motion, self._start, self._start_covariance)
+            return self.compare_starts()
+        return tuple(start for start, other in others if other.cost < self.solution.cost + CLEARLY)
+
+    def _moved_to(self, start: Pose2) -> Solution | None:
+        """Return the adjustment of the same path from another start; None if it does not fit."""
+        move, state = start @ self.start.inverse(), self._state
+        poses = np.array([(move @ Pose2.from_array(pose)).to_array() for pose in state.poses])
+        part, motion = self._drive.window(len(poses))
+        adjustment = Adjustment(part, motion, start.to_array(), self._start_covariance)
+        moved = State(state.values.copy(), poses, state.slip.copy())
+        try:
+            solution = adjustment.solve(moved, Weights(), FEW)
+        except CalibrationError:
+            return None
+        return solution if _fits(solution) else None
 
     def adjusted_again(self, weights: Weights) -> Solution:
         """Return the adjustment with other weights."""
@@ -205,17 +245,23 @@ def begin(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath:
     ]
     if rivals:
         raise CalibrationError(
-            f"the drive may have begun at {_text(best.start)} and at {_text(rivals[0].start)}, and "
-            f"not at {_text(start)}, as told; valid is a start within some centimetres"
+            f"the drive may have begun at {start_text(best.start)} and at "
+            f"{start_text(rivals[0].start)}, and not at {start_text(start)}, as told; valid is a "
+            "start within some centimetres"
         )
     return best
+
+
+def _fits(solution: Solution) -> bool:
+    return solution.share >= LEAST_SEEN and residual_sd(solution.misses) <= FAR_OFF
 
 
 def _is_clearly_better(a: DrivePath, b: DrivePath) -> bool:
     return a.solution.cost + CLEARLY < b.solution.cost
 
 
-def _text(pose: Pose2) -> str:
+def start_text(pose: Pose2) -> str:
+    """Return a start pose in words."""
     return f"({pose.x:.2f} m, {pose.y:.2f} m, {np.degrees(pose.theta):.0f} degrees)"
 
 
@@ -229,33 +275,3 @@ def _begun(drive: Drive, start: Pose2, start_covariance: Array) -> DrivePath | N
     except CalibrationError:
         return None
     return path
-
-
-def _weights(window: float, guess: Guess) -> list[Weights]:
-    """Return how much is believed in the adjustments of a window [s], one after the other.
-
-    In short windows the wheels and the place of the camera are stiff: with all free, a drive of two
-    seconds is explained best by a robot of twice the size, or by one that looks aside.
-    """
-    free = np.ones(COUNT)
-    if window < 3:
-        turned = 0.1 * free
-        turned[index_of(["camera_roll", "camera_pitch"])] = 1.0
-        return [
-            _guessed(guess, 0.01 * free, gate=0.25, doubt=100.0),
-            _guessed(guess, turned, gate=0.15, doubt=30.0),
-            _guessed(guess, turned, gate=0.08, doubt=8.0),
-        ]
-    if window < 6:
-        free[[LEFT, RIGHT, SEPARATION, DELAY, *index_of(["camera_x", "camera_y"])]] = 0.1
-        return [
-            _guessed(guess, free, gate=0.06, doubt=8.0),
-            _guessed(guess, free, gate=0.03, doubt=2.0),
-        ]
-    if window < ALL_FREE_S:
-        return [_guessed(guess, free, gate=0.06, doubt=4.0), Weights(gate=0.03)]
-    return [Weights()]
-
-
-def _guessed(guess: Guess, stiffness: Array, gate: float, doubt: float) -> Weights:
-    return Weights(guess.values, np.minimum(guess.sd, stiffness * PRIORS), gate, doubt)

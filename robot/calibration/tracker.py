@@ -177,8 +177,8 @@ class CalibrationTracker:
 
     def _measuring(self, moved_at: float) -> Job | None:
         window = tuple(picture for picture in self._pictures if picture.stamp >= moved_at)
-        wanted = next(count for count in MEASURED if count > len(self._working))
-        if len(window) < wanted:
+        wanted = next((count for count in MEASURED if count > len(self._working)), None)
+        if wanted is None or len(window) < wanted:
             return None
         self._working = window = window[:wanted]
         log, known, start = self._log(window), self._before, self._path[moved_at]
@@ -222,7 +222,9 @@ class CalibrationTracker:
         """Take the result of a job; return what is to be taken over."""
         window, count = self._working, 0 if finding is None else len(finding.poses)
         if finding is None or not finding.fits or not window:
-            self._path.clear() if self._moved_at is None else self._give_up(window)
+            if self._moved_at is None or len(window) >= MEASURED[-1]:
+                self._moved_at = None
+                self._path.clear()
             return None
         if self._moved_at is None:
             stamps = [picture.stamp for picture in window[-count:]]
@@ -231,7 +233,10 @@ class CalibrationTracker:
                 self._moved_at, self._before = stamps[-1], self._known
                 self._working, self.remark = (), camera_remark(finding.shift)
                 return None
-            return self._learn(finding, stamps) if finding.significance <= SUSPECT else None
+            if finding.significance > SUSPECT:
+                return None
+            self.remark = ""  # of a bump that could not be measured, and was none
+            return self._learn(finding, stamps)
         self._known = finding.loose
         self.remark = camera_remark(finding.shift)
         if len(window) == MEASURED[-1]:
@@ -239,11 +244,6 @@ class CalibrationTracker:
             self._path = dict(zip(stamps, finding.poses, strict=True))
             self._moved_at, self._learnt_until, self.remark = None, stamps[-1], ""
         return self._update(finding, window)
-
-    def _give_up(self, window: Sequence[Picture]) -> None:
-        if len(window) >= MEASURED[-1]:
-            self._moved_at = None
-            self._path.clear()
 
     def _learn(self, finding: Finding, stamps: list[float]) -> Update | None:
         """Learn a drift from a window, if none of it was learnt from before."""

@@ -17,7 +17,6 @@ def add_calibrate(commands: Commands) -> None:
         "calibrate",
         help="measure the robot that was built",
         description="Measure how the robot differs from its description.",
-        allow_abbrev=False,
     )
     kinds = command.add_subparsers(required=True, metavar="{drive,board,lens,mounting,undo}")
     _add_printed_board(kinds)
@@ -31,8 +30,6 @@ def add_calibrate(commands: Commands) -> None:
         "a recorded drive, and measure the camera's mounting and focal length, the delay of its "
         "pictures, and the wheels. The robot needs 0.4 m of free floor around it, and tape in "
         "sight. Metres, radians, seconds.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     drive.add_argument(
         "recording",
@@ -82,8 +79,6 @@ def _add_printed_board(kinds: Commands) -> None:
         help="a board to print, for lens and mounting",
         description="Write a page with a chessboard or ChArUco board at its true size, and rulers "
         "to check the printer by.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     add_board(board, seen=False)
     board.add_argument("--paper", metavar="NAME", help="a4, a3 or letter (default: a4)")
@@ -100,8 +95,6 @@ def _add_lens(kinds: Commands) -> None:
         description="Measure the lens by pictures of a printed chessboard or ChArUco board, from "
         "many sides, in all parts of the picture. Pictures that are of no use are refused with the "
         "reason. Writes a ROS camera_info file.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     lens.add_argument(
         "pictures", nargs="+", type=Path, metavar="PICTURES", help="folders, or files"
@@ -126,8 +119,6 @@ def _add_mounting(kinds: Commands) -> None:
         description="Measure roll, pitch, yaw, height and place of the camera, by one picture of a "
         "printed board that lies on the floor, or of the tape of a known field. Writes them into "
         "the robot's profile, of which all else is kept. Metres, radians.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     mounting.add_argument("picture", type=Path, metavar="PICTURE", help="taken by the robot")
     add_board(mounting)
@@ -178,8 +169,6 @@ def _add_undo(kinds: Commands) -> None:
         help="go back to the profile before",
         description="Go back to the profile before the last calibration. The two change places, so "
         "a second undo takes the first one back.",
-        argument_default=argparse.SUPPRESS,
-        allow_abbrev=False,
     )
     undo.add_argument(
         "profile",
