@@ -167,6 +167,14 @@ def pose_covariance(poses: Array, weights: Array, mean: Pose2) -> Array:
     return covariance
 
 
+def turned_covariance(covariance: Array, turn: float) -> Array:
+    """Return a covariance (3, 3) of x, y, theta, seen from axes turned back by ``turn`` [rad]."""
+    c, s = math.cos(turn), math.sin(turn)
+    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned: Array = rotation @ covariance @ rotation.T
+    return turned
+
+
 def covariance_root(covariance: Array) -> Array:
     """Return a root (3, 3) of a covariance, which may be singular.
 

@@ -85,7 +85,7 @@ class Localization(Follower):
         self.remarks: tuple[Alert, ...] = ()
         """Reasons for doubt besides those that the monitor finds."""
         setup = self._setup()
-        self._monitor = Monitor(setup.evidence, _mounting(scanner), _steady_errors(spec))
+        self._monitor = Monitor(setup.evidence, Mounting.of(scanner.view), SteadyErrors.of(spec))
         self._localizer = Localizer(
             make_filter(setup, rng),
             parameters.filter,
@@ -219,8 +219,9 @@ class Localization(Follower):
         self.scanner = self.scanner.seen_through(spec.floor_view)
         self.line_scan = None
         # What was found of the camera's and the wheels' errors was of the robot before.
-        evidence, mounting = self._setup().evidence, _mounting(self.scanner)
-        self._monitor = Monitor(evidence, mounting, _steady_errors(spec))
+        self._monitor = Monitor(
+            self._setup().evidence, Mounting.of(spec.floor_view), SteadyErrors.of(spec)
+        )
         self._localizer.monitor = self._monitor
         self.earlier.clear()
 
@@ -306,14 +307,3 @@ class Localization(Follower):
         if self.own.sensor is not None:
             return self.own.sensor
         return sensor_model(wanted, self._entries, self._field.edges)
-
-
-def _steady_errors(spec: RobotSpec | None) -> SteadyErrors:
-    if spec is None or spec.measured_sd is None:
-        return SteadyErrors()
-    return SteadyErrors.calibrated(spec.measured_sd, spec.track)
-
-
-def _mounting(scanner: LineScanner) -> Mounting:
-    x, _, height = scanner.view.robot_from_camera[:3, 3].tolist()
-    return Mounting(x, height)

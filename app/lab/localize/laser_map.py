@@ -11,7 +11,7 @@ from app.lab.localize.settings import LaserSettings
 from robot.fields.field import Field, FieldError
 from robot.fields.grid_field import field_from_grid
 from robot.fields.grid_map import MapError, OccupancyGrid, load_map_yaml
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
 from robot.localization.models.sensor_models import SensorModel, sensor_model
@@ -65,10 +65,7 @@ class LaserMap:
 
     def covariance_in_map(self, covariance: Array) -> Array:
         """Return a covariance (3, 3) of the filter in the map's frame."""
-        c, s = np.cos(self.map_from_cells.theta), np.sin(self.map_from_cells.theta)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        turned: Array = turn @ covariance @ turn.T
-        return turned
+        return turned_covariance(covariance, self.map_from_cells.theta)
 
     def sensor(self, parameters: SensorParameters, laser: LaserSettings) -> SensorModel:
         """Return the sensor model that the parameters name."""

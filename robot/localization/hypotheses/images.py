@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from robot.geometry import Array, Pose2
+from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
 
@@ -39,13 +36,5 @@ def missing_images(
             for each in target:
                 each.log_weight = max(each.log_weight, track.log_weight)
             if not target:
-                covariance = _turned(track.best.covariance, turned.theta)
+                covariance = turned_covariance(track.best.covariance, turned.theta)
                 yield Image(pose, covariance, track.log_weight)
-
-
-def _turned(covariance: Array, turn: float) -> Array:
-    """Return a covariance (3, 3) after a turn of the map [rad]."""
-    c, s = math.cos(turn), math.sin(turn)
-    rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    turned: Array = rotation @ covariance @ rotation.T
-    return turned

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from robot.geometry import Array, Pose2, heading_angles
+from robot.geometry import Array, Pose2, heading_angles, turned_covariance
 from robot.localization.estimate import Hypothesis
 from robot.localization.integrity import Alert, Cause
 from robot.localization.monitoring.causes import Causes, Findings
@@ -288,9 +288,7 @@ class Monitor:
             self._odometry.step_covariance if recently else NO_DOUBT.covariance,
         )
         torn = float(errors.rest.max()) > TORN
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        known = known + rotation @ self._measured @ rotation.T
+        known = known + turned_covariance(self._measured, pose.theta)
         return Doubt(known, unknown, self._causes.alerts, self._fit > 0 and not torn)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robot.camera import FloorView
 from robot.geometry import Array
 
 
@@ -18,6 +19,12 @@ class Mounting:
     """Ahead of the robot's origin [m]."""
     height: float
     """Above the floor [m]."""
+
+    @classmethod
+    def of(cls, view: FloorView) -> Mounting:
+        """Return the position of a camera above the floor."""
+        x, _, height = view.robot_from_camera[:3, 3].tolist()
+        return cls(x, height)
 
     def shifts(self, points: Array) -> Array:
         """Return how pitch and roll move floor points (n, 2) in the robot frame (n, 2, 2) [m/rad].

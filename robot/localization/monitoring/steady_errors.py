@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from robot.description.spec import RobotSpec
 from robot.geometry import Array
 
 UNCALIBRATED = np.array([0.015, 0.03, 0.5, 0.04, 0.002, 0.002, 0.008])
@@ -32,6 +33,13 @@ class SteadyErrors:
     """(3,) of the camera's place and yaw on the robot, as a calibration says [m, m, rad]; zero if
     it was not calibrated, as nobody says then how wrong the drawing is. The pose errs as they do,
     and no scan tells."""
+
+    @classmethod
+    def of(cls, spec: RobotSpec | None) -> SteadyErrors:
+        """Return those of a robot; None, and a robot that nobody measured, is as people build."""
+        if spec is None or spec.measured_sd is None:
+            return cls()
+        return cls.calibrated(spec.measured_sd, spec.track)
 
     @classmethod
     def calibrated(cls, sd: Array, track: float) -> SteadyErrors:
