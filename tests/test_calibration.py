@@ -138,6 +138,23 @@ def test_where_places_look_alike_the_start_has_to_be_told_better() -> None:
         calibrate(log.until(60), SPEC, marked, Pose2(0.25, 0.2, 0.6), START_COVARIANCE)
 
 
+def test_a_start_told_a_quarter_turn_wrong_is_found_by_the_whole_drive() -> None:
+    """Its beginning looks alike from four sides; later it sees the mark."""
+    marked = load_field("stub", MAPS)
+    log, _, path = driven("as-real", 3, 20.0, map_name="stub")
+    told = Pose2(marked.start.x, marked.start.y, marked.start.theta + np.pi / 2)
+    found = calibrate(log, SPEC, marked, told, START_COVARIANCE)
+    np.testing.assert_allclose(found.solution.state.poses[0], path[0], atol=0.003)
+    assert not any("fits as well" in remark for remark in found.remarks)
+
+
+def test_a_drive_that_does_not_tell_where_it_began_says_so() -> None:
+    log, _, _ = driven(HAND_BUILT, SEED, 40.0)
+    marked = load_field("stub", MAPS)
+    found = calibrate(log.until(90), SPEC, marked, placed(SEED), START_COVARIANCE)
+    assert any("the drive fits as well if it began at" in remark for remark in found.remarks)
+
+
 def test_a_drive_on_another_field_is_refused() -> None:
     log, _, _ = driven(HAND_BUILT, SEED, 40.0)
     other = load_field("generated-6301", MAPS)

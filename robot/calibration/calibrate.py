@@ -159,9 +159,8 @@ def _with_unlearnt_left(path: DrivePath, others: Sequence[Pose2]) -> Calibration
     remarks = path.remarks
     if others:
         remarks += (
-            f"the drive may have begun at {start_text(path.start)}, or as well at "
-            f"{' or '.join(map(start_text, others))}: the robot saw no mark that tells; where it "
-            "is must be said anew",
+            f"the drive fits as well if it began at {' or '.join(map(start_text, others))}: that "
+            f"it began at {start_text(path.start)} is only what was told",
         )
     return Calibration(values, sd, solution, residual_sd(solution.misses), remarks)
 

@@ -41,7 +41,7 @@ BEGINNING_S = 6.0
 """How far the drive is followed from each pose where it may have begun [s]."""
 CLEARLY = 40.0
 """A start fits better than another one if its cost is lower by this."""
-FEW = 5
+FEW = 10
 """Iterations of an adjustment that begins at the solution, but from another start."""
 LEAST_SEEN, FAR_OFF = 0.7, 3.0
 """A path fits if at least this share of the edges that were seen lies on the field's, and they lie
