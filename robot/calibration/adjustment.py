@@ -93,6 +93,8 @@ class State:
     """(k, 3) in the map at each picture [m, m, rad]."""
     slip: Array
     """(k, 2) of the left and right wheel, until the next picture (see ``WheelMotion.steps``)."""
+    map: Array = field(default_factory=lambda: np.zeros(0))
+    """(u,) unknowns of the map (``TapeEdges.derivatives``) [m]; none if the map is known."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ class Solution:
 
     state: State
     covariance: Array = field(repr=False)
-    """(15, 15) of the unknowns."""
+    """(15, 15) of the unknowns; those of the map follow."""
     pose_covariance: Array = field(repr=False)
     """(3, 3) of the last pose, with the unknowns' share."""
     misses: Misses = field(repr=False)
@@ -170,10 +172,11 @@ class Adjustment:
         return equations.alone(by_others)
 
     def _equations(self, state: State, weights: Weights, errors: Array | None) -> Equations:
-        equations = Equations(len(state.poses))
+        sightings = self._sightings(state)
+        equations = Equations(len(state.poses), COUNT + sightings.tape.unknowns)
         twists = self._motion.twists(state.values, state.slip)
-        floor = self._seen.floor_points(state.values, twists, errors)
-        seen = misses(self._seen, floor, state.poses, state.values, weights.gate)
+        floor = sightings.floor_points(state.values, twists, errors)
+        seen = misses(sightings, floor, state.poses, state.values, weights.gate)
         equations.add_sightings(seen, weights.doubt)
         # An edge out of the gate costs as much as one at its border: else losing edges would pay.
         lost = self._counting(seen) - len(seen.residuals)
@@ -182,8 +185,16 @@ class Adjustment:
         equations.add_pairs(*self._step_errors(state))
         equations.add_slip(state.slip, self._motion.stamps)
         equations.add_start(state.poses[0], self._start, self._start_information)
-        equations.add_prior(state.values - weights.mean, weights.information)
+        equations.add_prior(*self._prior(state, weights))
         return equations
+
+    def _sightings(self, state: State) -> Sightings:
+        """Return the sightings, with the edges where they are in a state."""
+        return self._seen
+
+    def _prior(self, state: State, weights: Weights) -> tuple[Array, Array]:
+        """Return how the shared unknowns (s,) differ from the expected, and the information."""
+        return state.values - weights.mean, weights.information
 
     def _counting(self, seen: Misses) -> int:
         """Return how many edges should lie on the field's: nobody measures at their ends."""
@@ -225,12 +236,12 @@ class Adjustment:
 
 
 def _moved(state: State, step: Array, shared: Array) -> State:
-    values = state.values + shared
+    values = state.values + shared[:COUNT]
     turned = Rotation.from_rotvec(shared[ROTATION]) * Rotation.from_rotvec(state.values[ROTATION])
     values[ROTATION] = turned.as_rotvec()
     poses = state.poses + step[:, :3]
     poses[:, 2] = wrap_angle(poses[:, 2])
-    return State(values, poses, state.slip + step[:, 3:])
+    return State(values, poses, state.slip + step[:, 3:], state.map + shared[COUNT:])
 
 
 def residual_sd(seen: Misses) -> float:

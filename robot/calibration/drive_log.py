@@ -1,4 +1,4 @@
-"""What a calibration needs of a drive: pixels of tape edges, and the turns of the wheels."""
+"""What a calibration or a map needs of a drive: pixels of edges, and the turns of the wheels."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ wider or narrower, and its edges bent."""
 
 @dataclass(frozen=True)
 class DriveLog:
-    """A drive, as far as a calibration needs it."""
+    """A drive, as far as a calibration or a map needs it."""
 
     stamps: Array
     """(k,) stamps of the pictures [s]."""
@@ -38,14 +38,27 @@ class DriveLog:
     """(t,) [s]"""
     wheel_angles: Array = field(repr=False)
     """(t, 2) left, right, never wrapped [rad]."""
+    first: Array = field(default_factory=lambda: np.zeros((0, 0, 2)), repr=False)
+    """(k, r, 2) where rays first meet an edge of anything [px]; nan where there is bare floor."""
+    rays: Array = field(default_factory=lambda: np.zeros((0, 2, 2)), repr=False)
+    """(r, 2, 2) where rays begin and end [px]."""
+
+    def some(self, pictures: slice | NDArray[np.intp]) -> DriveLog:
+        """Return the drive with some of its pictures only."""
+        return replace(
+            self,
+            stamps=self.stamps[pictures],
+            pixels=self.pixels[pictures],
+            first=self.first[pictures],
+        )
 
     def until(self, count: int) -> DriveLog:
         """Return the drive with its first pictures only."""
-        return replace(self, stamps=self.stamps[:count], pixels=self.pixels[:count])
+        return self.some(slice(count))
 
     def since(self, first: int) -> DriveLog:
         """Return the drive without its first pictures."""
-        return replace(self, stamps=self.stamps[first:], pixels=self.pixels[first:])
+        return self.some(slice(first, None))
 
 
 class DriveRecorder:
@@ -56,11 +69,17 @@ class DriveRecorder:
         spec: RobotSpec,
         settings: LineScannerSettings,
         tape: tuple[Tape, ...] = (BLACK_TAPE,),
+        *,
+        calibrated: bool = False,
     ) -> None:
-        """Record a robot on a field with some kinds of tape (``Field.tape``)."""
-        self._scanner = LineScanner(spec.floor_view, replace(settings, **LOOSE), tape)
+        """Record a robot on a field with some kinds of tape (``Field.tape``).
+
+        The scanner's limits are wider, unless the robot is calibrated.
+        """
+        limits = {} if calibrated else LOOSE
+        self._scanner = LineScanner(spec.floor_view, replace(settings, **limits), tape)
         self._left_right = list(spec.axle)
-        self._pictures: list[tuple[float, Array]] = []
+        self._pictures: list[tuple[float, Array, Array]] = []
         self._wheels: list[tuple[float, Array]] = []
 
     def add(self, reading: Reading) -> None:
@@ -71,21 +90,31 @@ class DriveRecorder:
             return
         if self._pictures and frame.stamp - self._pictures[-1][0] < PERIOD_S - 1e-6:
             return
-        self._pictures.append((frame.stamp, self.edges(frame.image)))
+        self._pictures.append((frame.stamp, *self._edges(frame.image)))
 
     def edges(self, image: NDArray[np.uint8]) -> Array:
         """Return the pixels (2 r, 2) in which rays enter tape, then where they leave it; or nan."""
-        edges = self._scanner.entries_and_exits(image)
-        sides = [self._scanner.pixels(side)[EVERY // 2 :: EVERY] for side in edges.T]
-        return np.concatenate(sides)
+        return self._edges(image)[0]
+
+    def _edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
+        tape, first = self._scanner.tape_and_first_edges(image)
+        return np.concatenate([self._pixels(side) for side in tape.T]), self._pixels(first)
+
+    def _pixels(self, positions: Array) -> Array:
+        return self._scanner.pixels(positions)[EVERY // 2 :: EVERY]
 
     @property
     def log(self) -> DriveLog:
         """All that was added so far."""
-        rays = len(range(EVERY // 2, self._scanner.settings.rays, EVERY))
+        table = self._scanner.table
+        rays = np.stack(
+            [self._pixels(np.zeros(len(table.counts))), self._pixels(table.counts - 1.0)], axis=1
+        )
         return DriveLog(
-            np.array([stamp for stamp, _ in self._pictures]),
-            np.array([pixels for _, pixels in self._pictures]).reshape(-1, 2 * rays, 2),
+            np.array([stamp for stamp, _, _ in self._pictures]),
+            np.array([pixels for _, pixels, _ in self._pictures]).reshape(-1, 2 * len(rays), 2),
             np.array([stamp for stamp, _ in self._wheels]),
             np.array([angles for _, angles in self._wheels]).reshape(-1, 2),
+            np.array([first for _, _, first in self._pictures]).reshape(-1, len(rays), 2),
+            rays,
         )

@@ -29,14 +29,21 @@ SLIP_SD, SLIP_TIME = 0.04, 1.0
 class Equations:
     """Normal equations: a chain of pictures, each also tied to the robot's unknowns."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, unknowns: int = COUNT) -> None:
+        """Begin without any information.
+
+        Args:
+            count: of pictures.
+            unknowns: that all pictures share: those of the robot, and of a map that is not known.
+        """
+        self._unknowns = unknowns
         self._own = np.zeros((count, STATE, STATE))
         self._next = np.zeros((count, STATE, STATE))
         """From each picture (rows) to the next one (columns)."""
-        self._shared = np.zeros((count, STATE, COUNT))
-        self._robot = np.zeros((COUNT, COUNT))
+        self._shared = np.zeros((count, STATE, unknowns))
+        self._robot = np.zeros((unknowns, unknowns))
         self._right = np.zeros((count, STATE))
-        self._robot_right = np.zeros(COUNT)
+        self._robot_right = np.zeros(unknowns)
         self.cost = 0.0
         self.misses: Misses
         self._root: Array
@@ -73,13 +80,13 @@ class Equations:
         self._own[:-1] += own.transpose(0, 2, 1) @ own
         self._own[1:] += following.transpose(0, 2, 1) @ following
         self._next[:-1] += own.transpose(0, 2, 1) @ following
-        self._shared[:-1] += own.transpose(0, 2, 1) @ robot
-        self._shared[1:] += following.transpose(0, 2, 1) @ robot
+        self._shared[:-1, :, :COUNT] += own.transpose(0, 2, 1) @ robot
+        self._shared[1:, :, :COUNT] += following.transpose(0, 2, 1) @ robot
         self._right[:-1] -= np.einsum("nij,ni->nj", own, error)
         self._right[1:] -= np.einsum("nij,ni->nj", following, error)
         flat = robot.reshape(-1, COUNT)
-        self._robot += flat.T @ flat
-        self._robot_right -= flat.T @ error.reshape(-1)
+        self._robot[:COUNT, :COUNT] += flat.T @ flat
+        self._robot_right[:COUNT] -= flat.T @ error.reshape(-1)
 
     def add_slip(self, slip: Array, stamps: Array) -> None:
         """Add that slip changes slowly, and is small (a first-order process)."""
@@ -105,20 +112,20 @@ class Equations:
         self.cost += float(difference @ information @ difference)
 
     def add_prior(self, difference: Array, information: Array) -> None:
-        """Add how the robot's unknowns (15,) differ from what they are thought to be.
+        """Add how the shared unknowns (s,) differ from what they are thought to be.
 
-        The information (15, 15) says how well that is known.
+        The information (s, s) says how well that is known.
         """
         self._robot += information
         self._robot_right -= information @ difference
         self.cost += float(difference @ information @ difference)
 
     def solve(self) -> tuple[Array, Array, Array, Array]:
-        """Return the steps (k, 5) and (15,), the latter's covariance, and the last pose's."""
+        """Return the steps (k, 5) and (s,), the latter's covariance, and the last pose's."""
         count = len(self._own)
         size = count * STATE
         factor = self._factor()
-        shared = self._shared.reshape(size, COUNT)
+        shared = self._shared.reshape(size, self._unknowns)
         both = np.column_stack([shared, self._right.reshape(size)])
         solved = cho_solve_banded((factor, True), both, check_finite=False)
         schur = self._robot - shared.T @ solved[:, :-1]
@@ -152,12 +159,12 @@ class Equations:
         by_pictures = np.zeros((count, STATE, others))
         by_pictures[:, :3] = tied[:, :3]
         own, by_robot = by_pictures.reshape(size, others), tied[:, 3:].sum(axis=0)
-        shared = self._shared.reshape(size, COUNT)
+        shared = self._shared.reshape(size, self._unknowns)
         factor = self._factor(), True
         solved = cho_solve_banded(factor, np.column_stack([shared, own]), check_finite=False)
-        schur = self._robot - shared.T @ solved[:, :COUNT]
-        by_robot = by_robot - shared.T @ solved[:, COUNT:]
-        known = np.einsum("ij,ij->j", own, solved[:, COUNT:])
+        schur = self._robot - shared.T @ solved[:, : self._unknowns]
+        by_robot = by_robot - shared.T @ solved[:, self._unknowns :]
+        known = np.einsum("ij,ij->j", own, solved[:, self._unknowns :])
         known += np.einsum("ij,ij->j", by_robot, np.linalg.solve(schur, by_robot))
         information = np.square(weighted).sum(axis=0) - known
         # At the solution the misses are as small as they get: they pull at the others only.

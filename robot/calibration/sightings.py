@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.calibration.drive_log import DriveLog
+from robot.calibration.tape_edges import TapeEdges
 from robot.calibration.unknowns import COUNT, FOCAL, LENS, ROTATION, SHIFT, TAPE, Differences
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
@@ -20,8 +21,6 @@ PIXEL_SD = 0.16
 picture, as neighbouring rays see the same piece of tape, with the same error."""
 FLOOR_SD = 0.00012
 """Standard deviation of the tape's edge on the floor [m]."""
-END = 0.03
-"""Edges are not measured nearer to their ends than this [m], as corners round them off."""
 NEAR_END = -2
 """Stands for an edge that is not measured so near to its end."""
 GRAZING = 0.15
@@ -66,7 +65,7 @@ class Misses:
     by_pose: Array = field(repr=False)
     """(n, 3) by the picture's pose."""
     by_unknowns: Array = field(repr=False)
-    """(n, 15) by the unknowns."""
+    """(n, 15) by the robot's unknowns, and those of the map if there are any."""
     metres: Array = field(repr=False)
     """(n,) the same distances [m]."""
     pixels: Array = field(repr=False)
@@ -94,18 +93,23 @@ class Sightings:
     rows: Array = field(repr=False)
     """(k, 2 r, 3) powers 0 to 2 of a pixel's row, from -1 (top) to 1."""
     spec: RobotSpec
-    edges: Array = field(repr=False)
-    normals: Array = field(repr=False)
+    tape: TapeEdges
+    """What the sightings are of."""
 
     @classmethod
     def of(cls, log: DriveLog, spec: RobotSpec, taped: Field) -> Sightings:
         """Return the sightings of a drive on a field."""
+        return cls.on(log, spec, TapeEdges.of(taped.edges))
+
+    @classmethod
+    def on(cls, log: DriveLog, spec: RobotSpec, tape: TapeEdges) -> Sightings:
+        """Return the sightings of a drive on some tape."""
         lens = spec.lens
         half = (lens.height - 1) / 2
         down = log.pixels[:, :, 1] - half
         late = lens.readout / max(1, lens.height - 1) * down
         rows = (down / half)[:, :, None] ** np.arange(3)
-        return cls(log.pixels, late, rows, spec, taped.edges, taped.normals)
+        return cls(log.pixels, late, rows, spec, tape)
 
     def part(self, first: int, last: int) -> Sightings:
         """Return the sightings of some pictures."""
@@ -215,12 +219,12 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     toward_tape = turned / np.maximum(np.hypot(px, py), 1e-9)[..., None]
     toward_tape[:, rays:] *= -1
     ends = (poses[:, None, :2] + turned).reshape(-1, 2)
-    edge = nearest_edges(
-        ends, np.ascontiguousarray(toward_tape.reshape(-1, 2)), seen.edges, seen.normals, gate, END
-    )
+    tape = seen.tape
+    toward_tape = np.ascontiguousarray(toward_tape.reshape(-1, 2))
+    edge = nearest_edges(ends, toward_tape, tape.edges, tape.normals, tape.margins, gate)
     matched, near_ends = np.flatnonzero(edge >= 0), int((edge == NEAR_END).sum())
     edge, picture, leaves = edge[matched], matched // shape[1], matched % shape[1] >= rays
-    normal = seen.normals[edge]
+    normal = tape.normals[edge]
     c, s = c[picture, 0], s[picture, 0]
     # The normal in the robot's frame.
     across = np.column_stack(
@@ -235,12 +239,13 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     # Tape that is wider than drawn ends farther out; where it begins is drawn.
     by_unknowns[:, TAPE] = np.where(leaves, -1.0, 0.0)
     by_unknowns[:, LENS] = -seen.rows.reshape(-1, 3)[matched] * by_pixel[:, 1:]
-    metres = (normal * (ends[matched] - seen.edges[edge, :2])).sum(axis=1)
+    metres = (normal * (ends[matched] - tape.edges[edge, :2])).sum(axis=1)
     metres += by_unknowns[:, TAPE] * values[TAPE] + by_unknowns[:, LENS] @ values[LENS]
     around = floor.at_edges.reshape(-1, 2)[matched]
     by_pose = np.column_stack([normal, across[:, 1] * around[:, 0] - across[:, 0] * around[:, 1]])
     pixels = np.zeros((len(ends), 2))
     pixels[matched] = (metres / a_pixel**2)[:, None] * by_pixel
+    by_unknowns = np.hstack([by_unknowns, tape.derivatives(edge, ends[matched])])
     sd = np.hypot(PIXEL_SD * a_pixel, FLOOR_SD)
     return Misses(
         metres / sd,
@@ -259,7 +264,7 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
 
 @njit(cache=True, nogil=True)
 def nearest_edges(
-    points: Array, toward_tape: Array, edges: Array, normals: Array, gate: float, end: float
+    points: Array, toward_tape: Array, edges: Array, normals: Array, margins: Array, gate: float
 ) -> NDArray[np.int64]:
     """Return the edge (n,) that each ray met, by where it did; -1 if none is near.
 
@@ -270,8 +275,8 @@ def nearest_edges(
         toward_tape: (n, 2) directions of the rays in the map, reversed where they leave tape.
         edges: (m, 4) [m].
         normals: (m, 2) toward the light side.
+        margins: (m, 2) from an edge's ends, where it does not count (``TapeEdges``) [m].
         gate: largest distance from an edge [m].
-        end: an edge does not count nearer to its ends than this [m].
     """
     result = np.full(len(points), -1)
     for i in range(len(points)):
@@ -289,10 +294,10 @@ def nearest_edges(
                 continue
             ex, ey = edges[j, 2] - edges[j, 0], edges[j, 3] - edges[j, 1]
             length = math.hypot(ex, ey)
-            margin = min(end, 0.25 * length)
             along = (ex * dx + ey * dy) / length
-            if margin <= along <= length - margin:
+            start, end = margins[j]
+            if start <= along <= length - end:
                 best, result[i] = away, j
-            elif -margin <= along <= length + margin:
+            elif -start <= along <= length + end:
                 best, result[i] = away, NEAR_END
     return result

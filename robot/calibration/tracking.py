@@ -66,7 +66,7 @@ def follow_path(
         widest, pose = FIRST_GATE, poses[0]
         if k > 0:
             widest = GATE
-            pose, covariance = _predicted(poses[k - 1], covariance, steps[k - 1])
+            pose, covariance = predicted(poses[k - 1], covariance, steps[k - 1])
             if _reach(covariance) > UNSURE and np.isfinite(floor.points[k, :, 0]).any():
                 last = min(total, k + TOGETHER)
                 ends = edge_ends(floor.part(k, last), steps[k : last - 1])
@@ -75,7 +75,7 @@ def follow_path(
                     pose, covariance = likely, np.diag(AGAIN_SD**2)
         gate = min(widest, LEAST_GATE + 3 * _reach(covariance))
         place = seen.part(k, k + 1), floor.part(k, k + 1)
-        poses[k], covariance = _laid(pose, covariance, *place, state.values, gate)
+        poses[k], covariance = laid(pose, covariance, *place, state.values, gate)
     return replace(state, poses=poses, slip=slip)
 
 
@@ -84,7 +84,7 @@ def _reach(covariance: Array) -> float:
     return float(np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2]))
 
 
-def _predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Array]:
+def predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Array]:
     c, s = np.cos(pose[2]), np.sin(pose[2])
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
     moved = turn @ step
@@ -96,10 +96,19 @@ def _predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Arra
     return pose + moved, by_pose @ covariance @ by_pose.T + noise
 
 
-def _laid(
-    pose: Array, covariance: Array, seen: Sightings, floor: FloorPoints, values: Array, gate: float
+def laid(
+    pose: Array,
+    covariance: Array,
+    seen: Sightings,
+    floor: FloorPoints,
+    values: Array,
+    gate: float,
+    least_matched: float = LEAST_MATCHED,
 ) -> tuple[Array, Array]:
-    """Lay the edges of one picture on the field's; return the pose and its covariance."""
+    """Lay the edges of one picture on those that are known; return the pose and its covariance.
+
+    The pose stays as predicted if a smaller share of the picture's edges lies on known ones.
+    """
     information = np.linalg.inv(covariance)
     result = pose.copy()
     for _ in range(STEPS):
@@ -115,7 +124,7 @@ def _laid(
     matched = len(misses(seen, floor, result[None], values, gate).residuals)
     moved = result - pose
     if (
-        matched < LEAST_MATCHED * np.isfinite(seen.pixels[:, :, 0]).sum()
+        matched < least_matched * np.isfinite(seen.pixels[:, :, 0]).sum()
         or moved @ information @ moved > MOST_MOVED**2
     ):
         return pose, covariance

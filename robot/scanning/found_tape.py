@@ -25,6 +25,8 @@ class FoundTape(NamedTuple):
     """(k,) by the entries' lines [m], inf for rays that do not count."""
     hidden: Array
     """(k, 2) from where to where something that is no tape lies on the ray [m], ``Scan.hidden``."""
+    first: Array
+    """(k,) where a ray first meets the edge of anything [samples]; nan without."""
     noise: float
     """Of the picture [grey levels]."""
     kernel: int
@@ -52,6 +54,7 @@ class FoundTape(NamedTuple):
             np.where(taken[:, None], other.lines, self.lines),
             np.where(taken, other.ranges, self.ranges),
             np.where(counted[:, None], np.where(taken[:, None], other.hidden, self.hidden), hull),
+            np.fmin(self.first, other.first),
             self.noise,
             self.kernel,
             np.minimum(self.clear, other.clear),

@@ -183,10 +183,20 @@ class LineScanner:
         Raises:
             ValueError: as ``scan``.
         """
+        return self.tape_and_first_edges(image)[0]
+
+    def tape_and_first_edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
+        """Return what ``entries_and_exits`` does, and where rays first meet anything (k,).
+
+        Before, a ray sees bare floor; one that meets nothing has nan [samples].
+
+        Raises:
+            ValueError: as ``scan``.
+        """
         tape = self._tape_in(self._checked(image), moved=False)
         edges = tape.edges.copy()
         edges[tape.verdicts != Verdict.COUNTED] = np.nan
-        return edges
+        return edges, tape.first
 
     def _tape_in(self, picture: NDArray[np.uint8], *, moved: bool = True) -> FoundTape:
         """Return what is found; entries that count are moved to the line of their edge, or not."""
@@ -223,9 +233,13 @@ class LineScanner:
             judge_dashes(points, met, look.dashes, limits, chosen, verdicts, widths, lines)
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, self._directions)
         hidden = hidden_of(pairs, single, met, chosen, verdicts, table.distances)
+        first = np.where(met > 1, pairs[:, 0, 0], single[:, 1])
+        first[~np.isnan(single[:, 0])] = 0.0
         if not moved:
             edges = pairs[np.arange(len(chosen)), chosen]
-        return FoundTape(edges, verdicts, widths, lines, ranges, hidden, noise, kernel, clear)
+        return FoundTape(
+            edges, verdicts, widths, lines, ranges, hidden, first, noise, kernel, clear
+        )
 
     def pixels(self, positions: Array) -> Array:
         """Return the pixels (k, 2) of one position on each ray (k,) [samples]; nan stays nan."""

@@ -16,7 +16,8 @@ from scipy.optimize import least_squares
 from robot.calibration.drive_log import LOOSE
 from robot.calibration.lens.sighting import Grey
 from robot.calibration.mounting.mounting import Mounting, MountingError, derivatives, moved
-from robot.calibration.sightings import END, nearest_edges
+from robot.calibration.sightings import nearest_edges
+from robot.calibration.tape_edges import TapeEdges
 from robot.calibration.unknowns import PRIORS, ROTATION, SHIFT
 from robot.camera import FloorView, Lens
 from robot.fields.field import Field
@@ -64,8 +65,9 @@ class _Edges:
         toward = points - (self.placed.x, self.placed.y)
         toward /= np.linalg.norm(toward, axis=1)[:, None]
         toward[self.leaving] *= -1
-        edges, normals = self.taped.edges, self.taped.normals
-        return nearest_edges(points, np.ascontiguousarray(toward), edges, normals, gate, END)
+        tape = TapeEdges.of(self.taped.edges)
+        toward = np.ascontiguousarray(toward)
+        return nearest_edges(points, toward, tape.edges, tape.normals, tape.margins, gate)
 
     def errors(self, robot_from_camera: Array, edge: Places) -> Array:
         """Return how far edges lie off the field's in the picture (n,) [px]."""

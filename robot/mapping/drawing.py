@@ -1,0 +1,99 @@
+"""Writes strokes as an SVG drawing, as the fields in ``maps/`` are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from robot.geometry import Array, Pose2
+from robot.mapping.strokes import Stroke
+from robot.mapping.tidying import EndName, TidyStrokes
+
+MARGIN_MM = 250
+"""Floor around the tape [mm]."""
+
+
+def drawing(tidy: TidyStrokes, width: float, start: Pose2, title: str) -> str:
+    """Return the text of an SVG, in millimetres.
+
+    Args:
+        tidy: the strokes [m].
+        width: of the tape [m].
+        start: where the robot starts, in the map.
+        title: for people.
+    """
+    points = 1e3 * np.vstack([stroke.points for stroke in tidy.strokes])
+    low, high = np.floor(points.min(axis=0)) - MARGIN_MM, np.ceil(points.max(axis=0)) + MARGIN_MM
+    # SVG's y points down.
+    left, top, across, down = low[0], -high[1], high[0] - low[0], high[1] - low[1]
+    begin = f"{1e3 * start.x:g} {1e3 * start.y:g} {np.degrees(start.theta):g}"
+    paths = "\n".join(f'    <path d="{path}"/>' for path in _paths(tidy))
+    return f"""\
+<svg xmlns="http://www.w3.org/2000/svg" width="{across:g}mm" height="{down:g}mm" \
+viewBox="{left:g} {top:g} {across:g} {down:g}" data-start="{begin}">
+  <title>{escape(title)}</title>
+  <rect x="{left:g}" y="{top:g}" width="{across:g}" height="{down:g}" fill="#d7d5cf"/>
+  <!-- Inside, y points up as it does in the map. -->
+  <g transform="scale(1 -1)" fill="none" stroke="#202225" stroke-width="{1e3 * width:g}" \
+stroke-miterlimit="10">
+{paths}
+  </g>
+</svg>
+"""
+
+
+def _paths(tidy: TidyStrokes) -> list[str]:
+    """Return the strokes as SVG paths; those that meet in corners are one path."""
+    follower = {}
+    for a, b in tidy.corners:
+        follower[a], follower[b] = b, a
+    left = set(range(len(tidy.strokes)))
+    paths = []
+    # Chains with an open end first: what is left then are rings.
+    starts: list[EndName] = [
+        (number, last)
+        for number in sorted(left)
+        for last in (False, True)
+        if (number, last) not in follower
+    ]
+    for number, last in [*starts, *((number, False) for number in sorted(left))]:
+        if number not in left:
+            continue
+        chain: list[Stroke] = []
+        here: EndName | None = (number, last)
+        while here is not None and here[0] in left:
+            left.remove(here[0])
+            stroke = tidy.strokes[here[0]]
+            chain.append(stroke.reversed if here[1] else stroke)
+            here = follower.get((here[0], not here[1]))
+        paths.append(_path(chain, ring=here is not None))
+    return paths
+
+
+def _path(chain: Sequence[Stroke], ring: bool) -> str:
+    parts = [f"M {_shown(chain[0].nodes[0])}"]
+    for place, stroke in enumerate(chain):
+        if stroke.curved:
+            parts.append(_curve(stroke))
+        elif not ring or place < len(chain) - 1:
+            parts.append(f"L {_shown(stroke.nodes[1])}")
+    if ring or chain[0].closed:
+        parts.append("Z")
+    return " ".join(parts)
+
+
+def _curve(stroke: Stroke) -> str:
+    """Return a spline as Bezier curves: each of its spans is one."""
+    spline, knots = stroke.spline(stroke.nodes), stroke.knots
+    places, slopes = spline(knots), spline(knots, 1)
+    third = np.diff(knots)[:, None] / 3
+    before, after = places[:-1] + third * slopes[:-1], places[1:] - third * slopes[1:]
+    spans = zip(before, after, places[1:], strict=True)
+    return "C " + ", ".join(" ".join(_shown(point) for point in span) for span in spans)
+
+
+def _shown(point: Array) -> str:
+    x, y = np.round(1e3 * point, 2) + 0.0
+    return f"{x:g} {y:g}"

@@ -1,0 +1,180 @@
+"""Draws the tape of a floor while the robot drives on it (SLAM).
+
+The drive is adjusted in windows that grow, as for a calibration, but the tape is not known. In each
+window, new pictures are laid on the strokes that are known so far; all middles of tape are traced
+anew; and path, robot and strokes are adjusted together. So a stretch of tape that is met again
+closes the loop, and the whole path is corrected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot.calibration.adjustment import Solution, State, Weights
+from robot.calibration.drive_log import DriveLog
+from robot.calibration.sightings import Sightings
+from robot.calibration.tracking import laid, predicted
+from robot.calibration.unknowns import COUNT, LEFT, PRIORS, RIGHT, SEPARATION
+from robot.calibration.wheel_motion import WheelMotion
+from robot.description.spec import RobotSpec
+from robot.geometry import Array, Pose2
+from robot.mapping.ends import RaysOnFloor
+from robot.mapping.map_adjustment import MapAdjustment
+from robot.mapping.refinement import refined
+from robot.mapping.stroke_fitting import fit_stroke
+from robot.mapping.strokes import Stroke, Strokes
+from robot.mapping.tidying import TidyStrokes, joined, tidied
+from robot.mapping.tracing import Cells, Middles, trace
+
+STEP_M, STEP_RAD = 0.02, 0.05
+"""A picture is used if the robot moved or turned so far since the last one."""
+WINDOW = 8
+"""Pictures by which the window grows."""
+START_SD = np.array([1e-4, 1e-4, 1e-4])
+"""The map begins where the robot does [m, m, rad]."""
+WHEELS_SD = np.array([0.02, 0.02, 0.03])
+"""Standard deviations of radii and separation of a robot that is as described."""
+KNOWN_SD = 1e-3
+"""Share of a hand-built robot's deviations that the other unknowns have then."""
+GATES = (0.03, 0.02)
+LEAST_GATE, MOST_GATE = 0.015, 0.12
+"""Edges farther from the known ones are new [m]: if the pose is exactly known, and at most."""
+AHEAD = 0.4
+"""How far ahead most edges are seen [m]."""
+LEAST_MATCHED = 0.2
+"""A picture tells where the robot is if this share of its edges lies on known ones."""
+FEW, MANY = 3, 15
+"""Iterations of an adjustment: while the map grows, and of the whole."""
+ROUNDS = 5
+"""Times that strokes get more nodes, at most."""
+
+
+@dataclass(frozen=True)
+class TapeMap:
+    """A map, and the drive that it was drawn by."""
+
+    tidy: TidyStrokes
+    """The tape."""
+    strokes: Strokes
+    """What was measured of it, in the adjustment."""
+    solution: Solution = field(repr=False)
+    stamps: Array = field(repr=False)
+    """(k,) of the pictures that were used [s]."""
+
+
+class Mapper:
+    """Draws the map of one drive."""
+
+    def __init__(
+        self, log: DriveLog, spec: RobotSpec, width: float, start: Pose2 = Pose2()
+    ) -> None:
+        """Prepare a drive on tape of a width [m], that begins at a pose in the map."""
+        log = log.some(_moving(log, spec))
+        self._log, self._spec, self._width = log, spec, width
+        nothing = Strokes.of((), width)
+        self._seen = Sightings.on(log, spec, nothing.edges)
+        self._start = start.to_array()
+        sd = KNOWN_SD * PRIORS
+        sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
+        self._sd = sd
+        self._state = State(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
+        self._covariance = np.diag(START_SD**2)
+        self._strokes = nothing
+
+    def run(self) -> TapeMap:
+        """Map the whole drive."""
+        total = len(self._log.stamps)
+        for count in [*range(WINDOW, total, WINDOW), total]:
+            self.grow(count)
+        self._trace(total)
+        solution = self._refined(self._adjust(total, MANY, GATES))
+        rays = RaysOnFloor.of(self._log, self._spec, self._state)
+        whole = joined(self._strokes, rays)
+        if whole is not self._strokes:
+            self._strokes = whole
+            solution = self._refined(self._adjust(total, MANY, GATES[-1:]))
+            rays = RaysOnFloor.of(self._log, self._spec, self._state)
+        tidy = tidied(self._strokes, rays)
+        return TapeMap(tidy, self._strokes, solution, self._log.stamps)
+
+    def _refined(self, solution: Solution) -> Solution:
+        """Give the strokes more nodes where they need them, and adjust again."""
+        for _ in range(ROUNDS):
+            finer = refined(self._strokes, solution.misses)
+            if finer is self._strokes:
+                break
+            self._strokes = finer
+            solution = self._adjust(len(self._log.stamps), MANY, GATES[-1:])
+        return solution
+
+    def grow(self, count: int) -> None:
+        """Follow the drive to its picture of a number, and adjust all of it."""
+        seen, motion = self._part(count)
+        self._state = self._followed(seen, motion)
+        self._trace(count)
+        self._adjust(count, FEW, GATES[:1])
+
+    def _part(self, count: int) -> tuple[Sightings, WheelMotion]:
+        return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
+
+    def _followed(self, seen: Sightings, motion: WheelMotion) -> State:
+        """Return the state with the poses of all pictures of the window."""
+        state, covariance = self._state, self._covariance
+        known, total = len(state.poses), len(motion.stamps)
+        slip = np.vstack([state.slip, np.zeros((total - known, 2))])
+        steps, _ = motion.steps(state.values, slip[:-1])
+        seen = replace(seen, tape=self._strokes.edges)
+        floor = seen.floor_points(state.values, motion.twists(state.values))
+        poses = np.vstack([state.poses, np.zeros((total - known, 3))])
+        for k in range(known, total):
+            poses[k], covariance = predicted(poses[k - 1], covariance, steps[k - 1])
+            if not self._strokes.traced:
+                continue
+            reach = np.sqrt(np.trace(covariance[:2, :2]) + AHEAD**2 * covariance[2, 2])
+            gate = min(MOST_GATE, LEAST_GATE + 3 * float(reach))
+            place = seen.part(k, k + 1), floor.part(k, k + 1)
+            poses[k], covariance = laid(
+                poses[k], covariance, *place, state.values, gate, LEAST_MATCHED
+            )
+        return replace(state, poses=poses, slip=slip)
+
+    def _trace(self, count: int) -> None:
+        """Draw the strokes anew, from where the path lies by now."""
+        seen, motion = self._part(count)
+        state = self._state
+        floor = seen.floor_points(state.values, motion.twists(state.values, state.slip))
+        middles = Middles.of(floor.points, state.poses, self._width)
+        self._strokes = Strokes.of(_traced(middles, 2 if count <= 2 * WINDOW else 3), self._width)
+
+    def _adjust(self, count: int, most: int, gates: Sequence[float]) -> Solution:
+        seen, motion = self._part(count)
+        strokes, state = self._strokes, replace(self._state, map=self._strokes.offsets)
+        adjustment = MapAdjustment(seen, motion, strokes, self._start, np.diag(START_SD**2))
+        for gate in gates:
+            solution = adjustment.solve(state, Weights(sd=self._sd, gate=gate), most)
+            state = solution.state
+        self._state, self._covariance = state, solution.pose_covariance
+        self._strokes = strokes.moved_by(state.map)
+        return solution
+
+
+def _traced(middles: Middles, least_pictures: int) -> tuple[Stroke, ...]:
+    lines = trace(Cells.of(middles, least_pictures))
+    fitted = [fit_stroke(line, bool(np.array_equal(line[0], line[-1]))) for line in lines]
+    return tuple(stroke for stroke in fitted if stroke is not None)
+
+
+def _moving(log: DriveLog, spec: RobotSpec) -> NDArray[np.intp]:
+    """Return which pictures are used: the robot has moved since the last one."""
+    steps, _ = WheelMotion.of(log, spec).steps(np.zeros(COUNT), np.zeros((len(log.stamps) - 1, 2)))
+    kept, way, turn = [0], 0.0, 0.0
+    for k, step in enumerate(steps, start=1):
+        way, turn = way + float(np.hypot(step[0], step[1])), turn + abs(float(step[2]))
+        if way >= STEP_M or turn >= STEP_RAD:
+            kept.append(k)
+            way = turn = 0.0
+    return np.array(kept)

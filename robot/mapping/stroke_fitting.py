@@ -1,0 +1,96 @@
+"""Turns traced lines into strokes: straight ones where they are, else splines with few nodes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from robot.geometry import Array
+from robot.mapping.strokes import Stroke
+
+STRAIGHT = 0.003
+"""A line is straight if none of its points lies farther off [m]."""
+HOOK = 0.04
+"""At so much of its ends a line may bend off: corners of tape look round [m]."""
+SHORTEST = 0.05
+"""A shorter line is no stroke [m]."""
+CLOSE = 0.0015
+"""A spline has enough nodes if no point lies farther off [m]."""
+DENSEST, FIRST = 0.05, 0.25
+"""Least distance of the nodes of a spline, and that of the first ones [m]."""
+
+
+def fit_stroke(line: Array, closed: bool = False) -> Stroke | None:
+    """Return the stroke through points (n, 2) [m] in order; None if they are too short for one."""
+    if closed:
+        return Stroke(_closed_nodes(line), curved=True, closed=True)
+    line = without_hooks(line)
+    if len(line) < 3:
+        return None
+    start, along, aside = straight_fit(line)
+    forward = (line - start) @ along
+    if np.ptp(forward) < SHORTEST:
+        return None
+    if np.abs(aside).max() <= STRAIGHT:
+        ends = np.array([forward.min(), forward.max()])
+        return Stroke(start + ends[:, None] * along)
+    return Stroke(_nodes(line), curved=True)
+
+
+def straight_fit(line: Array) -> tuple[Array, Array, Array]:
+    """Return a point (2,), the direction (2,) of the line through points (n, 2), and how far aside
+    of it they lie (n,) [m]."""
+    middle = line.mean(axis=0)
+    _, _, axes = np.linalg.svd(line - middle, full_matrices=False)
+    along = axes[0] * np.sign((line[-1] - line[0]) @ axes[0] or 1.0)
+    away = line - middle
+    return middle, along, away[:, 1] * along[0] - away[:, 0] * along[1]
+
+
+def without_hooks(line: Array) -> Array:
+    """Return a line without the points at its ends that bend off from the rest."""
+    for _ in range(2):
+        line = line[::-1]
+        walked = _walked(line)
+        inner = (walked > HOOK) & (walked < 4 * HOOK)
+        if inner.sum() < 3:
+            continue
+        start, along, aside = straight_fit(line[inner])
+        bent = np.abs(aside).max()
+        away = line - start
+        off = np.abs(away[:, 1] * along[0] - away[:, 0] * along[1])
+        # What bends anyhow bends at its end too.
+        wrong = (walked <= HOOK) & (off > 0.002 + 4 * bent)
+        line = line[np.argmin(wrong) :] if wrong[0] else line
+    return line
+
+
+def _walked(line: Array) -> Array:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+
+
+def _nodes(line: Array) -> Array:
+    """Return the nodes (n, 2) of an open spline."""
+    walked = _walked(line)
+    knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / FIRST)))
+    while True:
+        shares = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")(walked)
+        nodes = np.linalg.lstsq(shares, line, rcond=None)[0]
+        off = np.hypot(*(shares @ nodes - line).T)
+        spans = np.clip(np.searchsorted(knots, walked, side="right") - 1, 0, len(knots) - 2)
+        worst = np.zeros(len(knots) - 1)
+        np.maximum.at(worst, spans, off)
+        split = (worst > CLOSE) & (np.diff(knots) >= 2 * DENSEST)
+        if not split.any():
+            return np.asarray(nodes, np.float64)
+        knots = np.sort(np.concatenate([knots, (knots[:-1] + knots[1:])[split] / 2]))
+
+
+def _closed_nodes(line: Array) -> Array:
+    """Return the nodes (n, 2) of a closed spline through points of which the last is the first."""
+    walked = _walked(line)
+    count = max(6, round(walked[-1] / (1.5 * DENSEST)))
+    knots = np.linspace(0.0, walked[-1], count + 1)
+    shape = np.vstack([np.eye(count), np.eye(count)[:1]])
+    shares = CubicSpline(knots, shape, bc_type="periodic")(walked)
+    return np.asarray(np.linalg.lstsq(shares, line, rcond=None)[0], np.float64)
