@@ -17,6 +17,7 @@ from app.interruption import Interrupted, deferred
 from app.lab.calibrate.options import add_calibrate
 from app.lab.evaluate_options import add_evaluate
 from app.lab.localize.options import add_localize
+from app.lab.mapping.options import add_map_command
 from app.lab.sweep.options import add_sweep
 from app.lab.trajectories.trajectory import TrajectoryError
 from app.options import (
@@ -80,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     add_sweep(commands)
     add_localize(commands)
     add_calibrate(commands)
+    add_map_command(commands)
     add_emulate_hat(commands)
     add_doctor(commands)
     add_export(commands)

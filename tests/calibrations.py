@@ -31,6 +31,8 @@ def driven(
     seconds: float,
     motion: Callable[[float], Twist2] = velocity,
     map_name: str = "square",
+    *,
+    calibrated: bool = False,
 ) -> tuple[DriveLog, Array, Array]:
     """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
     taped = load_field(map_name, MAPS)
@@ -40,7 +42,8 @@ def driven(
     config = replace(config, sim=replace(config.sim, camera=camera))
     true = draw(SPEC, config.sim.imperfections, Streams.of(seed).robot)
     robot = build_simulated(config, SPEC, taped, Streams.of(seed).robot, no_wait)
-    recorder, drive = DriveRecorder(SPEC, config.scanner, taped.tape), DifferentialDrive(SPEC)
+    recorder = DriveRecorder(SPEC, config.scanner, taped.tape, calibrated=calibrated)
+    drive = DifferentialDrive(SPEC)
     truths = []
     try:
         while not truths or truths[-1][0] < seconds:

@@ -10,7 +10,8 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 LAB = Path(__file__).parent
-FOLDERS = [LAB / room for room in ("evaluation", "evaluation/integrity", "model_fits", "calibrate")]
+ROOMS = ("evaluation", "evaluation/integrity", "model_fits", "calibrate", "mapping")
+FOLDERS = [LAB / room for room in ROOMS]
 """Folders that hold templates."""
 NOTHING = 1e-6
 """A smaller value, in millimetres or milliradians, is a rounding error."""

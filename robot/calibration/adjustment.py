@@ -188,6 +188,10 @@ class Adjustment:
         equations.add_prior(*self._prior(state, weights))
         return equations
 
+    def step_errors(self, state: State) -> Array:
+        """Return how far each step is from what the wheels tell (k - 1, 3), in deviations."""
+        return self._step_errors(state)[0]
+
     def _sightings(self, state: State) -> Sightings:
         """Return the sightings, with the edges where they are in a state."""
         return self._seen

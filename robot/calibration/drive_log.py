@@ -108,7 +108,11 @@ class DriveRecorder:
         """All that was added so far."""
         table = self._scanner.table
         rays = np.stack(
-            [self._pixels(np.zeros(len(table.counts))), self._pixels(table.counts - 1.0)], axis=1
+            [
+                self._pixels(np.zeros(len(table.counts))),
+                self._pixels(table.counts.astype(np.float64) - 1),
+            ],
+            axis=1,
         )
         return DriveLog(
             np.array([stamp for stamp, _, _ in self._pictures]),

@@ -99,10 +99,10 @@ class Sightings:
     @classmethod
     def of(cls, log: DriveLog, spec: RobotSpec, taped: Field) -> Sightings:
         """Return the sightings of a drive on a field."""
-        return cls.on(log, spec, TapeEdges.of(taped.edges))
+        return cls.of_edges(log, spec, TapeEdges.of(taped.edges))
 
     @classmethod
-    def on(cls, log: DriveLog, spec: RobotSpec, tape: TapeEdges) -> Sightings:
+    def of_edges(cls, log: DriveLog, spec: RobotSpec, tape: TapeEdges) -> Sightings:
         """Return the sightings of a drive on some tape."""
         lens = spec.lens
         half = (lens.height - 1) / 2

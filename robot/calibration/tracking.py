@@ -85,6 +85,7 @@ def _reach(covariance: Array) -> float:
 
 
 def predicted(pose: Array, covariance: Array, step: Array) -> tuple[Array, Array]:
+    """Return a pose (3,) and its covariance (3, 3) after a step (3,) by the wheels."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
     moved = turn @ step

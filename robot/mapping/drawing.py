@@ -62,13 +62,13 @@ def _paths(tidy: TidyStrokes) -> list[str]:
         if number not in left:
             continue
         chain: list[Stroke] = []
-        here: EndName | None = (number, last)
-        while here is not None and here[0] in left:
-            left.remove(here[0])
-            stroke = tidy.strokes[here[0]]
-            chain.append(stroke.reversed if here[1] else stroke)
-            here = follower.get((here[0], not here[1]))
-        paths.append(_path(chain, ring=here is not None))
+        end: EndName | None = (number, last)
+        while end is not None and end[0] in left:
+            left.remove(end[0])
+            stroke = tidy.strokes[end[0]]
+            chain.append(stroke.reversed if end[1] else stroke)
+            end = follower.get((end[0], not end[1]))
+        paths.append(_path(chain, ring=end is not None))
     return paths
 
 

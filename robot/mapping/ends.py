@@ -49,7 +49,7 @@ class RaysOnFloor:
         count, rays = len(log.stamps), len(log.rays)
         fan = np.broadcast_to(log.rays.transpose(1, 0, 2).reshape(-1, 2), (count, 2 * rays, 2))
         pixels = np.concatenate([fan, log.first, log.pixels], axis=1)
-        seen = Sightings.on(replace(log, pixels=pixels), spec, Strokes.of((), 0.0).edges)
+        seen = Sightings.of_edges(replace(log, pixels=pixels), spec, Strokes.of((), 0.0).edges)
         twists = WheelMotion.of(log, spec).twists(state.values, state.slip)
         local = seen.floor_points(state.values, twists).points
         c, s = np.cos(state.poses[:, 2])[:, None], np.sin(state.poses[:, 2])[:, None]
@@ -79,7 +79,7 @@ class End:
         """How far the tape goes on beyond the place [m], if it ends freely."""
         if not math.isnan(self.face):
             return self.face
-        return self.lower if math.isinf(self.upper) else (self.lower + self.upper) / 2
+        return max(self.lower, 0.0) if math.isinf(self.upper) else (self.lower + self.upper) / 2
 
     @property
     def sd(self) -> float:

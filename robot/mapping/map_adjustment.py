@@ -21,7 +21,12 @@ class MapAdjustment(Adjustment):
     """The least-squares problem of a drive on tape that is not known."""
 
     def __init__(
-        self, seen: Sightings, motion: WheelMotion, strokes: Strokes, start: Array, covariance: Array
+        self,
+        seen: Sightings,
+        motion: WheelMotion,
+        strokes: Strokes,
+        start: Array,
+        covariance: Array,
     ) -> None:
         """Prepare it; strokes are about where they were traced."""
         super().__init__(seen, motion, start, covariance)

@@ -8,8 +8,9 @@ closes the loop, and the whole path is corrected.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +22,14 @@ from robot.calibration.tracking import laid, predicted
 from robot.calibration.unknowns import COUNT, LEFT, PRIORS, RIGHT, SEPARATION
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
-from robot.geometry import Array, Pose2
+from robot.geometry import Pose2
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.refinement import refined
 from robot.mapping.stroke_fitting import fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
-from robot.mapping.tidying import TidyStrokes, joined, tidied
+from robot.mapping.tape_map import MappingError, TapeMap
+from robot.mapping.tidying import joined, tidied
 from robot.mapping.tracing import Cells, Middles, trace
 
 STEP_M, STEP_RAD = 0.02, 0.05
@@ -40,30 +42,33 @@ WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
 """Share of a hand-built robot's deviations that the other unknowns have then."""
-GATES = (0.03, 0.02)
 LEAST_GATE, MOST_GATE = 0.015, 0.12
 """Edges farther from the known ones are new [m]: if the pose is exactly known, and at most."""
 AHEAD = 0.4
 """How far ahead most edges are seen [m]."""
 LEAST_MATCHED = 0.2
 """A picture tells where the robot is if this share of its edges lies on known ones."""
-FEW, MANY = 3, 15
-"""Iterations of an adjustment: while the map grows, and of the whole."""
+LEAST_TURN = 1.0
+"""The wheels have to turn so far [rad]."""
 ROUNDS = 5
 """Times that strokes get more nodes, at most."""
 
 
-@dataclass(frozen=True)
-class TapeMap:
-    """A map, and the drive that it was drawn by."""
+class Stage(NamedTuple):
+    """How an adjustment is made."""
 
-    tidy: TidyStrokes
-    """The tape."""
-    strokes: Strokes
-    """What was measured of it, in the adjustment."""
-    solution: Solution = field(repr=False)
-    stamps: Array = field(repr=False)
-    """(k,) of the pictures that were used [s]."""
+    gate: float
+    """Edges farther from strokes than this do not count [m]."""
+    doubt: float
+    """Edges count as if they were so much less exact."""
+    most: int
+    """Most iterations."""
+
+
+GROWING = Stage(0.03, 2.0, 3)
+"""While the map grows, strokes are rough."""
+WHOLE = (Stage(0.03, 1.0, 15), Stage(0.02, 1.0, 15))
+"""Of the whole drive, one after the other."""
 
 
 class Mapper:
@@ -72,11 +77,16 @@ class Mapper:
     def __init__(
         self, log: DriveLog, spec: RobotSpec, width: float, start: Pose2 = Pose2()
     ) -> None:
-        """Prepare a drive on tape of a width [m], that begins at a pose in the map."""
+        """Prepare a drive on tape of a width [m], that begins at a pose in the map.
+
+        Raises:
+            MappingError: the drive shows no tape, or the robot stood still.
+        """
+        _check(log)
         log = log.some(_moving(log, spec))
         self._log, self._spec, self._width = log, spec, width
         nothing = Strokes.of((), width)
-        self._seen = Sightings.on(log, spec, nothing.edges)
+        self._seen = Sightings.of_edges(log, spec, nothing.edges)
         self._start = start.to_array()
         sd = KNOWN_SD * PRIORS
         sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
@@ -85,21 +95,39 @@ class Mapper:
         self._covariance = np.diag(START_SD**2)
         self._strokes = nothing
 
-    def run(self) -> TapeMap:
-        """Map the whole drive."""
-        total = len(self._log.stamps)
+    def run(self, report: Callable[[float], None] = lambda seconds: None) -> TapeMap:
+        """Map the whole drive.
+
+        Args:
+            report: called after each window with how much of the drive is mapped [s].
+
+        Raises:
+            MappingError: nothing that was seen is tape.
+            CalibrationError: no path explains the drive.
+        """
+        log = self._log
+        total = len(log.stamps)
         for count in [*range(WINDOW, total, WINDOW), total]:
             self.grow(count)
+            report(float(log.stamps[count - 1] - log.stamps[0]))
         self._trace(total)
-        solution = self._refined(self._adjust(total, MANY, GATES))
-        rays = RaysOnFloor.of(self._log, self._spec, self._state)
+        if not self._strokes.traced:
+            raise MappingError("the pictures show too little tape for a map")
+        solution = self._refined(self._adjust(total, WHOLE))
+        rays = RaysOnFloor.of(log, self._spec, self._state)
         whole = joined(self._strokes, rays)
         if whole is not self._strokes:
             self._strokes = whole
-            solution = self._refined(self._adjust(total, MANY, GATES[-1:]))
-            rays = RaysOnFloor.of(self._log, self._spec, self._state)
+            solution = self._refined(self._adjust(total, WHOLE[-1:]))
+            rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(self._strokes, rays)
-        return TapeMap(tidy, self._strokes, solution, self._log.stamps)
+        return TapeMap(
+            tidy,
+            self._strokes,
+            solution,
+            log.stamps,
+            self._adjustment(total).step_errors(self._state),
+        )
 
     def _refined(self, solution: Solution) -> Solution:
         """Give the strokes more nodes where they need them, and adjust again."""
@@ -108,7 +136,7 @@ class Mapper:
             if finer is self._strokes:
                 break
             self._strokes = finer
-            solution = self._adjust(len(self._log.stamps), MANY, GATES[-1:])
+            solution = self._adjust(len(self._log.stamps), WHOLE[-1:])
         return solution
 
     def grow(self, count: int) -> None:
@@ -116,7 +144,10 @@ class Mapper:
         seen, motion = self._part(count)
         self._state = self._followed(seen, motion)
         self._trace(count)
-        self._adjust(count, FEW, GATES[:1])
+        self._adjust(count, (GROWING,))
+
+    def _adjustment(self, count: int) -> MapAdjustment:
+        return MapAdjustment(*self._part(count), self._strokes, self._start, np.diag(START_SD**2))
 
     def _part(self, count: int) -> tuple[Sightings, WheelMotion]:
         return self._seen.part(0, count), WheelMotion.of(self._log.until(count), self._spec)
@@ -150,16 +181,23 @@ class Mapper:
         middles = Middles.of(floor.points, state.poses, self._width)
         self._strokes = Strokes.of(_traced(middles, 2 if count <= 2 * WINDOW else 3), self._width)
 
-    def _adjust(self, count: int, most: int, gates: Sequence[float]) -> Solution:
-        seen, motion = self._part(count)
+    def _adjust(self, count: int, stages: Sequence[Stage]) -> Solution:
         strokes, state = self._strokes, replace(self._state, map=self._strokes.offsets)
-        adjustment = MapAdjustment(seen, motion, strokes, self._start, np.diag(START_SD**2))
-        for gate in gates:
-            solution = adjustment.solve(state, Weights(sd=self._sd, gate=gate), most)
+        adjustment = self._adjustment(count)
+        for stage in stages:
+            weights = Weights(sd=self._sd, gate=stage.gate, doubt=stage.doubt)
+            solution = adjustment.solve(state, weights, stage.most)
             state = solution.state
         self._state, self._covariance = state, solution.pose_covariance
         self._strokes = strokes.moved_by(state.map)
         return solution
+
+
+def _check(log: DriveLog) -> None:
+    if len(log.stamps) < 2 or not np.isfinite(log.pixels).any():
+        raise MappingError("no picture of the drive shows tape of this width")
+    if np.ptp(log.wheel_angles, axis=0).max() < LEAST_TURN:
+        raise MappingError("the robot stood still; it has to drive")
 
 
 def _traced(middles: Middles, least_pictures: int) -> tuple[Stroke, ...]:

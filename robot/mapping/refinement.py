@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,9 +41,7 @@ def _finer(
     traced: Stroke, moved: Stroke, place: Array, aside: Array, picture: NDArray[np.int64]
 ) -> Stroke | None:
     knots = traced.knots
-    cuts = np.concatenate(
-        [np.linspace(a, b, PARTS, endpoint=False) for a, b in zip(knots, knots[1:], strict=False)]
-    )
+    cuts = np.concatenate([np.linspace(a, b, PARTS, endpoint=False) for a, b in pairwise(knots)])
     part = np.clip(np.searchsorted(cuts, place, side="right") - 1, 0, len(cuts) - 1)
     # Where the tape curves, a picture's edges err together: each picture counts once.
     pairs = np.unique(np.column_stack([part, picture]), axis=0)[:, 0]
@@ -53,8 +53,8 @@ def _finer(
     means = np.bincount(part[near], aside[near], minlength=len(cuts)) / np.maximum(
         1, np.bincount(part[near], minlength=len(cuts))
     )
-    off = (counts >= ENOUGH) & (pictures >= ENOUGH // 3) & (np.abs(means) > limit)
-    spans = off.reshape(-1, PARTS).any(axis=1) & (np.diff(knots) >= 2 * DENSEST)
+    beside = (counts >= ENOUGH) & (pictures >= ENOUGH // 3) & (np.abs(means) > limit)
+    spans = beside.reshape(-1, PARTS).any(axis=1) & (np.diff(knots) >= 2 * DENSEST)
     if not spans.any():
         return None
     middles = (knots[:-1] + knots[1:])[spans] / 2

@@ -14,10 +14,9 @@ HOOK = 0.04
 """At so much of its ends a line may bend off: corners of tape look round [m]."""
 SHORTEST = 0.05
 """A shorter line is no stroke [m]."""
-CLOSE = 0.0015
-"""A spline has enough nodes if no point lies farther off [m]."""
-DENSEST, FIRST = 0.05, 0.25
-"""Least distance of the nodes of a spline, and that of the first ones [m]."""
+SPACING, DENSEST = 0.08, 0.04
+"""Distance of the nodes of a spline, and the least one [m]. Where tape bends more sharply than a
+spline with fewer nodes can, the path would be bent to fit it."""
 
 
 def fit_stroke(line: Array, closed: bool = False) -> Stroke | None:
@@ -58,9 +57,9 @@ def without_hooks(line: Array) -> Array:
         start, along, aside = straight_fit(line[inner])
         bent = np.abs(aside).max()
         away = line - start
-        off = np.abs(away[:, 1] * along[0] - away[:, 0] * along[1])
+        distance = np.abs(away[:, 1] * along[0] - away[:, 0] * along[1])
         # What bends anyhow bends at its end too.
-        wrong = (walked <= HOOK) & (off > 0.002 + 4 * bent)
+        wrong = (walked <= HOOK) & (distance > 0.002 + 4 * bent)
         line = line[np.argmin(wrong) :] if wrong[0] else line
     return line
 
@@ -72,24 +71,15 @@ def _walked(line: Array) -> Array:
 def _nodes(line: Array) -> Array:
     """Return the nodes (n, 2) of an open spline."""
     walked = _walked(line)
-    knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / FIRST)))
-    while True:
-        shares = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")(walked)
-        nodes = np.linalg.lstsq(shares, line, rcond=None)[0]
-        off = np.hypot(*(shares @ nodes - line).T)
-        spans = np.clip(np.searchsorted(knots, walked, side="right") - 1, 0, len(knots) - 2)
-        worst = np.zeros(len(knots) - 1)
-        np.maximum.at(worst, spans, off)
-        split = (worst > CLOSE) & (np.diff(knots) >= 2 * DENSEST)
-        if not split.any():
-            return np.asarray(nodes, np.float64)
-        knots = np.sort(np.concatenate([knots, (knots[:-1] + knots[1:])[split] / 2]))
+    knots = np.linspace(0.0, walked[-1], max(3, 1 + round(walked[-1] / SPACING)))
+    shares = CubicSpline(knots, np.eye(len(knots)), bc_type="not-a-knot")(walked)
+    return np.asarray(np.linalg.lstsq(shares, line, rcond=None)[0], np.float64)
 
 
 def _closed_nodes(line: Array) -> Array:
     """Return the nodes (n, 2) of a closed spline through points of which the last is the first."""
     walked = _walked(line)
-    count = max(6, round(walked[-1] / (1.5 * DENSEST)))
+    count = max(6, round(walked[-1] / SPACING))
     knots = np.linspace(0.0, walked[-1], count + 1)
     shape = np.vstack([np.eye(count), np.eye(count)[:1]])
     shares = CubicSpline(knots, shape, bc_type="periodic")(walked)

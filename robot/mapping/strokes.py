@@ -40,7 +40,7 @@ class Stroke:
 
     @property
     def points(self) -> Array:
-        """(m, 2) along the stroke, close together where it bends; a closed one ends at its start"""
+        """(m, 2) along the stroke, close together where it bends; a closed one comes back."""
         return self.weights @ self.nodes
 
     @cached_property
@@ -115,7 +115,7 @@ class Stroke:
         """Return the spline through values (n, k) at the nodes."""
         if self.closed:
             return CubicSpline(self.knots, np.vstack([values, values[:1]]), bc_type="periodic")
-        return CubicSpline(self.knots, values, bc_type="natural")
+        return CubicSpline(self.knots, values, bc_type="not-a-knot")
 
 
 @dataclass(frozen=True)
@@ -222,9 +222,9 @@ class Strokes:
             if not traced.closed:
                 ahead[0, 0] = ahead[-1, 1] = min(END, 0.25 * moved.length)
             margins += [ahead, ahead[:, ::-1]]
-            at = np.column_stack([traced.places[:-1], traced.places[1:]])
-            places += [at, at[:, ::-1]]
-            stroke.append(np.full(2 * len(at), number, np.intp))
+            spans = np.column_stack([traced.places[:-1], traced.places[1:]])
+            places += [spans, spans[:, ::-1]]
+            stroke.append(np.full(2 * len(spans), number, np.intp))
         across = np.vstack([np.zeros((0, 2)), *(stroke.across for stroke in self.traced)])
         both = np.vstack(edges)
         return StrokeEdges(

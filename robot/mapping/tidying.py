@@ -15,7 +15,7 @@ import numpy as np
 
 from robot.geometry import Array
 from robot.mapping.ends import End, RaysOnFloor, find_end
-from robot.mapping.stroke_fitting import fit_stroke
+from robot.mapping.stroke_fitting import SHORTEST, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 
 GAP, UNSEEN_GAP = 0.20, 0.12
@@ -27,8 +27,8 @@ TURN = math.cos(math.radians(12))
 """... and if their directions differ by less than this."""
 ASIDE, ASIDE_SHARE = 0.004, 0.08
 """... and if one lies less beside the other [m], and as a share of the gap."""
-SNAP, BACK = 0.11, 0.05
-"""A stroke is led on to another one if that is nearer than this, or cut there [m]."""
+SNAP, BACK = 0.09, 0.05
+"""A stroke is led on to another one that is nearer than this to where tape was seen, or cut [m]."""
 CROSSING = math.sin(math.radians(15))
 """Strokes at a smaller angle do not meet."""
 SLACK = 0.006
@@ -54,10 +54,10 @@ class TidyStrokes:
 def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
     """Return strokes of which those are one that continue each other; the same object if none."""
     each = list(strokes.each)
-    found = False
+    changed = False
     while (pair := _next_pair(each, strokes.width, rays)) is not None:
         (a, a_last), (b, b_last) = pair
-        found = True
+        changed = True
         if a == b:
             each[a] = _closed(each[a])
             continue
@@ -65,7 +65,7 @@ def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
         after = each[b].reversed if b_last else each[b]
         whole = _joined(before, after)
         each = [stroke for k, stroke in enumerate(each) if k not in (a, b)] + [whole]
-    return Strokes.of(each, strokes.width) if found else strokes
+    return Strokes.of(each, strokes.width) if changed else strokes
 
 
 def _names(strokes: Sequence[Stroke]) -> Iterator[EndName]:
@@ -82,8 +82,8 @@ def _next_pair(
     ends = {name: strokes[name[0]].end(name[1]) for name in _names(strokes)}
     pairs = []
     for a, b in combinations(ends, 2):
-        (here, outward), (there, backward) = ends[a], ends[b]
-        away = there - here
+        (place, outward), (other_place, backward) = ends[a], ends[b]
+        away = other_place - place
         gap = float(away @ outward)
         aside = abs(float(away[0] * outward[1] - away[1] * outward[0]))
         if a[0] == b[0] and strokes[a[0]].length < 3 * GAP:
@@ -147,6 +147,13 @@ def tidied(strokes: Strokes, rays: RaysOnFloor) -> TidyStrokes:
     free = {name: end for name, end in ends.items() if further[name] == end.length}
     for (number, last), length in further.items():
         each[number] = each[number].with_end(last, length)
+    # Short pieces that other strokes cover are of places where tape looks odd.
+    in_corners = {number for pair in corners for number, _ in pair}
+    kept = [k for k, s in enumerate(each) if k in in_corners or s.length > SHORTEST]
+    number_of = {old: new for new, old in enumerate(kept)}
+    each = [each[k] for k in kept]
+    corners = [((number_of[a], i), (number_of[b], j)) for (a, i), (b, j) in corners]
+    free = {(number_of[k], last): end for (k, last), end in free.items() if k in number_of}
     return TidyStrokes(tuple(each), tuple(corners), free)
 
 
@@ -157,21 +164,21 @@ def _corners(
     for a, b in combinations(ends, 2):
         if a[0] == b[0]:
             continue
-        one, other = ends[a], ends[b]
-        sine = one.outward[0] * other.outward[1] - one.outward[1] * other.outward[0]
+        end, other = ends[a], ends[b]
+        sine = end.outward[0] * other.outward[1] - end.outward[1] * other.outward[0]
         if abs(sine) < CROSSING:
             continue
-        away = other.place - one.place
+        away = other.place - end.place
         to_a = (away[0] * other.outward[1] - away[1] * other.outward[0]) / sine
-        to_b = (away[0] * one.outward[1] - away[1] * one.outward[0]) / sine
+        to_b = (away[0] * end.outward[1] - away[1] * end.outward[0]) / sine
         reach = half / abs(sine) + SLACK
-        if _is_reached(one, to_a, reach) and _is_reached(other, to_b, reach):
+        if _is_reached(end, to_a, reach) and _is_reached(other, to_b, reach):
             yield abs(to_a) + abs(to_b), a, b, float(to_a), float(to_b)
 
 
 def _is_reached(end: End, length: float, reach: float) -> bool:
     """Return whether tape may go on for a length, up to where other tape hides it."""
-    return -BACK < length < SNAP and end.upper > length - reach
+    return -BACK < length < max(0.0, end.lower) + SNAP and end.upper > length - reach
 
 
 def _meeting(end: End, others: Sequence[Stroke], half: float) -> float | None:

@@ -141,12 +141,15 @@ class _Tracer:
         behind, _ = self._follow(start, -heading, ahead)
         return np.vstack([*behind[::-1], start, *ahead])
 
-    def _follow(self, start: Array, heading: Array, others: list[Array]) -> tuple[list[Array], bool]:
-        cells, points = self._cells, []
-        here = start
+    def _follow(
+        self, start: Array, heading: Array, others: list[Array]
+    ) -> tuple[list[Array], bool]:
+        cells = self._cells
+        points: list[Array] = []
+        place = start
         while True:
-            near = np.array(self._tree.query_ball_point(here, REACH), dtype=np.intp)
-            away = cells.points[near] - here
+            near = np.array(self._tree.query_ball_point(place, REACH), dtype=np.intp)
+            away = cells.points[near] - place
             forward = away @ heading
             aside = np.abs(away[:, 0] * heading[1] - away[:, 1] * heading[0])
             same = np.abs(cells.along[near] @ heading) > math.cos(BEND)
@@ -154,8 +157,8 @@ class _Tracer:
             fresh = on_line & self.free[near] & (forward > 0.002)
             if not fresh.any():
                 # Back at its own start, the line is closed.
-                closed = len(points) > 10 and math.dist(here, start) < REACH
-                return points, closed and bool((start - here) @ heading > 0)
+                closed = len(points) > 10 and math.dist(place, start) < REACH
+                return points, closed and bool((start - place) @ heading > 0)
             step = forward[fresh].min() + CELL
             chosen = near[fresh & (forward <= step)]
             share = cells.counts[chosen] / cells.counts[chosen].sum()
@@ -163,9 +166,9 @@ class _Tracer:
             signs = np.sign(cells.along[chosen] @ heading)
             turned = heading + (share * signs) @ cells.along[chosen]
             self.free[chosen] = False
-            self._take_beside(here, following)
+            self._take_beside(place, following)
             heading = turned / math.hypot(*turned)
-            here = following
+            place = following
             points.append(following)
 
     def _take_beside(self, start: Array, end: Array) -> None:

@@ -1,0 +1,1 @@
+"""``brickpose map``: draws the tape of a floor from a recorded drive."""

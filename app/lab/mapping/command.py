@@ -1,0 +1,124 @@
+"""``brickpose map``: draws the tape of a floor from a recorded drive."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from app.console import say
+from app.files import atomic_file
+from app.lab.mapping.map_report import map_report
+from app.recordings.replay.opening import ReplayOptions, open_replay
+from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.description.spec import RobotSpec
+from robot.fields.grid_map import save_map_yaml
+from robot.fields.svg_field import TAPE_MM, field_of_drawing
+from robot.geometry import Pose2
+from robot.interface import RobotError
+from robot.mapping.mapper import Mapper
+from robot.mapping.tape_map import MappingError, TapeMap
+from robot.scanning.tape import Tape
+from robot.settings import SettingError
+
+CELL = 0.005
+"""Side of the ROS map's cells [m]."""
+
+
+def map_recording(
+    recording: Path, out: Path, start: Sequence[float], width: float, report: Path | None
+) -> int:
+    """Run the command; return 0, or 1 if the map does not fit what was seen.
+
+    Args:
+        recording: the drive.
+        out: the drawing to write; the ROS map lies beside it.
+        start: where the drive begins in the map [m, m, rad].
+        width: of the tape [m].
+        report: the page to write; None is beside the drawing.
+
+    Raises:
+        MappingError, CalibrationError: the drive does not tell what the floor is like.
+        SettingError, RecordingError, OSError: says what cannot be used.
+    """
+    if out.suffix.lower() != ".svg":
+        raise SettingError(f"--out is {out}; valid is a file that ends in .svg")
+    low, high = (side / 1e3 for side in TAPE_MM)
+    if not low <= width <= high:
+        raise SettingError(f"--width is {width:g}; valid is {low:g} to {high:g}")
+    if not np.isfinite(start).all():
+        raise SettingError(f"--start is {start}; valid are finite numbers")
+    log, spec = read_drive(recording, width)
+    drawn = Mapper(log, spec, width, Pose2(*start)).run(_show if sys.stderr.isatty() else _silent)
+    write_map(drawn, out, f"Drawn from {recording.name}")
+    page = report or out.with_suffix(".html")
+    with atomic_file(page) as new:
+        new.write_text(map_report(drawn, recording.name), encoding="utf-8")
+    for line in lines_of(drawn):
+        say(line)
+    say(f"the map is {out}, a report in {page}; use it by: brickpose run --map {out}")
+    return 0 if drawn.fits else 1
+
+
+def read_drive(recording: Path, width: float) -> tuple[DriveLog, RobotSpec]:
+    """Return what a map needs of a recording, and its robot.
+
+    Raises:
+        RecordingError: the file cannot be used.
+        MappingError: it has no pictures.
+    """
+    program = open_replay(recording, ReplayOptions())
+    spec = program.robot.spec
+    recorder = DriveRecorder(spec, program.config.scanner, (Tape(width),), calibrated=True)
+    pictures = 0
+    try:
+        while True:
+            reading = program.robot.read()
+            pictures += reading.frame is not None
+            recorder.add(reading)
+    except RobotError:
+        pass  # the recording is over
+    finally:
+        program.robot.close()
+    if not pictures:
+        raise MappingError(f"{recording} has no pictures; a map needs them, and the wheels' turns")
+    return recorder.log, spec
+
+
+def write_map(drawn: TapeMap, out: Path, title: str) -> None:
+    """Write a drawing, and the ROS map of the same name beside it.
+
+    Raises:
+        FieldError: the strokes are no field.
+        OSError: a file cannot be written.
+    """
+    text = drawn.drawing(title)
+    grid = field_of_drawing(text, out.stem).occupancy(CELL)
+    with atomic_file(out) as new:
+        new.write_text(text, encoding="utf-8")
+    save_map_yaml(grid, out.with_suffix(".yaml"))
+
+
+def lines_of(drawn: TapeMap) -> list[str]:
+    """Return what was drawn, for people."""
+    solution = drawn.solution
+    count, corners = len(drawn.tidy.strokes), len(drawn.tidy.corners)
+    lines = [
+        f"{count} strokes of tape, {drawn.length:.2f} m, with {corners} corners",
+        f"{100 * solution.share:.0f} % of the edges that were seen lie on it, {drawn.residual:.2f} "
+        "times as far off as expected",
+        f"its tape is uncertain by {1.96e3 * np.median(drawn.node_sd):.1f} mm (95 %, median), and "
+        f"by {1.96e3 * drawn.node_sd.max():.1f} mm at most",
+    ]
+    return [*lines, *drawn.remarks]
+
+
+def _silent(seconds: float) -> None:
+    """Show nothing: the output is no terminal."""
+
+
+def _show(seconds: float) -> None:
+    sys.stderr.write(f"\r{seconds:4.0f} s of the drive are mapped")
+    sys.stderr.flush()

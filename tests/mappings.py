@@ -1,0 +1,107 @@
+"""Maps drawn by simulated robots, and how far they are from the floor."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from calibrations import SPEC, driven
+from scipy.spatial import cKDTree
+
+from robot.driving.figure_eight import FigureEight
+from robot.fields.edges import sample
+from robot.fields.field import Field
+from robot.fields.svg_field import field_of_drawing
+from robot.geometry import Array, Pose2, Twist2
+from robot.mapping.mapper import Mapper
+from robot.mapping.tape_map import TapeMap
+
+WIDTH = 0.05
+EIGHT = FigureEight()
+STEP = 0.004
+"""Distance of the points at which edges are compared [m]."""
+LARGEST = 0.2
+"""No error counts as larger [m]."""
+COVERED = 0.02
+
+
+def eight(elapsed: float) -> Twist2:
+    return EIGHT.twist(elapsed)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """How far a map is off after rigid alignment [m]."""
+
+    path: float
+    """Root mean square of the path's error, aligned by itself."""
+    mean: float
+    largest: float
+    """Of the map's edges, from those of the floor."""
+    covered: float
+    """Share of the floor's edges that the map has."""
+
+
+def mapped(
+    name: str,
+    seed: int,
+    world: str = "default",
+    seconds: float = 16.5,
+    motion: Callable[[float], Twist2] = eight,
+) -> tuple[TapeMap, Array]:
+    """The map of one drive, and the robot's true poses at the pictures that were used."""
+    log, _, poses = driven(world, seed, seconds, motion, name, calibrated=True)
+    drawn = Mapper(log, SPEC, WIDTH).run()
+    return drawn, poses[np.searchsorted(log.stamps, drawn.stamps)]
+
+
+def field_of(drawn: TapeMap) -> Field:
+    return field_of_drawing(drawn.drawing("drawn"), "drawn")
+
+
+def aligned(points: Array, others: Array) -> Pose2:
+    """The rigid motion that lays points (n, 2) on others best."""
+    middle, other = points.mean(axis=0), others.mean(axis=0)
+    around, opposite = points - middle, others - other
+    sine = (around[:, 0] * opposite[:, 1] - around[:, 1] * opposite[:, 0]).sum()
+    theta = math.atan2(sine, (around * opposite).sum())
+    turned = Pose2(0.0, 0.0, theta).apply(middle[None])[0]
+    return Pose2(*(other - turned).tolist(), theta)
+
+
+def errors_of(drawn: TapeMap, poses: Array, taped: Field) -> Errors:
+    own, path = field_of(drawn), drawn.solution.state.poses[:, :2]
+    floor_from_map = aligned(path, poses[:, :2])
+    off = np.hypot(*(floor_from_map.apply(path) - poses[:, :2]).T)
+    points, normals = sample(own.edges, STEP)
+    truth, true_normals = sample(taped.edges, STEP / 8)
+    for _ in range(5):
+        moved = floor_from_map.apply(points)
+        turned = normals @ _rotation(floor_from_map.theta).T
+        distance, place = _nearest(moved, turned, truth, true_normals)
+        close = distance < COVERED
+        floor_from_map = aligned(moved[close], truth[place[close]]) @ floor_from_map
+    moved = floor_from_map.apply(points)
+    turned = normals @ _rotation(floor_from_map.theta).T
+    distance, _ = _nearest(moved, turned, truth, true_normals)
+    missing, _ = _nearest(truth, true_normals, moved, turned)
+    return Errors(
+        float(np.sqrt(np.mean(off**2))),
+        float(distance.mean()),
+        float(distance.max()),
+        float((missing < COVERED).mean()),
+    )
+
+
+def _rotation(theta: float) -> Array:
+    return np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
+
+
+def _nearest(points: Array, normals: Array, others: Array, other_normals: Array):
+    """The distance to the nearest point that has its tape on about the same side, and which."""
+    # A third coordinate keeps apart what faces elsewhere.
+    scale = LARGEST
+    tree = cKDTree(np.hstack([others, scale * other_normals]))
+    _, place = tree.query(np.hstack([points, scale * normals]))
+    distance = np.hypot(*(points - others[place]).T)
+    return np.minimum(distance, LARGEST), place

@@ -1,0 +1,64 @@
+"""``brickpose map``: a drive is recorded, mapped, and localized in the map that it drew."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from engine_runs import EIGHT, run
+from recordings import record
+
+from app.command_line import main
+from app.engine.build import build_program
+from app.settings.config import Config
+from robot.fields.field_loading import load_field
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A lap of the figure-eight on the square."""
+    program = build_program(Config(robot="sim", seed=61))
+    try:
+        folder, _, _ = record(program, tmp_path_factory.mktemp("lap"), 16.5, EIGHT)
+    finally:
+        program.robot.close()
+    return folder
+
+
+def test_a_recorded_drive_becomes_a_field_to_localize_in(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "floor.svg"
+    assert main(["map", str(recording), "--out", str(out)]) == 0
+    shown = capsys.readouterr().out
+    assert "4 strokes of tape" in shown
+    assert f"brickpose run --map {out}" in shown
+    own, truth = load_field(str(out), tmp_path), load_field("square", Path("maps"))
+    np.testing.assert_allclose(own.drive_area, truth.drive_area, atol=0.003)
+    page = (tmp_path / "floor.html").read_text(encoding="utf-8")
+    assert "It explains what the robot saw" in page
+    grid = load_field(str(tmp_path / "floor.yaml"), tmp_path)
+    assert grid.grid is not None
+    # Another robot drives on the true floor, and knows the map only.
+    program = build_program(replace(Config(robot="sim", seed=62), map=str(out)))
+    try:
+        snapshots = run(program, 6.0, EIGHT)
+    finally:
+        program.robot.close()
+    last = snapshots[-1]
+    assert last.pose is not None
+    assert last.reading.truth is not None
+    assert last.pose.distance_to(last.reading.truth) < 0.003
+
+
+def test_a_recording_without_pictures_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = build_program(Config(robot="kinematic", seed=61))
+    try:
+        folder, _, _ = record(program, tmp_path, 2.0, EIGHT, picture_rate=0.01)
+    finally:
+        program.robot.close()
+    assert main(["map", str(folder), "--out", str(tmp_path / "none.svg")]) == 1
+    assert "no picture" in capsys.readouterr().err
+    assert not (tmp_path / "none.svg").exists()

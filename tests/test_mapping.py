@@ -1,0 +1,211 @@
+"""Maps drawn by driving: strokes, their edges, tracing, ends, drawing, and whole drives."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from calibrations import SPEC, driven
+from hypothesis import given
+from hypothesis import strategies as st
+from mappings import WIDTH, eight, errors_of, mapped
+
+from app.command_line import main
+from app.engine.build import load_field
+from app.settings.config import MAPS
+from robot.calibration.drive_log import DriveLog
+from robot.fields.svg_field import field_of_drawing
+from robot.geometry import Array, Pose2
+from robot.mapping.drawing import drawing
+from robot.mapping.mapper import Mapper
+from robot.mapping.stroke_fitting import fit_stroke
+from robot.mapping.strokes import Stroke, Strokes
+from robot.mapping.tape_map import MappingError
+from robot.mapping.tidying import TidyStrokes
+from robot.mapping.tracing import Cells, Middles, trace
+
+
+def arc(radius: float, angle: float, count: int = 40) -> Array:
+    turns = np.linspace(0, angle, count)
+    return radius * np.column_stack([np.cos(turns), np.sin(turns)])
+
+
+def wave(count: int) -> Array:
+    x = np.linspace(0, 0.5, count)
+    return np.column_stack([x, 0.03 * np.sin(9 * x)])
+
+
+RING = Stroke(arc(0.3, 2 * math.pi, 13)[:-1], curved=True, closed=True)
+CURVE = Stroke(wave(7), curved=True)
+LINE = Stroke(np.array([[0.1, -0.4], [0.7, -0.2]]))
+
+
+@given(st.lists(st.floats(-0.004, 0.004), min_size=21, max_size=21))
+def test_derivatives_by_nodes_are_those_of_the_distances(offsets: list[float]) -> None:
+    strokes = Strokes.of([LINE, CURVE, RING], WIDTH)
+    # Strokes that were moved lie as if their nodes had been traced there.
+    edges = strokes.moved_by(np.array(offsets)).edges
+    middle = (edges.edges[:, :2] + edges.edges[:, 2:]) / 2
+    which = np.arange(len(middle))
+    exact = edges.derivatives(which, middle)
+    step = 1e-6
+    for node in range(len(offsets)):
+        changed = np.array(offsets)
+        changed[node] += step
+        moved = strokes.moved_by(changed).edges
+        away = (moved.normals * (middle - moved.edges[:, :2])).sum(axis=1)
+        np.testing.assert_allclose(away / step, exact[:, node], atol=0.02)
+
+
+def test_edges_have_their_tape_on_the_left_and_lie_half_a_width_beside() -> None:
+    for stroke in (LINE, CURVE, RING):
+        edges = Strokes.of([stroke], WIDTH).edges
+        middle = (edges.edges[:, :2] + edges.edges[:, 2:]) / 2
+        inward = middle - WIDTH / 2 * edges.normals
+        assert distances(inward, stroke).max() < 5e-4
+
+
+def distances(points: Array, stroke: Stroke) -> Array:
+    """How far points (n, 2) are from the centre line of a stroke [m]."""
+    return shapely.distance(shapely.points(points), shapely.LineString(stroke.points))
+
+
+@pytest.mark.parametrize("radius", [0.1, 0.2, 0.5, 2.0])
+def test_a_spline_follows_tape_that_bends(radius: float) -> None:
+    length = min(1.5 * math.pi * radius, 1.0)
+    stroke = fit_stroke(arc(radius, length / radius, 1 + round(length / 0.012)))
+    assert stroke is not None
+    assert stroke.curved
+    assert np.abs(np.hypot(*stroke.points.T) - radius).max() < 0.0005
+
+
+def test_a_line_with_noise_is_straight_and_its_hooks_are_cut() -> None:
+    rng = np.random.default_rng(5)
+    x = np.arange(0, 0.8, 0.012)
+    line = np.column_stack([x, rng.normal(0, 0.0005, len(x))])
+    line[:2, 1] += (0.012, 0.006)  # tape looks round in corners
+    stroke = fit_stroke(line)
+    assert stroke is not None
+    assert not stroke.curved
+    assert np.abs(stroke.nodes[:, 1]).max() < 0.0006
+    assert fit_stroke(line[:3]) is None
+
+
+def middles_of(*lines: Array) -> Middles:
+    points = np.vstack(lines)
+    along = np.concatenate([np.arctan2(*np.gradient(line, axis=0).T[::-1]) for line in lines])
+    # Three pictures saw each.
+    again = np.tile(points, (3, 1)) + np.repeat([[0, 0], [3e-4, 0], [0, 3e-4]], len(points), axis=0)
+    pictures = np.repeat(np.arange(3), len(points))
+    return Middles(again, np.mod(np.tile(along, 3), math.pi), pictures)
+
+
+def test_lines_that_cross_are_two_and_a_ring_is_closed() -> None:
+    s = np.linspace(-0.4, 0.4, 100)
+    cross = [np.column_stack([s, 0 * s]), np.column_stack([0.02 + 0 * s, s])]
+    ring = np.add(arc(0.15, 2 * math.pi, 120), (1.0, 0.0))
+    lines = trace(Cells.of(middles_of(*cross, ring), 2))
+    assert len(lines) == 3
+    closed = [line for line in lines if np.array_equal(line[0], line[-1])]
+    assert len(closed) == 1
+    assert np.abs(np.hypot(*(closed[0] - (1.0, 0.0)).T) - 0.15).max() < 0.003
+    assert sorted(np.ptp(line, axis=0).max() > 0.75 for line in lines) == [False, True, True]
+
+
+def test_strokes_that_meet_in_corners_are_drawn_as_the_square_is() -> None:
+    corners = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
+    strokes = [Stroke(corners[[k, (k + 1) % 4]]) for k in range(4)]
+    # One of them was traced the other way round.
+    strokes[2] = strokes[2].reversed
+    ends = ((0, True), (1, False)), ((1, True), (2, True)), ((2, False), (3, False))
+    tidy = TidyStrokes(tuple(strokes), (*ends, ((3, True), (0, False))), {})
+    text = drawing(tidy, WIDTH, Pose2(), "A <square>")
+    assert text.count("<path") == 1
+    (tape,) = load_field("square", MAPS).tape
+    field = field_of_drawing(text, "own")
+    assert field.tape == (tape,)
+    own, truth = (np.sort(f.edges.round(6), axis=0) for f in (field, load_field("square", MAPS)))
+    np.testing.assert_allclose(own, truth, atol=1e-5)
+
+
+def test_a_curve_is_drawn_exactly() -> None:
+    field = field_of_drawing(drawing(TidyStrokes((CURVE,), (), {}), WIDTH, Pose2(), "own"), "own")
+    away = distances(field.edges.reshape(-1, 2), CURVE)
+    assert np.abs(away - WIDTH / 2).max() < 3e-4
+
+
+@pytest.mark.parametrize(
+    ("further", "length"), [(0.1, 0.1), (0.005, 0.005), (-0.05, -0.05), (-0.2, -0.2)]
+)
+@pytest.mark.parametrize("stroke", [LINE, CURVE])
+def test_an_end_moves_along_the_stroke(stroke: Stroke, further: float, length: float) -> None:
+    for last in (False, True):
+        moved = stroke.with_end(last, further)
+        assert moved.length == pytest.approx(stroke.length + length, abs=0.004)
+        kept = stroke.end(not last)[0]
+        np.testing.assert_allclose(moved.end(not last)[0], kept)
+
+
+@pytest.mark.parametrize(("name", "seed"), [("square", 60100), ("stubs", 60101), ("tee", 60102)])
+def test_one_lap_draws_what_was_seen(name: str, seed: int) -> None:
+    drawn, poses = mapped(name, seed)
+    errors = errors_of(drawn, poses, load_field(name, MAPS))
+    assert drawn.fits
+    assert errors.path < 0.0005
+    assert errors.covered > 0.85
+    # What the robot did not see, it cannot draw: the foot of a stub, for example.
+    assert errors.mean < 0.002
+    if name == "square":
+        assert errors.mean < 0.0005
+        assert errors.largest < 0.002
+        assert errors.covered > 0.999
+        assert len(drawn.tidy.corners) == 4
+        # The path is claimed to be known about as well as it is.
+        assert drawn.node_sd.max() < 0.003
+
+
+def test_a_robot_that_is_pushed_says_so() -> None:
+    log, _, _ = driven("default", 60100, 16.5, eight, "square", calibrated=True)
+    # For half a second it moves while its wheels stand.
+    begin, end = np.searchsorted(log.wheel_stamps, [8.0, 8.5])
+    angles = log.wheel_angles.copy()
+    angles[begin:] -= angles[begin : end + 1][
+        np.minimum(np.arange(len(angles) - begin), end - begin)
+    ]
+    angles[begin:] += log.wheel_angles[begin]
+    drawn = Mapper(_changed(log, wheel_angles=angles), SPEC, WIDTH).run()
+    assert not drawn.fits
+    assert any("after 8 s" in words and "pushed" in words for words in drawn.remarks)
+
+
+def _changed(log: DriveLog, **fields: Array) -> DriveLog:
+    return DriveLog(**{**vars(log), **fields})
+
+
+def test_a_drive_that_shows_nothing_is_refused() -> None:
+    log, _, _ = driven("default", 60100, 16.5, eight, "square", calibrated=True)
+    with pytest.raises(MappingError, match="no picture"):
+        Mapper(_changed(log, pixels=np.full_like(log.pixels, np.nan)), SPEC, WIDTH)
+    with pytest.raises(MappingError, match="stood still"):
+        Mapper(_changed(log, wheel_angles=0 * log.wheel_angles), SPEC, WIDTH)
+    some = np.full_like(log.pixels, np.nan)
+    some[40] = log.pixels[40]
+    with pytest.raises(MappingError, match="too little tape"):
+        Mapper(_changed(log, pixels=some), SPEC, WIDTH).run()
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--out", "field.png"], "ends in .svg"),
+        (["--width", "0"], "--width is 0"),
+        (["--start", "nan", "0", "0"], "--start"),
+        ([], "nothing.mcap"),
+    ],
+)
+def test_what_cannot_be_used_is_named(
+    options: list[str], words: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    assert main(["map", str(tmp_path / "nothing.mcap"), *options]) in (1, 2)
+    assert words in capsys.readouterr().err
