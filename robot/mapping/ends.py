@@ -20,8 +20,9 @@ BEFORE, BEYOND = 0.12, 0.20
 """The end is looked for so far before and beyond where the tape was traced to [m]."""
 STEEP = math.sin(math.radians(25))
 """Sine of the least angle between tape and a ray that crosses it."""
-ON_EDGE = 0.008
-"""A ray enters tape by an edge if it does so within this distance of it [m]."""
+ON_EDGE = 0.003
+"""A ray enters tape by an edge if it does so within this distance of it [m]; rays that meet other
+tape near there hardly do so by both edges."""
 OUTLIERS = 2
 """So many rays may be wrong."""
 FACE = 0.006
@@ -115,12 +116,39 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
         on_edge &= np.abs(entry[:, 0] - near) < 4 * ON_EDGE
         bare = np.isnan(met) | (met > reached.max(axis=1) + 0.02 / length)
     window = crosses & (inner > -BEFORE) & (outer < BEYOND)
-    lower = _robust(-inner[window & on_edge], 0.0)
+    lower = -_robust(-inner[window & on_edge], 0.0)
     upper = _robust(outer[window & bare], math.inf)
-    lower = -lower
     on_face = (np.abs(first[:, 1]) < width / 2 - FACE) & (begin[:, 0] > first[:, 0] + 0.02)
     on_face &= (first[:, 0] > lower - 0.01) & (first[:, 0] < min(upper, lower + 0.04) + 0.01)
     return End(place, outward, lower, max(upper, lower), _face(first[on_face, 0]))
+
+
+def is_tape(stroke: Stroke, width: float, rays: RaysOnFloor) -> bool:
+    """Return whether more rays that cross a stroke of a width [m] saw tape there than bare floor.
+
+    Clutter in a corner, or two pieces of tape side by side, may look like tape from one place.
+    """
+    points = stroke.points
+    steps = np.diff(points, axis=0)
+    tape = bare = 0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for start, step in zip(points[:-1], steps, strict=True):
+            length = math.hypot(*step)
+            left = np.array([-step[1], step[0]]) / length
+            way = rays.end - rays.begin
+            sine = way @ left / np.hypot(*way.T)
+            reached = ((start - rays.begin) @ left) / (way @ left)
+            place = ((rays.begin - start) + reached[:, None] * way) @ step / length**2
+            crosses = (reached > 0) & (reached < 1) & (place >= 0) & (place < 1)
+            crosses &= np.abs(sine) > STEEP
+            half = width / 2 / np.abs(sine)
+            crossing = reached * np.hypot(*way.T)
+            entry = np.hypot(*(rays.entry - rays.begin).T)
+            first = np.hypot(*(rays.first - rays.begin).T)
+            tape += int((crosses & (np.abs(crossing - half - entry) < ON_EDGE)).sum())
+            beyond = np.isnan(first) | (first > crossing + half + 0.02)
+            bare += int((crosses & beyond).sum())
+    return tape >= bare
 
 
 def _robust(values: Array, without: float) -> float:

@@ -23,7 +23,7 @@ from robot.calibration.unknowns import COUNT, LEFT, PRIORS, RIGHT, SEPARATION
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
-from robot.mapping.ends import RaysOnFloor
+from robot.mapping.ends import RaysOnFloor, is_tape
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.refinement import refined
 from robot.mapping.stroke_fitting import fit_stroke
@@ -115,8 +115,10 @@ class Mapper:
             raise MappingError("the pictures show too little tape for a map")
         solution = self._refined(self._adjust(total, WHOLE))
         rays = RaysOnFloor.of(log, self._spec, self._state)
-        whole = joined(self._strokes, rays)
-        if whole is not self._strokes:
+        real = [s for s in self._strokes.each if is_tape(s, self._width, rays)]
+        kept = Strokes.of(real, self._width)
+        whole = joined(kept, rays)
+        if whole is not kept or len(real) < len(self._strokes.traced):
             self._strokes = whole
             solution = self._refined(self._adjust(total, WHOLE[-1:]))
             rays = RaysOnFloor.of(log, self._spec, self._state)

@@ -23,12 +23,14 @@ GAP, UNSEEN_GAP = 0.20, 0.12
 in between, or not."""
 OVERLAPPING = 0.05
 """... or overlap by less than this [m]."""
-TURN = math.cos(math.radians(12))
-"""... and if their directions differ by less than this."""
+TURN, TURN_BY_GAP = math.radians(10), math.radians(200)
+"""... and if their directions differ by less than this [rad], and by the gap, as tape may bend
+there [rad/m]."""
 ASIDE, ASIDE_SHARE = 0.004, 0.08
 """... and if one lies less beside the other [m], and as a share of the gap."""
-SNAP, BACK = 0.09, 0.05
-"""A stroke is led on to another one that is nearer than this to where tape was seen, or cut [m]."""
+SNAP, MEETING, BACK = 0.09, 0.08, 0.05
+"""A stroke is led on to a corner, or to another stroke, that is nearer than this to where tape was
+seen, or cut there [m]."""
 CROSSING = math.sin(math.radians(15))
 """Strokes at a smaller angle do not meet."""
 SLACK = 0.006
@@ -86,12 +88,13 @@ def _next_pair(
         away = other_place - place
         gap = float(away @ outward)
         aside = abs(float(away[0] * outward[1] - away[1] * outward[0]))
+        turn = math.acos(np.clip(-outward @ backward, -1.0, 1.0))
         if a[0] == b[0] and strokes[a[0]].length < 3 * GAP:
             continue
         if (
             -OVERLAPPING < gap < GAP
-            and outward @ backward < -TURN
-            and aside < ASIDE + ASIDE_SHARE * abs(gap)
+            and turn < TURN + TURN_BY_GAP * max(0.0, gap)
+            and aside < ASIDE + abs(gap) * (ASIDE_SHARE + math.sin(turn / 2))
         ):
             pairs.append((abs(gap), a, b))
     for gap, a, b in sorted(pairs):
@@ -172,13 +175,13 @@ def _corners(
         to_a = (away[0] * other.outward[1] - away[1] * other.outward[0]) / sine
         to_b = (away[0] * end.outward[1] - away[1] * end.outward[0]) / sine
         reach = half / abs(sine) + SLACK
-        if _is_reached(end, to_a, reach) and _is_reached(other, to_b, reach):
+        if _is_reached(end, to_a, reach, SNAP) and _is_reached(other, to_b, reach, SNAP):
             yield abs(to_a) + abs(to_b), a, b, float(to_a), float(to_b)
 
 
-def _is_reached(end: End, length: float, reach: float) -> bool:
+def _is_reached(end: End, length: float, reach: float, farthest: float) -> bool:
     """Return whether tape may go on for a length, up to where other tape hides it."""
-    return -BACK < length < max(0.0, end.lower) + SNAP and end.upper > length - reach
+    return -BACK < length < max(0.0, end.lower) + farthest and end.upper > length - reach
 
 
 def _meeting(end: End, others: Sequence[Stroke], half: float) -> float | None:
@@ -194,7 +197,7 @@ def _meeting(end: End, others: Sequence[Stroke], half: float) -> float | None:
             part = (away[:, 0] * end.outward[1] - away[:, 1] * end.outward[0]) / sine
             sines = np.abs(sine) / np.hypot(*way.T)
         for k in np.flatnonzero((part >= 0) & (part <= 1) & (sines > CROSSING)):
-            if _is_reached(end, length[k], half / sines[k] + SLACK) and (
+            if _is_reached(end, length[k], half / sines[k] + SLACK, MEETING) and (
                 nearest is None or abs(length[k]) < abs(nearest)
             ):
                 nearest = float(length[k])
