@@ -7,15 +7,20 @@ from __future__ import annotations
 
 import argparse
 import math
+from pathlib import Path
 
 import numpy as np
-from mappings import eight, errors_of, mapped
+from mappings import eight, errors_of, field_of, laid_on, mapped
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 from app.settings.config import MAPS
 from robot.calibration.adjustment import CalibrationError
 from robot.driving.figure_eight import FigureEight
+from robot.fields.field import Field
 from robot.fields.field_loading import load_field
-from robot.mapping.tape_map import MappingError
+from robot.geometry import Array, Pose2
+from robot.mapping.tape_map import MappingError, TapeMap
 
 
 def main() -> None:
@@ -24,7 +29,9 @@ def main() -> None:
     parser.add_argument("--world", default="default", help="a condition, as of brickpose run")
     parser.add_argument("--laps", type=int, default=1, help="of the figure-eight")
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
+    parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
     given = parser.parse_args()
+    panels = {}
     seconds = math.ceil(given.laps * FigureEight().lap)
     for name in given.maps:
         taped = load_field(name, MAPS)
@@ -35,6 +42,7 @@ def main() -> None:
             except (CalibrationError, MappingError) as error:
                 print(f"{name} {seed}: refused: {error}", flush=True)
                 continue
+            panels.setdefault(name, (taped, drawn, poses))
             errors = errors_of(drawn, poses, taped)
             rows.append([1e3 * errors.path, 1e3 * errors.mean, 1e3 * errors.largest])
             print(
@@ -47,6 +55,33 @@ def main() -> None:
         for label, value in (("median", np.median), ("worst", np.max)):
             path, mean, largest = value(rows, axis=0)
             print(f"{name}: {label} path {path:.2f}, edges {mean:.2f}, largest {largest:.1f} mm")
+    if given.figure:
+        draw(panels, given.figure)
+
+
+def draw(panels: dict[str, tuple[Field, TapeMap, Array]], out: Path) -> None:
+    figure = Figure(figsize=(3.6 * len(panels), 4.2), layout="constrained")
+    for place, (name, (taped, drawn, poses)) in enumerate(panels.items(), start=1):
+        axes = figure.add_subplot(1, len(panels), place, title=name, aspect="equal")
+        floor_from_map = laid_on(drawn, poses, taped)
+        path = floor_from_map.apply(drawn.solution.state.poses[:, :2])
+        for edges, colour, width, label in (
+            (taped.edges, "#bbbbbb", 3.0, "true edges"),
+            (_moved(field_of(drawn).edges, floor_from_map), "#d55e00", 0.8, "map"),
+        ):
+            lines = LineCollection(edges.reshape(-1, 2, 2), colors=colour, linewidths=width)
+            lines.set_label(label)
+            axes.add_collection(lines)
+        axes.plot(*path.T, color="#0072b2", linewidth=0.8, label="path")
+        axes.autoscale()
+        axes.set_xlabel("x [m]")
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    figure.savefig(out, dpi=100)
+
+
+def _moved(edges: Array, pose: Pose2) -> Array:
+    return np.hstack([pose.apply(edges[:, :2]), pose.apply(edges[:, 2:])])
 
 
 if __name__ == "__main__":

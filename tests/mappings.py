@@ -69,11 +69,11 @@ def aligned(points: Array, others: Array) -> Pose2:
     return Pose2(*(other - turned).tolist(), theta)
 
 
-def errors_of(drawn: TapeMap, poses: Array, taped: Field) -> Errors:
-    own, path = field_of(drawn), drawn.solution.state.poses[:, :2]
+def laid_on(drawn: TapeMap, poses: Array, taped: Field) -> Pose2:
+    """The rigid motion that lays a map on the floor, by its path first, then by its edges."""
+    path = drawn.solution.state.poses[:, :2]
     floor_from_map = aligned(path, poses[:, :2])
-    off = np.hypot(*(floor_from_map.apply(path) - poses[:, :2]).T)
-    points, normals = sample(own.edges, STEP)
+    points, normals = sample(field_of(drawn).edges, STEP)
     truth, true_normals = sample(taped.edges, STEP / 8)
     for _ in range(5):
         moved = floor_from_map.apply(points)
@@ -81,6 +81,15 @@ def errors_of(drawn: TapeMap, poses: Array, taped: Field) -> Errors:
         distance, place = _nearest(moved, turned, truth, true_normals)
         close = distance < COVERED
         floor_from_map = aligned(moved[close], truth[place[close]]) @ floor_from_map
+    return floor_from_map
+
+
+def errors_of(drawn: TapeMap, poses: Array, taped: Field) -> Errors:
+    path = drawn.solution.state.poses[:, :2]
+    off = np.hypot(*(aligned(path, poses[:, :2]).apply(path) - poses[:, :2]).T)
+    points, normals = sample(field_of(drawn).edges, STEP)
+    truth, true_normals = sample(taped.edges, STEP / 8)
+    floor_from_map = laid_on(drawn, poses, taped)
     moved = floor_from_map.apply(points)
     turned = normals @ _rotation(floor_from_map.theta).T
     distance, _ = _nearest(moved, turned, truth, true_normals)
