@@ -183,13 +183,18 @@ def _run(parsed: argparse.Namespace) -> int:
     _refuse_without_effect(parsed, config)
     certificate = certificate_of(vars(parsed))
     with listen(config.host, config.port) as listening:
+        port = listening.getsockname()[1]
         tokens = tokens_of(vars(parsed), listening, inviting=config.ros2.foxglove)
         if missing:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = build_program(config, RealTime())
         scheme = "http" if certificate is None else "https"
         ready = partial(announce, listening, tokens, scheme, foxglove=config.ros2.foxglove)
-        serve(program, listening, tokens, certificate, ready)
+        following = serve(program, listening, tokens, certificate, ready)
+    while following is not None:
+        with listen(config.host, port) as listening:
+            ready = partial(say, f"The robot goes on in {following.config.map}")
+            following = serve(following, listening, tokens, certificate, ready)
     return 0
 
 

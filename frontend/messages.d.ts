@@ -2,9 +2,11 @@
 
 export type Command =
   | CalibrateCommand
+  | DiscardMapCommand
   | DriveCommand
   | FigureEightCommand
   | FinishCalibrationCommand
+  | FinishMapCommand
   | PauseCommand
   | PingCommand
   | PlaceCommand
@@ -12,12 +14,14 @@ export type Command =
   | ReplayCommand
   | ResetCommand
   | ResumeCommand
+  | SaveMapCommand
   | ScatterCommand
   | SetCalibrationCommand
   | SetParametersCommand
   | SetParticlesCommand
   | SetPoseCommand
   | ShowCommand
+  | StartMapCommand
   | StopCommand
   | TakeCommand
   | UndoCalibrationCommand
@@ -82,6 +86,13 @@ export interface CalibrationDriveMessage {
   adjusted: number;
   /** What is missing so far, or why it failed; null when all is well. */
   message: string | null;
+}
+
+/** Forget the map that is drawn, or was. */
+export interface DiscardMapCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "discard_map";
 }
 
 /** Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them. */
@@ -184,6 +195,13 @@ export interface FinishCalibrationCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "finish_calibration";
+}
+
+/** End the drive of the map; all of it is adjusted then. */
+export interface FinishMapCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "finish_map";
 }
 
 /** The floor's grid, every 0.1 m, as the camera sees it. */
@@ -365,6 +383,20 @@ export interface LoopMessage {
   frame_hz: number;
   /** From the exposure of the newest frame to this telemetry, on the robot's clock. */
   latency_ms: number;
+}
+
+/** The map that is drawn by driving, or the last one. */
+export interface MappingMessage {
+  /** draw: it grows; finish: all of it is adjusted; done: it can be saved; failed: there is none. */
+  state: "draw" | "finish" | "done" | "failed";
+  /** How long the drive is [s]. */
+  seconds: number;
+  /** How often it was drawn; ``/api/mapping`` has the newest drawing. */
+  version: number;
+  /** Of the robot in the new map; null before anything was drawn. */
+  pose: PoseMessage | null;
+  /** What is wrong or missing, or why it failed; null when all is well. */
+  message: string | null;
 }
 
 /** One parameter of the filter, with its meaning. */
@@ -557,6 +589,16 @@ export interface RobotMessage {
   calibrated: number | null;
 }
 
+/** Save the finished map under a new name; the dashboard's maps have a folder. */
+export interface SaveMapCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "save_map";
+  name: string;
+  /** Whether to go on in the new map at once. The robot stands meanwhile, and a recording ends. */
+  use?: boolean;
+}
+
 /** The newest scan; ``PictureMessage`` has its edges in the picture. */
 export interface ScanMessage {
   /** Exposure of the frame it comes from [s]. */
@@ -642,6 +684,13 @@ export interface ShowCommand {
   visible: boolean;
 }
 
+/** Draw a map of the floor from now on, however the robot is driven. */
+export interface StartMapCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "start_map";
+}
+
 /** How far the estimate can be relied on. */
 export type State = "certain" | "approximate" | "ambiguous" | "searching" | "lost";
 
@@ -685,6 +734,8 @@ export interface TelemetryMessage {
   recording?: RecordingMessage | null;
   /** Null before the first drive of a calibration. */
   calibration?: CalibrationDriveMessage | null;
+  /** Null while no map is drawn. */
+  mapping?: MappingMessage | null;
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from app.engine.calibration_commands import calibration_command
 from app.engine.calibration_tracking import CalibrationTracking
 from app.engine.commands import apply
 from app.engine.controls import Controls
@@ -20,7 +21,7 @@ from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
 from app.settings.profiles import profile_file
-from robot.calibration.profile import load_profile
+from robot.calibration.profile import Profile, load_profile
 from robot.calibration.tracker import CalibrationTracker
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
@@ -32,6 +33,7 @@ from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.hat.build_hat import BuildHat
 from robot.interface import RepositionableRobot, Robot
+from robot.localization.estimate import Hypothesis
 from robot.localization.models.entry_field import EntryField
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScanner
@@ -93,6 +95,32 @@ def build_program(
     engine = build_engine(config, robot, field, scanner, own, begin, config.localization, entries)
     if begin.complaint is not None:
         engine.note(begin.complaint)
+    return Program(engine, robot, field, config, path, own.choice)
+
+
+def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
+    """Build a program on another map, with the robot of one that has ended but handed it over.
+
+    The robot's calibration and the filter's parameters go on as they are.
+
+    Args:
+        program: the one that has ended.
+        name: of the map, as ``Config.map``.
+        place: where the robot is in it.
+
+    Raises:
+        FieldError: there is no such map.
+    """
+    usual = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
+    config, field = replace(program.config, map=name, start_pose=usual), load_field(name, MAPS)
+    controls, robot = program.engine.controls, program.robot
+    scanner = LineScanner(controls.spec.floor_view, config.scanner, field.tape)
+    own, begin = own_models(config, field), Start((place,), odometry=place.pose)
+    parameters = controls.localization.parameters
+    engine = build_engine(config, robot, field, scanner, own, begin, parameters)
+    if controls.spec is not robot.spec:
+        engine.commands.put(calibration_command(Profile.of(controls.spec)))
+    path = pose_path(config.start_pose.pose_file, config.robot, field)
     return Program(engine, robot, field, config, path, own.choice)
 
 
@@ -176,6 +204,8 @@ def connect(
 
 def _odometry_start(begin: Start, robot: Robot, field: Field) -> Pose2:
     """Return the robot's pose at the start of dead reckoning, as far as it is known."""
+    if begin.odometry is not None:
+        return begin.odometry
     if isinstance(robot, RepositionableRobot):
         return begin.truth or field.start
     return begin.hypotheses[0].pose if begin.hypotheses else field.start

@@ -21,9 +21,11 @@ from app.engine.program import Program
 from app.messages.commands import (
     CalibrateCommand,
     Command,
+    DiscardMapCommand,
     DriveCommand,
     FigureEightCommand,
     FinishCalibrationCommand,
+    FinishMapCommand,
     PauseCommand,
     PingCommand,
     PlaceCommand,
@@ -31,12 +33,14 @@ from app.messages.commands import (
     ReplayCommand,
     ResetCommand,
     ResumeCommand,
+    SaveMapCommand,
     ScatterCommand,
     SetCalibrationCommand,
     SetParametersCommand,
     SetParticlesCommand,
     SetPoseCommand,
     ShowCommand,
+    StartMapCommand,
     StopCommand,
     TakeCommand,
     UndoCalibrationCommand,
@@ -132,6 +136,12 @@ def _check_driving(_command: Command, program: Program) -> None:
     latest = program.engine.latest.get()
     if latest is not None and latest.fault is not None:
         raise CommandError(f"the robot stands still until this is mended: {latest.fault}")
+
+
+def _check_drawn(command: Command, program: Program) -> None:
+    _check_driving(command, program)
+    if program.field.tape_width is None:
+        raise CommandError(f"the field {program.field.name} is not of tape; maps are of tape")
 
 
 def _stop(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
@@ -263,6 +273,10 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         ),
         FinishCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         UndoCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        StartMapCommand: Rule(_nothing, Repeat.NEVER, _check_drawn),
+        FinishMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        DiscardMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        SaveMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         StopCommand: Rule(_stop, Repeat.NEVER),
         TakeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),
@@ -282,5 +296,5 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         PingCommand: Rule(_nothing, Repeat.NEVER),
     }
 )
-"""Rules by command; ``TakeCommand``, ``ReplayCommand``, ``RecordCommand`` and ``PingCommand`` never
-reach the engine."""
+"""Rules by command; those that only outputs carry out, such as ``RecordCommand``, never reach the
+engine."""

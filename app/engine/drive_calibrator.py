@@ -8,9 +8,8 @@ adjustment would take Python's lock from the control loop.
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, wait
+from concurrent.futures import Future
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -18,6 +17,7 @@ from typing import Any, Literal
 
 from app.engine.calibration_commands import calibration_command
 from app.engine.collected_drive import CollectedDrive
+from app.engine.followed_drive import result_of, ticks_of
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.problems import LOG
 from app.engine.program import Program
@@ -45,10 +45,6 @@ BEGINS_S = 2.0
 """The drive begins within this time after its command [s]."""
 MOST_WAITING = 2000
 """Most ticks that wait for the thread: forty seconds of them."""
-LOOK_S = 0.2
-"""Interval of checking whether to end, while there are no ticks [s]."""
-SILENT_S = 2.0
-"""After this time without a tick the drive is given up [s]."""
 LAST_S = 0.1
 """The drive is whole if less than this of it is missing [s]."""
 PATIENCE_S = 3.0
@@ -178,9 +174,9 @@ class DriveCalibrator:
         try:
             with WorkerProcess() as process:
                 with subscribed:
-                    drive = self._follow(_ticks(feed, stopping), process)
+                    drive = self._follow(ticks_of(feed, stopping), process)
                 self._show(state="adjust", words=None)
-                self._keep(drive, _result(drive.adjusted(), stopping))
+                self._keep(drive, result_of(drive.adjusted(), stopping))
         except BrickPoseError as error:
             self._show(state="failed", words=str(error))
         except Exception as error:
@@ -252,41 +248,6 @@ class DriveCalibrator:
     def _show(self, **changes: Any) -> None:
         assert self._drive is not None  # it is followed
         self._drive = replace(self._drive, **changes)
-
-
-def _ticks(feed: Backlog[Snapshot], stopping: threading.Event) -> Iterator[Snapshot]:
-    """Yield ticks as they come.
-
-    Raises:
-        CalibrationError: none come any more, or some were lost.
-    """
-    heard = time.monotonic()
-    while True:
-        _check_on(stopping)
-        snapshot = feed.get(LOOK_S)
-        if feed.lost:
-            raise CalibrationError("this computer is too slow to follow the drive")
-        if snapshot is not None:
-            heard = time.monotonic()
-            yield snapshot
-        elif time.monotonic() - heard > SILENT_S:
-            raise CalibrationError("the robot tells nothing any more")
-
-
-def _result(adjusted: Future[Calibration], stopping: threading.Event) -> Calibration:
-    """Wait for an adjustment, or for the program's end.
-
-    Raises:
-        CalibrationError: the drive does not tell what the robot is like.
-    """
-    while not wait((adjusted,), LOOK_S).done:
-        _check_on(stopping)
-    return adjusted.result()
-
-
-def _check_on(stopping: threading.Event) -> None:
-    if stopping.is_set():
-        raise CalibrationError("the program ends")
 
 
 def _first(ticks: Iterator[Snapshot]) -> Snapshot:

@@ -13,6 +13,8 @@ import threading
 import time
 from collections.abc import Callable
 
+import numpy as np
+
 from app.engine.calibration_tracking import CalibrationTracking
 from app.engine.controls import Controls
 from app.engine.localization import Localization
@@ -58,6 +60,8 @@ class Engine:
         self.commands: Backlog[Command] = Backlog()
         self.failure: str | None = None
         """Why the engine failed; None while it has not."""
+        self.handed_over = False
+        """Whether another engine goes on with the robot: at the end it stands, but is open."""
         self._apply = apply
         self._tracking = tracking
         self._meter = LoopMeter()
@@ -121,7 +125,7 @@ class Engine:
         self.latest.put(last.failed(self.controls.problems))
 
     def run(self, stop: threading.Event) -> None:
-        """Step until ``stop`` is set; close the robot whatever happens.
+        """Step until ``stop`` is set; close the robot whatever happens, unless it is handed over.
 
         A failure is logged once and published, so readers do not take the last snapshot for a
         present one.
@@ -137,9 +141,16 @@ class Engine:
             LOG.exception("the engine stopped")
             self.fail(f"The robot stopped: {error}")
         finally:
-            self.controls.robot.close()
+            self._leave_robot()
             if self._tracking is not None:
                 self._tracking.close()
+
+    def _leave_robot(self) -> None:
+        robot = self.controls.robot
+        if self.handed_over and self.failure is None:
+            robot.write(np.zeros(len(robot.spec.joints)))
+        else:
+            robot.close()
 
     def _advance(self, reading: Reading, commands: tuple[Command, ...]) -> Snapshot:
         self._meter.begin()

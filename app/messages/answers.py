@@ -84,6 +84,33 @@ class CalibrationMessage(Message):
     """Motions that would tell what is not known yet."""
 
 
+class StrokeMessage(Message):
+    """The centre line of a piece of tape."""
+
+    points: list[tuple[float, float]]
+    """Along it [m]; a closed one repeats its first point."""
+    interval: float
+    """The tape lies within this of it, in 95 %, where that is least certain [m]."""
+
+
+class MapDrawingMessage(Message):
+    """The map that is drawn by driving, as far as it is."""
+
+    version: int
+    """As in ``MappingMessage``; 0 without a map."""
+    strokes: list[StrokeMessage]
+    path: list[tuple[float, float]]
+    """Of the robot, corrected [m]."""
+    edges: list[tuple[float, float]]
+    """Some of the points at which edges of tape were seen [m]."""
+    unseen_ends: list[tuple[float, float]]
+    """Ends of strokes beyond which nobody has looked [m]; of a finished map."""
+    facts: list[str]
+    """How well a finished map fits; empty before."""
+    remarks: list[str]
+    """What is wrong with a finished map, or may be."""
+
+
 class ParameterMessage(Message):
     """One parameter of the filter, with its meaning."""
 

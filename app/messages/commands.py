@@ -74,6 +74,33 @@ class UndoCalibrationCommand(CommandMessage):
     type: Literal["undo_calibration"]
 
 
+class StartMapCommand(CommandMessage):
+    """Draw a map of the floor from now on, however the robot is driven."""
+
+    type: Literal["start_map"]
+
+
+class FinishMapCommand(CommandMessage):
+    """End the drive of the map; all of it is adjusted then."""
+
+    type: Literal["finish_map"]
+
+
+class DiscardMapCommand(CommandMessage):
+    """Forget the map that is drawn, or was."""
+
+    type: Literal["discard_map"]
+
+
+class SaveMapCommand(CommandMessage):
+    """Save the finished map under a new name; the dashboard's maps have a folder."""
+
+    type: Literal["save_map"]
+    name: Annotated[str, Field(max_length=200)]
+    use: bool = False
+    """Whether to go on in the new map at once. The robot stands meanwhile, and a recording ends."""
+
+
 class TakeCommand(CommandMessage):
     """Take the drive from whoever has it, and end a stop that holds."""
 
@@ -219,6 +246,10 @@ Command = Annotated[
     | CalibrateCommand
     | FinishCalibrationCommand
     | UndoCalibrationCommand
+    | StartMapCommand
+    | FinishMapCommand
+    | DiscardMapCommand
+    | SaveMapCommand
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand

@@ -174,6 +174,22 @@ class CalibrationDriveMessage(Message):
     """What is missing so far, or why it failed; null when all is well."""
 
 
+class MappingMessage(Message):
+    """The map that is drawn by driving, or the last one."""
+
+    state: Literal["draw", "finish", "done", "failed"]
+    """draw: it grows; finish: all of it is adjusted; done: it can be saved; failed: there is
+    none."""
+    seconds: float
+    """How long the drive is [s]."""
+    version: int
+    """How often it was drawn; ``/api/mapping`` has the newest drawing."""
+    pose: PoseMessage | None
+    """Of the robot in the new map; null before anything was drawn."""
+    message: str | None
+    """What is wrong or missing, or why it failed; null when all is well."""
+
+
 class DriverMessage(Message):
     """Who drives."""
 
@@ -212,6 +228,8 @@ class TelemetryMessage(Message):
     recording: RecordingMessage | None = None
     calibration: CalibrationDriveMessage | None = None
     """Null before the first drive of a calibration."""
+    mapping: MappingMessage | None = None
+    """Null while no map is drawn."""
     replay: ReplayMessage | None = None
     """Null if this is not a replay."""
     hidden_layers: list[Layer] | None = None

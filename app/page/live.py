@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import anyio
@@ -19,11 +21,15 @@ from app.messages.commands import (
     AckMessage,
     CalibrateCommand,
     Command,
+    DiscardMapCommand,
     ErrorMessage,
     FinishCalibrationCommand,
+    FinishMapCommand,
     PingCommand,
     RecordCommand,
     ReplayCommand,
+    SaveMapCommand,
+    StartMapCommand,
     UndoCalibrationCommand,
     parse,
 )
@@ -38,6 +44,20 @@ NOT_MINE, MINE = '"mine":false', '"mine":true'
 """The only places where telemetry differs between viewers."""
 WATCHES = "This link only watches; ask for the link to drive."
 """Answer to commands of a viewer who only watches."""
+
+OUTLETS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
+    {
+        RecordCommand: lambda outlets, _, command: outlets.record(command.on),
+        CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
+        FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),
+        UndoCalibrationCommand: lambda outlets, *_: outlets.calibrator.undo(),
+        StartMapCommand: lambda outlets, *_: outlets.mapping.begin(),
+        FinishMapCommand: lambda outlets, *_: outlets.mapping.finish(),
+        DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
+        SaveMapCommand: lambda outlets, _, command: outlets.save_map(command),
+    }
+)
+"""What carries out the commands that are not the engine's."""
 
 
 class Live:
@@ -122,26 +142,21 @@ class _Viewer:
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
     def _take(self, command: Command) -> None:
-        """Pass a command to recorder, replay, calibrator or engine.
+        """Pass a command to replay, outlets or engine.
 
         Raises:
             BrickPoseError: the command cannot be carried out; the message says why.
         """
         outlets = self._live.outlets
-        if isinstance(command, RecordCommand):
-            outlets.record(command.on)
-        elif isinstance(command, ReplayCommand):
+        carry_out = OUTLETS.get(type(command))
+        if isinstance(command, ReplayCommand):
             program = self._live.program
             assert isinstance(program, ReplayProgram)  # ``check`` made sure of it
             program.replay.asked.ask(
                 command.paused, command.speed, command.position_s, command.step
             )
-        elif isinstance(command, CalibrateCommand):
-            outlets.calibrate(self.driver, command)
-        elif isinstance(command, FinishCalibrationCommand):
-            outlets.calibrator.finish()
-        elif isinstance(command, UndoCalibrationCommand):
-            outlets.calibrator.undo()
+        elif carry_out is not None:
+            carry_out(outlets, self.driver, command)
         elif not isinstance(command, PingCommand):
             outlets.drivers.put(self.driver, command)
 

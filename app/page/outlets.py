@@ -1,16 +1,17 @@
-"""Outputs of the program besides the page: recordings, ROS 2, Foxglove and calibrations."""
+"""Outputs of the program besides the page: recordings, ROS 2, Foxglove, calibrations, maps."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from typing import Protocol
 
 from app.console import say
 from app.engine.drive_calibrator import DriveCalibrator
 from app.engine.drivers import Driver, Drivers
+from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
-from app.messages.commands import CalibrateCommand
+from app.messages.commands import CalibrateCommand, SaveMapCommand
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
 from app.ros2.foxglove.foxglove import Foxglove
@@ -18,6 +19,11 @@ from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.ros2.source import TopicSource
+from robot.errors import CommandError
+from robot.localization.estimate import Hypothesis
+
+ChangeMap = Callable[[str, Hypothesis], None]
+"""Goes on in another map, by its name, and with where the robot is in it."""
 
 
 class LiveRoute(Protocol):
@@ -40,10 +46,15 @@ class LiveRoute(Protocol):
 class Outlets:
     """All outputs of one program; the settings say which of them run."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, change_map: ChangeMap | None = None) -> None:
+        """Prepare the outputs of a program; ``change_map`` goes on in another one's map."""
         config = program.config
+        self._engine = program.engine
+        self._maps = config.mapping.path()
+        self._change_map = change_map
         self.drivers = Drivers.of(program)
         self.calibrator = DriveCalibrator(program, lambda: datetime.now(UTC))
+        self.mapping = MapDrawer(program)
         self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
         self.inbox = Inbox(program, self.publisher.source, self.drivers)
         self.recorder = Recorder(
@@ -99,6 +110,21 @@ class Outlets:
         if command.start:
             self.calibrator.begin()
 
+    def save_map(self, command: SaveMapCommand) -> None:
+        """Save the map that was drawn, and go on in it if that is wanted.
+
+        Raises:
+            CommandError: there is none, or it cannot be saved.
+        """
+        newest = self._engine.latest.get()
+        if command.use and (newest is None or self._change_map is None):
+            raise CommandError("this program cannot go on in another map; save it, and start anew")
+        path = self.mapping.save(command.name, self._maps)
+        say(f"The map is {path}")
+        if command.use:
+            assert newest is not None and self._change_map is not None  # it was refused else
+            self._change_map(str(path), self.mapping.place(newest))
+
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
@@ -108,6 +134,7 @@ class Outlets:
     def close(self) -> None:
         """End all outputs, and wait until the recording is written; may be called twice."""
         self.calibrator.close()
+        self.mapping.close()
         self.recorder.close()
         for route in self._routes:
             route.close()

@@ -39,6 +39,7 @@ from app.page.docs_page import docs_page
 from app.page.floor_grid import floor_grid_router
 from app.page.lens.routes import lens_router
 from app.page.live import Live
+from app.page.mapping import mapping_router
 from app.page.outlets import Outlets
 from app.page.profile import RayError, profile
 from app.page.telemetry import field_message, parameter_messages
@@ -105,6 +106,7 @@ def create_app(
     app.include_router(floor_grid_router(program))
     app.include_router(lens_router(program))
     app.include_router(calibration_router(program, outlets.calibrator))
+    app.include_router(mapping_router(outlets.mapping))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     return app

@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 
 import uvicorn
 
+from app.engine.build import build_on_map
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
@@ -20,6 +21,7 @@ from app.page.log_limit import limit_logs
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
+from robot.localization.estimate import Hypothesis
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
@@ -35,8 +37,11 @@ class Server:
         certificate: Certificate | None = None,
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
+        self.successor: tuple[str, Hypothesis] | None = None
+        """The map to go on in, and where the robot is in it; None is to end."""
+        self._engine = program.engine
         self._thread = EngineThread(program.engine, program.loop)
-        self._outlets = Outlets(program)
+        self._outlets = Outlets(program, None if program.loop else self._change_map)
         config = uvicorn.Config(
             create_app(program, self._thread, self._outlets, tokens),
             ssl_certfile=certificate.certfile if certificate else None,
@@ -66,6 +71,11 @@ class Server:
             self._thread.stopping.set()
             self._outlets.close()
 
+    def _change_map(self, name: str, place: Hypothesis) -> None:
+        self.successor = name, place
+        self._engine.handed_over = True
+        self.stop()
+
     def stop(self) -> None:
         """Ask the server to end, from any thread or from a signal handler.
 
@@ -80,8 +90,10 @@ def serve(
     tokens: Tokens | None = None,
     certificate: Certificate | None = None,
     announce: Callable[[], object] = lambda: None,
-) -> None:
+) -> Program | None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
+
+    Returns None then; or, if the page changes the map, the program to go on with.
 
     Args:
         program: what is served.
@@ -90,14 +102,19 @@ def serve(
         certificate: for HTTPS.
         announce: says where the program is; from then on a signal is its usual end.
     """
+    following: Program | None = None
     try:
         server = Server(program, tokens, certificate)
-        with suppress(Interrupted), deferred(server.stop):
+        with suppress(Interrupted), deferred(server.stop) as asked:
             announce()
             server.run(listening)
+            if server.successor is not None and not asked():
+                following = build_on_map(program, *server.successor)
     finally:
-        # The engine has closed the robot already, unless it never started.
-        program.robot.close()
+        if following is None:
+            # The engine has closed the robot already, unless it never started or handed it over.
+            program.robot.close()
+    return following
 
 
 class _StopsTheRobotFirst(uvicorn.Server):

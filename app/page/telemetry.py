@@ -27,6 +27,7 @@ from app.page.belief import (
     particles_message,
 )
 from app.page.calibration import drive_message
+from app.page.mapping import mapping_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
 from robot.geometry import Array, Pose2
@@ -71,6 +72,7 @@ class TelemetryWriter:
             error_count=snapshot.problem_count,
             recording=self._outlets.recorder.status,
             calibration=drive_message(self._outlets.calibrator.drive, snapshot.stamp),
+            mapping=mapping_message(self._outlets.mapping.drawing, snapshot),
             replay=_replay_message(snapshot.replay),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hin
 from pydantic import TypeAdapter, ValidationError
 
 from app.settings.calibration import CalibrationSettings
+from app.settings.mapping import MappingSettings
 from app.settings.recording import RecordingSettings
 from app.settings.ros2 import Ros2Settings
 from app.settings.start_pose import StartPoseSettings
@@ -100,6 +101,7 @@ class Config:
     scanner: LineScannerSettings = LineScannerSettings()
     localization: LocalizationParameters = LocalizationParameters()
     calibration: CalibrationSettings = CalibrationSettings()
+    mapping: MappingSettings = MappingSettings()
     recording: RecordingSettings = RecordingSettings()
     ros2: Ros2Settings = Ros2Settings()
     start_pose: StartPoseSettings = StartPoseSettings()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.settings.user_data import data_folder
 from robot.settings import check_settings, setting
 
 EVERY_TICK = frozenset({"joint_states", "cmd_vel"})
@@ -45,8 +45,4 @@ class RecordingSettings:
 
     def path(self) -> Path:
         """Return the folder for new recordings."""
-        if self.folder:
-            return Path(self.folder).absolute()
-        data = os.environ.get("XDG_DATA_HOME", "")
-        home = Path(data) if Path(data).is_absolute() else Path.home() / ".local" / "share"
-        return home / "brickpose" / "recordings"
+        return data_folder(self.folder, "recordings")

@@ -13,6 +13,7 @@ import { MapView } from "./view.js";
 
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
@@ -74,6 +75,13 @@ export class MapPanel {
     // In an open form, the user may have typed something already.
     if (find("numbers", HTMLElement).hidden) this.numbers.setField(field);
     this.#fit();
+  }
+
+  /** Show a map that is drawn by driving; null is the field. @param {MapDrawingMessage | null} drawing */
+  setDrawing(drawing) {
+    this.scene.drawing = drawing;
+    if (!this.#moved) this.#fit();
+    this.refresh();
   }
 
   /** @param {TelemetryMessage} telemetry */
@@ -158,7 +166,7 @@ export class MapPanel {
 
   #fit() {
     this.#moved = false;
-    if (this.#field && this.surface.visible) this.#view.fit(this.#field.extent);
+    if (this.#field && this.surface.visible) this.#view.fit(around(this.#field.extent, this.scene.drawing));
     this.refresh();
   }
 
@@ -174,6 +182,17 @@ export class MapPanel {
     const spread = this.tool.tool === "set_pose" ? this.numbers.sdXy : null;
     this.scene.paint(pose && { pose, spread });
   }
+}
+
+/**
+ * Return the extent of the field and of a map that is drawn on it [m].
+ * @param {number[]} extent xmin, ymin, xmax, ymax
+ * @param {MapDrawingMessage | null} drawing
+ */
+function around([xmin, ymin, xmax, ymax], drawing) {
+  const points = (drawing?.strokes ?? []).flatMap((stroke) => stroke.points);
+  const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
+  return [Math.min(xmin, ...xs), Math.min(ymin, ...ys), Math.max(xmax, ...xs), Math.max(ymax, ...ys)];
 }
 
 /** @param {TelemetryMessage} telemetry */

@@ -6,8 +6,10 @@ import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
 import { places } from "./places.js";
+import { drawMapping } from "../mapping/drawing.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
+/** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/surface.js").Surface} Surface */
@@ -16,11 +18,16 @@ import { places } from "./places.js";
 /** A pose that the user is pointing out, and the `spread` [m] if it will be sent to the filter. */
 /** @typedef {{pose: PoseMessage, spread: number | null}} Draft */
 
+/** The known field shows so much while another map is drawn. */
+const FAINT = 0.25;
+
 /** Draws everything on the map, from the floor up. */
 export class Scene {
   paths = new Paths();
   /** @type {TelemetryMessage | null} */
   telemetry = null;
+  /** The map that is drawn by driving. @type {MapDrawingMessage | null} */
+  drawing = null;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -43,10 +50,30 @@ export class Scene {
   paint(draft) {
     const context = this.surface.begin();
     const pixel = 1 / this.view.scale;
+    context.globalAlpha = this.drawing ? FAINT : 1;
     this.#floor?.draw(context, this.view, this.surface.ratio);
-    if (this.telemetry) this.#paintBelief(context, this.telemetry, pixel);
+    context.globalAlpha = 1;
+    if (this.drawing) this.#paintMapping(context, this.drawing, pixel);
+    else if (this.telemetry) this.#paintBelief(context, this.telemetry, pixel);
     if (draft) this.#paintDraft(context, draft, pixel);
     drawing.drawScaleBar(context, this.view);
+  }
+
+  /**
+   * What the filter believes is of another map, and not drawn.
+   * @param {CanvasRenderingContext2D} context
+   * @param {MapDrawingMessage} mapped
+   * @param {number} pixel [m]
+   */
+  #paintMapping(context, mapped, pixel) {
+    const { truth = null, mapping } = this.telemetry ?? {};
+    this.#inMetres(context, () => {
+      drawMapping(context, mapped, pixel);
+      const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
+      if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
+      const style = { colour: palette["floor-estimate"], fill: 0.15 };
+      if (mapping?.pose) drawing.drawRobot(context, mapping.pose, this.#outline, pixel, style);
+    });
   }
 
   /**

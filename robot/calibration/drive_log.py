@@ -82,15 +82,20 @@ class DriveRecorder:
         self._pictures: list[tuple[float, Array, Array]] = []
         self._wheels: list[tuple[float, Array]] = []
 
-    def add(self, reading: Reading) -> None:
-        """Add a reading; a picture that follows the last one too soon is left out."""
+    def add(self, reading: Reading) -> Array | None:
+        """Add a reading; a picture that follows the last one too soon is left out.
+
+        Returns the pixels (2 r, 2) of the picture's edges; None without a picture that is used.
+        """
         self._wheels.append((reading.stamp, reading.positions[self._left_right]))
         frame = reading.frame
         if frame is None:
-            return
+            return None
         if self._pictures and frame.stamp - self._pictures[-1][0] < PERIOD_S - 1e-6:
-            return
-        self._pictures.append((frame.stamp, *self._edges(frame.image)))
+            return None
+        edges, first = self._edges(frame.image)
+        self._pictures.append((frame.stamp, edges, first))
+        return edges
 
     def edges(self, image: NDArray[np.uint8]) -> Array:
         """Return the pixels (2 r, 2) in which rays enter tape, then where they leave it; or nan."""

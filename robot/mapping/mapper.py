@@ -26,6 +26,7 @@ from robot.geometry import Pose2
 from robot.mapping.ends import RaysOnFloor, is_tape
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.refinement import refined
+from robot.mapping.sketch import Sketch
 from robot.mapping.stroke_fitting import fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 from robot.mapping.tape_map import MappingError, TapeMap
@@ -82,18 +83,27 @@ class Mapper:
         Raises:
             MappingError: the drive shows no tape, or the robot stood still.
         """
-        _check(log)
-        log = log.some(_moving(log, spec))
-        self._log, self._spec, self._width = log, spec, width
-        nothing = Strokes.of((), width)
-        self._seen = Sightings.of_edges(log, spec, nothing.edges)
+        self._spec, self._width = spec, width
+        self._nothing = Strokes.of((), width)
+        self.extend(log)
         self._start = start.to_array()
         sd = KNOWN_SD * PRIORS
         sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
         self._sd = sd
         self._state = State(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
         self._covariance = np.diag(START_SD**2)
-        self._strokes = nothing
+        self._strokes = self._nothing
+        self._solution: Solution | None = None
+
+    def extend(self, log: DriveLog) -> None:
+        """Take the drive again, which has gone on since; what was mapped so far stays.
+
+        Raises:
+            MappingError: the drive shows no tape, or the robot stood still.
+        """
+        _check(log)
+        self._log = log.some(_moving(log, self._spec))
+        self._seen = Sightings.of_edges(self._log, self._spec, self._nothing.edges)
 
     def run(self, report: Callable[[float], None] = lambda seconds: None) -> TapeMap:
         """Map the whole drive.
@@ -105,11 +115,10 @@ class Mapper:
             MappingError: nothing that was seen is tape.
             CalibrationError: no path explains the drive.
         """
-        log = self._log
-        total = len(log.stamps)
-        for count in [*range(WINDOW, total, WINDOW), total]:
-            self.grow(count)
-            report(float(log.stamps[count - 1] - log.stamps[0]))
+        log, total = self._log, len(self._log.stamps)
+        self.catch_up(report)
+        if self.mapped < total:
+            self.grow(total)
         self._trace(total)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
@@ -140,6 +149,29 @@ class Mapper:
             self._strokes = finer
             solution = self._adjust(len(self._log.stamps), WHOLE[-1:])
         return solution
+
+    @property
+    def mapped(self) -> int:
+        """How many of the pictures that are used are mapped."""
+        return 0 if self._solution is None else len(self._state.poses)
+
+    def catch_up(self, report: Callable[[float], None] = lambda seconds: None) -> None:
+        """Map the drive up to its last whole window of pictures.
+
+        Raises:
+            CalibrationError: no path explains the drive.
+        """
+        stamps = self._log.stamps
+        for count in range(self.mapped + WINDOW, len(stamps) + 1, WINDOW):
+            self.grow(count)
+            report(float(stamps[count - 1] - stamps[0]))
+
+    def sketch(self) -> Sketch | None:
+        """Return the map as far as it is drawn; None before the first window."""
+        if self._solution is None:
+            return None
+        errors = self._adjustment(self.mapped).step_errors(self._state)
+        return Sketch.of(self._strokes, self._solution, self._log.stamps, errors)
 
     def grow(self, count: int) -> None:
         """Follow the drive to its picture of a number, and adjust all of it."""
@@ -191,6 +223,7 @@ class Mapper:
             solution = adjustment.solve(state, weights, stage.most)
             state = solution.state
         self._state, self._covariance = state, solution.pose_covariance
+        self._solution = solution
         self._strokes = strokes.moved_by(state.map)
         return solution
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +11,7 @@ from robot.calibration.unknowns import COUNT
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 from robot.mapping.drawing import drawing
+from robot.mapping.pushed import moved_at, push_remark
 from robot.mapping.strokes import Strokes
 from robot.mapping.tidying import TidyStrokes
 
@@ -19,9 +19,6 @@ LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
 MOST_RESIDUAL = 2.5
 """... and if they lie at most so many times as far off as expected."""
-MOST_SLIP, MOST_STEP = 0.3, 6.0
-"""... and if no wheel had to slip more than this share, seven standard deviations, and no step was
-more than so many deviations from what the wheels tell."""
 
 
 class MappingError(BrickPoseError, ValueError):
@@ -63,13 +60,9 @@ class TapeMap:
         return residual_sd(self.solution.misses)
 
     @property
-    def moved_at(self) -> float:
-        """When the robot first moved otherwise than its wheels tell [s]; nan if it never did."""
-        jumps = np.abs(self.step_errors).max(axis=1, initial=0.0) > MOST_STEP
-        jumps |= np.abs(self.solution.state.slip[1:]).max(axis=1, initial=0.0) > MOST_SLIP
-        if not jumps.any():
-            return math.nan
-        return float(self.stamps[1 + np.argmax(jumps)] - self.stamps[0])
+    def moved_at(self) -> float | None:
+        """When the robot first moved otherwise than its wheels tell [s]; None if it never did."""
+        return moved_at(self.step_errors, self.solution.state.slip, self.stamps)
 
     @property
     def _edges_lie_on_it(self) -> bool:
@@ -78,7 +71,31 @@ class TapeMap:
     @property
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
-        return self._edges_lie_on_it and math.isnan(self.moved_at)
+        return self._edges_lie_on_it and self.moved_at is None
+
+    @property
+    def unseen_ends(self) -> Array:
+        """(n, 2) ends of strokes beyond which nobody has looked [m]."""
+        ends = [
+            self.tidy.strokes[number].end(last)[0]
+            for (number, last), end in self.tidy.ends.items()
+            if np.isinf(end.sd)
+        ]
+        return np.array(ends).reshape(-1, 2)
+
+    @property
+    def facts(self) -> tuple[str, ...]:
+        """What was drawn and how well, for people."""
+        count, corners = len(self.tidy.strokes), len(self.tidy.corners)
+        share = 100 * self.solution.share
+        median, largest = 1.96e3 * np.median(self.node_sd), 1.96e3 * self.node_sd.max()
+        return (
+            f"{count} strokes of tape, {self.length:.2f} m, with {corners} corners",
+            f"{share:.0f} % of the edges that were seen lie on it, {self.residual:.2f} times as "
+            "far off as expected",
+            f"its tape is uncertain by {median:.1f} mm (95 %, median), and by {largest:.1f} mm at "
+            "most",
+        )
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -89,12 +106,9 @@ class TapeMap:
                 f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
             )
-        if not math.isnan(self.moved_at):
-            remarks.append(
-                f"after {self.moved_at:.0f} s the robot moved otherwise than its wheels tell: it "
-                "was pushed, or it slipped; the map may be bent"
-            )
-        unseen = sum(np.isinf(end.sd) for end in self.tidy.ends.values())
+        if self.moved_at is not None:
+            remarks.append(push_remark(self.moved_at))
+        unseen = len(self.unseen_ends)
         if unseen:
             remarks.append(
                 f"{unseen} ends of tape were not seen: drive toward them, and where the tape goes "

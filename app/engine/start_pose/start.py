@@ -21,6 +21,8 @@ class Start:
     """Start of the filter; empty is the field's start with the filter's own spread."""
     truth: Pose2 | None = None
     """Start of a simulated robot."""
+    odometry: Pose2 | None = None
+    """Where dead reckoning begins; None is as far as the rest tells it."""
     complaint: str | None = None
     """Why a saved pose was not used."""
 

@@ -9,22 +9,19 @@ from pathlib import Path
 import numpy as np
 
 from app.console import say
+from app.engine.mapping.map_files import write_map
 from app.files import atomic_file
 from app.lab.mapping.map_report import map_report
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.spec import RobotSpec
-from robot.fields.grid_map import save_map_yaml
-from robot.fields.svg_field import TAPE_MM, field_of_drawing
+from robot.fields.svg_field import TAPE_MM
 from robot.geometry import Pose2
 from robot.interface import RobotError
 from robot.mapping.mapper import Mapper
-from robot.mapping.tape_map import MappingError, TapeMap
+from robot.mapping.tape_map import MappingError
 from robot.scanning.tape import Tape
 from robot.settings import SettingError
-
-CELL = 0.005
-"""Side of the ROS map's cells [m]."""
 
 
 def map_recording(
@@ -56,7 +53,7 @@ def map_recording(
     page = report or out.with_suffix(".html")
     with atomic_file(page) as new:
         new.write_text(map_report(drawn, recording.name), encoding="utf-8")
-    for line in lines_of(drawn):
+    for line in [*drawn.facts, *drawn.remarks]:
         say(line)
     say(f"the map is {out}, a report in {page}; use it by: brickpose run --map {out}")
     return 0 if drawn.fits else 1
@@ -85,34 +82,6 @@ def read_drive(recording: Path, width: float) -> tuple[DriveLog, RobotSpec]:
     if not pictures:
         raise MappingError(f"{recording} has no pictures; a map needs them, and the wheels' turns")
     return recorder.log, spec
-
-
-def write_map(drawn: TapeMap, out: Path, title: str) -> None:
-    """Write a drawing, and the ROS map of the same name beside it.
-
-    Raises:
-        FieldError: the strokes are no field.
-        OSError: a file cannot be written.
-    """
-    text = drawn.drawing(title)
-    grid = field_of_drawing(text, out.stem).occupancy(CELL)
-    with atomic_file(out) as new:
-        new.write_text(text, encoding="utf-8")
-    save_map_yaml(grid, out.with_suffix(".yaml"))
-
-
-def lines_of(drawn: TapeMap) -> list[str]:
-    """Return what was drawn, for people."""
-    solution = drawn.solution
-    count, corners = len(drawn.tidy.strokes), len(drawn.tidy.corners)
-    lines = [
-        f"{count} strokes of tape, {drawn.length:.2f} m, with {corners} corners",
-        f"{100 * solution.share:.0f} % of the edges that were seen lie on it, {drawn.residual:.2f} "
-        "times as far off as expected",
-        f"its tape is uncertain by {1.96e3 * np.median(drawn.node_sd):.1f} mm (95 %, median), and "
-        f"by {1.96e3 * drawn.node_sd.max():.1f} mm at most",
-    ]
-    return [*lines, *drawn.remarks]
 
 
 def _silent(seconds: float) -> None:

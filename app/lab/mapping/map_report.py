@@ -53,13 +53,9 @@ def _draw(figure: Figure, drawn: TapeMap) -> None:
         axes.plot(*stroke.points.T, color="black", linewidth=1.2, label=label, zorder=3)
     poses = drawn.solution.state.poses
     axes.plot(*poses[:, :2].T, color=BLUE, linewidth=0.8, label="path", zorder=2)
-    unseen = [
-        drawn.tidy.strokes[number].end(last)[0]
-        for (number, last), end in drawn.tidy.ends.items()
-        if np.isinf(end.sd)
-    ]
-    if unseen:
-        axes.plot(*np.array(unseen).T, "o", color=RED, mfc="none", label="ends that nobody saw")
+    unseen = drawn.unseen_ends
+    if len(unseen):
+        axes.plot(*unseen.T, "o", color=RED, mfc="none", label="ends that nobody saw")
     axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")

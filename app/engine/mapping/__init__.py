@@ -1,0 +1,1 @@
+"""Draws the map of a floor while the robot drives on it."""

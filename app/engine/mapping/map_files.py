@@ -1,0 +1,27 @@
+"""Writes maps that were drawn by driving."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.files import atomic_file
+from robot.fields.grid_map import save_map_yaml
+from robot.fields.svg_field import field_of_drawing
+from robot.mapping.tape_map import TapeMap
+
+CELL = 0.005
+"""Side of the ROS map's cells [m]."""
+
+
+def write_map(drawn: TapeMap, out: Path, title: str) -> None:
+    """Write a drawing, and the ROS map of the same name beside it.
+
+    Raises:
+        FieldError: the strokes are no field.
+        OSError: a file cannot be written.
+    """
+    text = drawn.drawing(title)
+    grid = field_of_drawing(text, out.stem).occupancy(CELL)
+    with atomic_file(out) as new:
+        new.write_text(text, encoding="utf-8")
+    save_map_yaml(grid, out.with_suffix(".yaml"))

@@ -1,0 +1,135 @@
+// @ts-check
+import { find, findButton, findInput, make, setText } from "../page/elements.js";
+import { plain } from "../page/format.js";
+import { sentence } from "../page/toasts.js";
+import { getJson } from "../wire/http.js";
+
+/** @typedef {import("../messages").Command} Command */
+/** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
+/** @typedef {import("../messages").MappingMessage} MappingMessage */
+/** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
+/** @typedef {import("../drive/lease.js").Drive} Drive */
+/** @typedef {import("../wire/connection.js").Connection} Connection */
+
+const HINT =
+  "Drive along all of the tape, any way you like, and come back to where you began: the map of this floor is" +
+  " drawn meanwhile.";
+
+/** The map that is drawn by driving: its buttons, how far it is, and how well it fits. */
+export class MappingPanel {
+  /** On a phone, where the drive panel has no header, there is another one. */
+  #openers = ["mapping-open", "mapping-more"].map(findButton);
+  #more = findButton("more");
+  #panel = find("mapping", HTMLElement);
+  #state = find("mapping-state", HTMLElement);
+  #remarks = find("mapping-remarks", HTMLElement);
+  #save = find("mapping-save", HTMLFormElement);
+  #name = findInput("mapping-name");
+  #start = findButton("mapping-start");
+  #finish = findButton("mapping-finish");
+  #discard = findButton("mapping-discard");
+  #file = find("mapping-file", HTMLAnchorElement);
+  /** What the drawing on the page was loaded for; empty without one. */
+  #loaded = "";
+  /** Name of the map that was saved. */
+  #saved = "";
+
+  /**
+   * @param {Drive} drive
+   * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
+   * @param {Connection} connection
+   * @param {(drawing: MapDrawingMessage | null) => void} draw shows the map; null is none
+   */
+  constructor(drive, order, connection, draw) {
+    this.drive = drive;
+    this.order = order;
+    this.draw = draw;
+    for (const opener of this.#openers) opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
+    findButton("mapping-close").onclick = () => this.#show(false);
+    for (const part of [...this.#openers, this.#panel])
+      part.addEventListener("keydown", (event) => this.#key(event));
+    this.#start.onclick = () => order({ type: "start_map" });
+    this.#finish.onclick = () => order({ type: "finish_map" });
+    this.#discard.onclick = () => order({ type: "discard_map" });
+    this.#save.onsubmit = (event) => this.#keep(event);
+    connection.onState((state) => state !== "open" && (this.#loaded = ""));
+  }
+
+  /** @param {TelemetryMessage} telemetry */
+  follow({ mapping, replay }) {
+    const map = mapping ?? null;
+    const key = map && map.version > 0 ? `${map.state} ${map.version}` : "";
+    if (key !== this.#loaded) this.#load(key);
+    if (this.#panel.hidden) return;
+    const state = map?.state ?? "";
+    this.#start.hidden = state === "draw" || state === "finish" || state === "done";
+    this.#start.disabled = !this.drive.possible || replay !== null;
+    this.#finish.hidden = state !== "draw";
+    this.#finish.disabled = (map?.version ?? 0) === 0;
+    this.#discard.hidden = map === null;
+    this.#save.hidden = this.#file.hidden = state !== "done";
+    this.#remarks.hidden = state !== "done";
+    setText(this.#state, this.#words(map, replay !== null));
+  }
+
+  /** @param {MappingMessage | null} map @param {boolean} replayed */
+  #words(map, replayed) {
+    if (replayed) return "This is a recording; the command brickpose map draws its floor.";
+    if (map?.state === "draw") {
+      const seconds = `Drawn from ${plain(map.seconds)} s of driving.`;
+      return map.message ? `${seconds} ${sentence(map.message)}` : `${seconds} ${HINT}`;
+    }
+    if (map?.state === "finish") return "All of the drive is being adjusted.";
+    if (map?.state === "failed") return `There is no map: ${sentence(map.message ?? "")} ${HINT}`;
+    if (map?.state === "done" && this.#saved) return `The map is saved as ${this.#saved}.`;
+    if (map?.state === "done") return "The map is done. Give it a name to save it.";
+    return HINT;
+  }
+
+  /** @param {SubmitEvent} event */
+  async #keep(event) {
+    event.preventDefault();
+    const use = event.submitter?.id !== "mapping-keep";
+    const name = this.#name.value;
+    if (!(await this.order({ type: "save_map", name, use }))) return;
+    this.#saved = name;
+    if (use) this.#show(false);
+  }
+
+  /** @param {string} key */
+  async #load(key) {
+    this.#loaded = key;
+    if (key === "") {
+      this.#saved = "";
+      this.draw(null);
+      return;
+    }
+    try {
+      const drawing = /** @type {MapDrawingMessage} */ (await getJson("/api/mapping"));
+      // Meanwhile it may have been discarded.
+      if (this.#loaded === "" || drawing.version === 0) return;
+      this.draw(drawing);
+      const lines = [
+        ...drawing.remarks.map((line) => make("li", { class: "remark" }, sentence(line))),
+        ...drawing.facts.map((line) => make("li", {}, sentence(line))),
+      ];
+      this.#remarks.replaceChildren(...lines);
+    } catch (error) {
+      setText(this.#state, `The map could not be read: ${sentence(error)}`);
+    }
+  }
+
+  /** @param {boolean} open */
+  #show(open) {
+    this.#panel.hidden = !open;
+    for (const opener of this.#openers) opener.setAttribute("aria-expanded", String(open));
+    if (open) this.#more.setAttribute("aria-expanded", "false");
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    if (event.key !== "Escape" || this.#panel.hidden) return;
+    this.#show(false);
+    this.#openers.find((opener) => opener.checkVisibility())?.focus();
+  }
+}

@@ -1,0 +1,32 @@
+"""Finds in a drive when the robot moved otherwise than its wheels tell."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from robot.geometry import Array
+
+MOST_SLIP, MOST_STEP = 0.3, 6.0
+"""A wheel slips at most by this share, seven standard deviations, and a step is at most so many
+deviations from what the wheels tell."""
+
+
+def moved_at(step_errors: Array, slip: Array, stamps: Array) -> float | None:
+    """Return when the robot was first pushed or slipped [s since the first picture]; or None.
+
+    Args:
+        step_errors: (k - 1, 3) how far each step is from what the wheels tell, in deviations.
+        slip: (k, 2) of the wheels.
+        stamps: (k,) of the pictures [s]; later ones are ignored.
+    """
+    jumps = np.abs(step_errors).max(axis=1, initial=0.0) > MOST_STEP
+    jumps |= np.abs(slip[1:]).max(axis=1, initial=0.0) > MOST_SLIP
+    return float(stamps[1 + np.argmax(jumps)] - stamps[0]) if jumps.any() else None
+
+
+def push_remark(seconds: float) -> str:
+    """Return the remark on a push after a time [s]."""
+    return (
+        f"after {seconds:.0f} s the robot moved otherwise than its wheels tell: it was pushed, or "
+        "it slipped; the map may be bent"
+    )
