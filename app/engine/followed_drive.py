@@ -45,17 +45,15 @@ def ticks_of(feed: Backlog[Snapshot], stopping: threading.Event) -> Iterator[Sna
 
 def ticks_until(
     finish: threading.Event, feed: Backlog[Snapshot], stopping: threading.Event
-) -> Iterator[Snapshot]:
-    """Yield ticks as they come until an event is set, whatever is missing.
+) -> Iterator[Snapshot | None]:
+    """Yield ticks as they come until an event is set; None now and then while there are none.
 
     Raises:
         FollowingError: the thread has to end.
     """
     while not finish.is_set():
         _check_on(stopping)
-        snapshot = feed.get(LOOK_S)
-        if snapshot is not None:
-            yield snapshot
+        yield feed.get(LOOK_S)
 
 
 def result_of(job: Future[T], stopping: threading.Event) -> T:

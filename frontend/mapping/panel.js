@@ -29,7 +29,7 @@ export class MappingPanel {
   #finish = findButton("mapping-finish");
   #discard = findButton("mapping-discard");
   #file = find("mapping-file", HTMLAnchorElement);
-  /** What the drawing on the page was loaded for; empty without one. */
+  /** What the page's drawing was loaded for; empty without one. @type {string | null} */
   #loaded = "";
   /** Name of the map that was saved. */
   #saved = "";
@@ -52,7 +52,7 @@ export class MappingPanel {
     this.#finish.onclick = () => order({ type: "finish_map" });
     this.#discard.onclick = () => order({ type: "discard_map" });
     this.#save.onsubmit = (event) => this.#keep(event);
-    connection.onState((state) => state !== "open" && (this.#loaded = ""));
+    connection.onState((state) => state !== "open" && (this.#loaded = null));
   }
 
   /** @param {TelemetryMessage} telemetry */
@@ -106,8 +106,8 @@ export class MappingPanel {
     }
     try {
       const drawing = /** @type {MapDrawingMessage} */ (await getJson("/api/mapping"));
-      // Meanwhile it may have been discarded.
-      if (this.#loaded === "" || drawing.version === 0) return;
+      // Meanwhile it may have been discarded, or there is a newer one.
+      if (this.#loaded !== key || drawing.version === 0) return;
       this.draw(drawing);
       const lines = [
         ...drawing.remarks.map((line) => make("li", { class: "remark" }, sentence(line))),

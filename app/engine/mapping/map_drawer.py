@@ -209,18 +209,24 @@ class MapDrawer:
         self, feed: Backlog[Snapshot], stopping: threading.Event, process: WorkerProcess
     ) -> MappedDrive:
         """Collect the drive until it is to be finished, and let the process draw on the way."""
-        ticks = ticks_until(self._finish, feed, stopping)
-        drive, due = MappedDrive(self._program, next(ticks), process), STEP_S
+        drive: MappedDrive | None = None
         waiting: Future[Drawn] | None = None
-        self._show(began=drive.began)
-        for snapshot in ticks:
-            drive.add(snapshot)
+        due = STEP_S
+        for snapshot in ticks_until(self._finish, feed, stopping):
+            if drive is None:
+                if snapshot is not None:
+                    drive = MappedDrive(self._program, snapshot, process)
+                    self._show(began=drive.began)
+                continue
+            if snapshot is not None:
+                drive.add(snapshot)
             if waiting is not None and waiting.done():
                 self._keep(drive, result_or_words(waiting, stopping))
                 waiting = None
             if waiting is None and due <= drive.seconds:
                 waiting, due = drive.draw(), drive.seconds + STEP_S
                 self._show(seconds=drive.seconds)
+        assert drive is not None  # without a sketch, it is not finished
         if waiting is not None:
             self._keep(drive, result_or_words(waiting, stopping))
         return drive
@@ -230,21 +236,20 @@ class MapDrawer:
             # More of the drive may show what is missing.
             self._show(words=drawn)
             return
-        map_from_odom = drive.keep(drawn)
+        map_from_odom, sketch = drive.keep(drawn), drawn.sketch
+        if sketch is None:
+            return
         unseen = drive.began + drive.seconds - drive.seen
         words = None
-        if drawn.sketch is not None and drawn.sketch.moved_at is not None:
-            words = push_remark(drawn.sketch.moved_at)
+        if sketch.moved_at is not None:
+            words = push_remark(sketch.moved_at)
         elif unseen > UNSEEN_S:
             words = (
                 f"no tape has been in sight for {unseen:.0f} s: meanwhile only the wheels tell "
                 "where the robot is"
             )
         self._show(
-            sketch=drawn.sketch,
-            map_from_odom=map_from_odom,
-            version=self._version + 1,
-            words=words,
+            sketch=sketch, map_from_odom=map_from_odom, version=self._version + 1, words=words
         )
 
     @property

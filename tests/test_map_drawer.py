@@ -1,0 +1,171 @@
+"""A map is drawn while the robot drives: commanded, followed, finished, saved, gone on in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from engine_runs import kinematic, run
+
+from app.engine.build import build_on_map
+from app.engine.mapping.map_drawer import MapDrawer
+from app.engine.snapshot import Snapshot
+from app.messages.commands import DriveCommand, FigureEightCommand
+from app.page.mapping import drawing_message, mapping_message
+from robot.errors import CommandError
+
+EIGHT = FigureEightCommand(type="figure_eight")
+LAP_S = 17.0
+
+
+class Bench:
+    """A program that is stepped by hand, with its drawer."""
+
+    def __init__(self, **settings) -> None:
+        self.program = kinematic(**settings)
+        self.drawer = MapDrawer(self.program)
+        run(self.program, 0.2)
+
+    def wait(self) -> None:
+        """Wait for the end of the drawer's thread."""
+        thread = self.drawer._thread
+        assert thread is not None
+        thread._thread.join()
+
+    def drive(self, seconds: float) -> Snapshot:
+        """Drive the eight, and wait until something is drawn."""
+        snapshot = run(self.program, seconds, EIGHT)[-1]
+        thread = self.drawer._thread
+        assert thread is not None
+        while self.drawer.drawing is not None and self.drawer.drawing.version == 0:
+            thread._thread.join(0.05)
+        return snapshot
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.drawer.close()
+
+
+@pytest.fixture(scope="module")
+def mapped() -> Iterator[Bench]:
+    """A lap of which the map is done."""
+    made = Bench()
+    made.drawer.begin()
+    made.drive(LAP_S)
+    made.drawer.finish()
+    made.wait()
+    yield made
+    made.drawer.close()
+
+
+def test_a_lap_becomes_a_map(mapped):
+    drawing = mapped.drawer.drawing
+    assert drawing.state == "done"
+    message = drawing_message(drawing)
+    assert len(message.strokes) == 4
+    assert message.remarks == []
+    assert all(stroke.interval < 0.003 for stroke in message.strokes)
+    corners = {tuple(np.sign(point).astype(int)) for s in message.strokes for point in s.points}
+    assert len(corners) == 4
+    for stroke in message.strokes:
+        assert np.abs(stroke.points) == pytest.approx(0.5, abs=0.002)
+
+
+def test_the_robot_is_where_it_is_in_the_new_map(mapped):
+    snapshot = run(mapped.program, 0.5, EIGHT)[-1]
+    pose = mapping_message(mapped.drawer.drawing, snapshot).pose
+    assert math.dist((pose.x, pose.y), (snapshot.truth.x, snapshot.truth.y)) < 0.003
+    assert pose.theta == pytest.approx(snapshot.truth.theta, abs=0.01)
+
+
+def test_the_robot_goes_on_in_the_saved_map(mapped, tmp_path):
+    path = mapped.drawer.save("kitchen", tmp_path)
+    assert sorted(file.suffix for file in tmp_path.iterdir()) == [".pgm", ".svg", ".yaml"]
+    before = run(mapped.program, 0.1)[-1]
+    following = build_on_map(mapped.program, str(path), mapped.drawer.place(before))
+    assert following.field.name == "kitchen"
+    assert following.robot is mapped.program.robot
+    errors = [
+        snapshot.pose.distance_to(snapshot.truth)
+        for snapshot in run(following, 4.0, EIGHT)
+        if snapshot.pose
+    ]
+    assert max(errors) < 0.005
+
+
+@pytest.mark.parametrize("name", ["", "../up", "a/b", "x" * 61, ".hidden", "a b"])
+def test_a_name_that_is_none_is_refused(mapped, tmp_path, name):
+    with pytest.raises(CommandError, match="valid are 60 letters"):
+        mapped.drawer.save(name, tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_map_is_never_written_over(mapped, tmp_path):
+    (tmp_path / "mine.svg").write_text("a drawing")
+    with pytest.raises(CommandError, match="already"):
+        mapped.drawer.save("mine", tmp_path)
+    assert (tmp_path / "mine.svg").read_text() == "a drawing"
+
+
+def test_a_folder_that_cannot_be_written_loses_nothing(mapped, tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    with pytest.raises(CommandError, match="cannot be written"):
+        mapped.drawer.save("kitchen", tmp_path / "file")
+    assert mapped.drawer.drawing.state == "done"
+    assert mapped.drawer.save("kitchen", tmp_path) == Path(tmp_path / "kitchen.svg")
+
+
+def test_what_is_not_there_cannot_be_finished_saved_or_discarded(bench, tmp_path):
+    for act in (bench.drawer.finish, bench.drawer.discard):
+        with pytest.raises(CommandError):
+            act()
+    with pytest.raises(CommandError, match="no finished map"):
+        bench.drawer.save("kitchen", tmp_path)
+
+
+def test_one_map_at_a_time(bench):
+    bench.drawer.begin()
+    with pytest.raises(CommandError, match="drawn already"):
+        bench.drawer.begin()
+    with pytest.raises(CommandError, match="nothing is drawn yet"):
+        bench.drawer.finish()
+    bench.drawer.discard()
+    assert bench.drawer.drawing is None
+    bench.drawer.begin()
+    assert bench.drawer.drawing.state == "draw"
+
+
+def test_a_map_that_grows_shows_tape_path_and_pose(bench):
+    bench.drawer.begin()
+    bench.drive(4.0)
+    message = drawing_message(bench.drawer.drawing)
+    assert message.version == bench.drawer.drawing.version > 0
+    assert len(message.strokes) >= 2
+    assert len(message.path) > 10
+    assert message.edges
+
+
+def test_a_robot_that_stands_is_no_map_and_says_why(bench):
+    bench.drawer.begin()
+    run(bench.program, 2.0)
+    while bench.drawer.drawing.words is None:
+        bench.drawer._thread._thread.join(0.05)
+    assert "it has to drive" in bench.drawer.drawing.words
+
+
+def test_long_without_tape_in_sight_it_says_so():
+    bench = Bench(map="square")
+    bench.drawer.begin()
+    bench.drive(3.0)
+    away = DriveCommand(type="drive", v=0.25, omega=0.0)
+    run(bench.program, 14.0, away)
+    while "no tape has been in sight" not in (bench.drawer.drawing.words or ""):
+        bench.drawer._thread._thread.join(0.05)
+        run(bench.program, 0.1, away)
+    bench.drawer.close()
