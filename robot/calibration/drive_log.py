@@ -39,7 +39,8 @@ class DriveLog:
     wheel_angles: Array = field(repr=False)
     """(t, 2) left, right, never wrapped [rad]."""
     first: Array = field(default_factory=lambda: np.zeros((0, 0, 2)), repr=False)
-    """(k, r, 2) where rays first meet an edge of anything [px]; nan where there is bare floor."""
+    """(k, 2 r, 2) where rays first meet an edge of anything, then where they leave that [px]; nan
+    where there is bare floor."""
     rays: Array = field(default_factory=lambda: np.zeros((0, 2, 2)), repr=False)
     """(r, 2, 2) where rays begin and end [px]."""
 
@@ -103,7 +104,8 @@ class DriveRecorder:
 
     def _edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
         tape, first = self._scanner.tape_and_first_edges(image)
-        return np.concatenate([self._pixels(side) for side in tape.T]), self._pixels(first)
+        both = [np.concatenate([self._pixels(side) for side in edges.T]) for edges in (tape, first)]
+        return both[0], both[1]
 
     def _pixels(self, positions: Array) -> Array:
         return self._scanner.pixels(positions)[EVERY // 2 :: EVERY]
@@ -124,6 +126,6 @@ class DriveRecorder:
             np.array([pixels for _, pixels, _ in self._pictures]).reshape(-1, 2 * len(rays), 2),
             np.array([stamp for stamp, _ in self._wheels]),
             np.array([angles for _, angles in self._wheels]).reshape(-1, 2),
-            np.array([first for _, _, first in self._pictures]).reshape(-1, len(rays), 2),
+            np.array([first for _, _, first in self._pictures]).reshape(-1, 2 * len(rays), 2),
             rays,
         )

@@ -33,16 +33,20 @@ LEAST_FACE, FACE_SD = 6, 0.004
 
 @dataclass(frozen=True)
 class RaysOnFloor:
-    """All rays of a drive, on the floor; (n, 2) each, in the map [m]; nan where there is none."""
+    """All rays of a drive, on the floor; points (n, 2) in the map [m], nan where there is none."""
 
     begin: Array
     end: Array
     first: Array
     """Where a ray first met an edge of anything."""
+    until: Array
+    """Where it left that."""
     entry: Array
     """Where it entered tape."""
     leaving: Array
     """Where it left it."""
+    picture: NDArray[np.intp]
+    """(n,) of which picture."""
 
     @classmethod
     def of(cls, log: DriveLog, spec: RobotSpec, state: State) -> RaysOnFloor:
@@ -56,8 +60,12 @@ class RaysOnFloor:
         c, s = np.cos(state.poses[:, 2])[:, None], np.sin(state.poses[:, 2])[:, None]
         x = state.poses[:, :1] + c * local[..., 0] - s * local[..., 1]
         y = state.poses[:, 1:2] + s * local[..., 0] + c * local[..., 1]
-        points = np.stack([x, y], axis=-1).reshape(count, 5, rays, 2)
-        return cls(*(points[:, part].reshape(-1, 2) for part in range(5)))
+        points = np.stack([x, y], axis=-1).reshape(count, 6, rays, 2)
+        picture = np.repeat(np.arange(count), rays)
+        begin, end, first, until, entry, leaving = (
+            points[:, part].reshape(-1, 2) for part in range(6)
+        )
+        return cls(begin, end, first, until, entry, leaving, picture)
 
 
 @dataclass(frozen=True)
@@ -119,7 +127,9 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
     lower = -_robust(-inner[window & on_edge], 0.0)
     upper = _robust(outer[window & bare], math.inf)
     on_face = (np.abs(first[:, 1]) < width / 2 - FACE) & (begin[:, 0] > first[:, 0] + 0.02)
-    on_face &= (first[:, 0] > lower - 0.01) & (first[:, 0] < min(upper, lower + 0.04) + 0.01)
+    # Unless bare floor was seen beyond, what is farther may be other tape.
+    farthest = lower + 0.04 if math.isinf(upper) else upper
+    on_face &= (first[:, 0] > lower - 0.01) & (first[:, 0] < farthest + 0.01)
     return End(place, outward, lower, max(upper, lower), _face(first[on_face, 0]))
 
 

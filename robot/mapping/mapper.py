@@ -24,6 +24,7 @@ from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
 from robot.mapping.ends import RaysOnFloor, is_tape
+from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.refinement import refined
 from robot.mapping.sketch import Sketch
@@ -132,8 +133,10 @@ class Mapper:
             solution = self._refined(self._adjust(total, WHOLE[-1:]))
             rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(self._strokes, rays)
+        more = find_lengthwise(tidy.strokes, self._width, rays)
         return TapeMap(
-            tidy,
+            tidy.with_lengthwise(more),
+            more.others,
             self._strokes,
             solution,
             log.stamps,

@@ -21,6 +21,10 @@ MOST_RESIDUAL = 2.5
 """... and if they lie at most so many times as far off as expected."""
 
 
+MOST_PLACES = 3
+"""Remarks name so many places at most."""
+
+
 class MappingError(BrickPoseError, ValueError):
     """The drive does not tell what the floor is like; the message says why."""
 
@@ -31,6 +35,8 @@ class TapeMap:
 
     tidy: TidyStrokes
     """The tape."""
+    others: Array
+    """(n, 2) about where something dark lies that is no such tape [m]."""
     measured: Strokes
     """What was measured of it, in the adjustment."""
     solution: Solution = field(repr=False)
@@ -113,6 +119,12 @@ class TapeMap:
             remarks.append(
                 f"{unseen} ends of tape were not seen: drive toward them, and where the tape goes "
                 "on"
+            )
+        if len(self.others):
+            places = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in self.others[:MOST_PLACES])
+            remarks.append(
+                f"something dark at {places} is not in the map: if it is tape, drive past it, so "
+                "that it is seen from its side"
             )
         return tuple(remarks)
 

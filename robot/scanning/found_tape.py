@@ -26,7 +26,7 @@ class FoundTape(NamedTuple):
     hidden: Array
     """(k, 2) from where to where something that is no tape lies on the ray [m], ``Scan.hidden``."""
     first: Array
-    """(k,) where a ray first meets the edge of anything [samples]; nan without."""
+    """(k, 2) where a ray first meets the edge of anything, and leaves it [samples]; nan without."""
     noise: float
     """Of the picture [grey levels]."""
     kernel: int
@@ -47,6 +47,7 @@ class FoundTape(NamedTuple):
                 np.maximum(self.hidden[:, 1], other.hidden[:, 1]),
             ]
         )
+        sooner = ~(self.first[:, 0] <= other.first[:, 0]) & ~np.isnan(other.first[:, 0])
         return FoundTape(
             np.where(taken[:, None], other.edges, self.edges),
             np.where(taken, other.verdicts, self.verdicts),
@@ -54,7 +55,7 @@ class FoundTape(NamedTuple):
             np.where(taken[:, None], other.lines, self.lines),
             np.where(taken, other.ranges, self.ranges),
             np.where(counted[:, None], np.where(taken[:, None], other.hidden, self.hidden), hull),
-            np.fmin(self.first, other.first),
+            np.where(sooner[:, None], other.first, self.first),
             self.noise,
             self.kernel,
             np.minimum(self.clear, other.clear),

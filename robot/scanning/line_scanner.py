@@ -186,9 +186,10 @@ class LineScanner:
         return self.tape_and_first_edges(image)[0]
 
     def tape_and_first_edges(self, image: NDArray[np.uint8]) -> tuple[Array, Array]:
-        """Return what ``entries_and_exits`` does, and where rays first meet anything (k,).
+        """Return what ``entries_and_exits`` does, and where rays first meet anything (k, 2).
 
-        Before, a ray sees bare floor; one that meets nothing has nan [samples].
+        Before, a ray sees bare floor; one that meets nothing has nan, and nan is where it leaves
+        what reaches farther than it sees [samples].
 
         Raises:
             ValueError: as ``scan``.
@@ -233,8 +234,9 @@ class LineScanner:
             judge_dashes(points, met, look.dashes, limits, chosen, verdicts, widths, lines)
         ranges, edges = ranges_of(lines, pairs, chosen, verdicts, table.distances, self._directions)
         hidden = hidden_of(pairs, single, met, chosen, verdicts, table.distances)
-        first = np.where(met > 1, pairs[:, 0, 0], single[:, 1])
-        first[~np.isnan(single[:, 0])] = 0.0
+        first = np.where(met[:, None] > 1, pairs[:, 0], single[:, 1:] * (1.0, np.nan))
+        begins_inside = ~np.isnan(single[:, 0])
+        first[begins_inside, 0], first[begins_inside, 1] = 0.0, single[begins_inside, 0]
         if not moved:
             edges = pairs[np.arange(len(chosen)), chosen]
         return FoundTape(

@@ -1,0 +1,210 @@
+"""Finds tape that was only seen along its length: rays meet its end, and leave it by its sides.
+
+Such rays cross no tape by both edges at once, so the scanner does not count it. A stub that points
+at the robot is seen so.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from robot.geometry import Array
+from robot.mapping.ends import RaysOnFloor
+from robot.mapping.strokes import Stroke
+
+BEYOND = 0.012
+"""What is farther from known tape than this is not of it [m]."""
+LINK = 0.06
+"""Points nearer to each other than this are of one thing [m]: so are both sides."""
+FEWEST, FEWEST_PICTURES = 8, 3
+"""Points of a thing, and pictures that saw it, at least."""
+SCATTER = 0.002
+"""Standard deviation of a point [m]; those beyond twice that count less and less."""
+CLOSE, FITTING = 0.004, 0.85
+"""A thing is tape if at least this share of its points lies so close to the outline [m]."""
+FEWEST_ON_SIDE = 3
+"""Both sides of it have to be seen so often."""
+WIDE_ENOUGH = 0.85
+"""... or what is dark of it is at least so wide, as a share of the tape's width."""
+FRONT, SIDE, INSIDE = range(3)
+"""Points where a ray met something, where it left it, and where it began within it."""
+UNSEEN = 0.12
+"""Tape goes on to other tape that is nearer than this to where its sides were seen last [m]."""
+LONGEST = 1.0
+"""Other tape is looked for within this distance of its end [m]."""
+
+
+@dataclass(frozen=True)
+class Lengthwise:
+    """What rays met that is not of known tape."""
+
+    strokes: tuple[Stroke, ...]
+    """Tape."""
+    unseen: tuple[tuple[bool, bool], ...]
+    """(s,) whether nobody saw where it begins, and where it ends."""
+    others: Array
+    """(n, 2) about where something else lies [m]."""
+
+
+def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor) -> Lengthwise:
+    """Return tape of a width [m] that is not among the known strokes."""
+    known = _Known(strokes, width)
+    met = np.isfinite(rays.first[:, 0])
+    met[met] = known.distance(rays.first[met]) > BEYOND
+    # Tape that crosses known tape is left by its own sides.
+    left = np.isfinite(rays.until[:, 0])
+    left[left] = known.distance(rays.until[left]) > BEYOND
+    # Rays that begin in the dark meet no edge there, but tape reaches beyond that point.
+    inside = met & (np.hypot(*(rays.first - rays.begin).T) < 1e-3)
+    met &= ~inside
+    points = np.vstack([rays.first[met], rays.until[left], rays.begin[inside]])
+    picture = np.concatenate([rays.picture[some] for some in (met, left, inside)])
+    kind = np.repeat([FRONT, SIDE, INSIDE], [met.sum(), left.sum(), inside.sum()])
+    found, unseen, others = [], [], []
+    for thing in _things(points, picture):
+        outline = _fit(points[thing], kind[thing], width)
+        if outline is None:
+            others.append(points[thing].mean(axis=0))
+            continue
+        stroke, begins = _led_on(outline.stroke, False, known, width)
+        stroke, ends = _led_on(stroke, True, known, width)
+        found.append(stroke)
+        unseen.append((not (begins or outline.begin_seen), not ends))
+    return Lengthwise(tuple(found), tuple(unseen), np.array(others).reshape(-1, 2))
+
+
+class _Outline(NamedTuple):
+    """Tape by its outline."""
+
+    stroke: Stroke
+    """From its end, or from where its sides were seen first, to where they were seen last."""
+    begin_seen: bool
+    """Whether its end was seen."""
+
+
+class _Known:
+    """Tape that is known."""
+
+    def __init__(self, strokes: tuple[Stroke, ...], width: float) -> None:
+        points = [stroke.points for stroke in strokes]
+        self._start = np.vstack([line[:-1] for line in points])
+        self._way = np.vstack([np.diff(line, axis=0) for line in points])
+        self._half = width / 2
+
+    def distance(self, points: Array) -> Array:
+        """Return how far points (n, 2) lie from the tape (n,) [m]."""
+        nearest = np.full(len(points), np.inf)
+        for start, way in zip(self._start, self._way, strict=True):
+            part = np.clip((points - start) @ way / (way @ way), 0, 1)
+            nearest = np.minimum(nearest, np.hypot(*(points - start - part[:, None] * way).T))
+        return nearest - self._half
+
+    def way(self, begin: Array, direction: Array) -> float:
+        """Return how far it is to the next centre line [m]; inf if it is too far."""
+        away = self._start - begin
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sine = direction[0] * self._way[:, 1] - direction[1] * self._way[:, 0]
+            length = (away[:, 0] * self._way[:, 1] - away[:, 1] * self._way[:, 0]) / sine
+            part = (away[:, 0] * direction[1] - away[:, 1] * direction[0]) / sine
+        meets = (part >= 0) & (part <= 1) & (length > 0) & (length < LONGEST)
+        return float(length[meets].min(initial=math.inf))
+
+
+def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """Return which points (n, 2) belong together."""
+    if not len(points):
+        return []
+    pairs = cKDTree(points).query_pairs(LINK, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    count, thing = connected_components(links, directed=False)
+    things = [np.flatnonzero(thing == number) for number in range(count)]
+    return [
+        one
+        for one in things
+        if len(one) >= FEWEST and len(np.unique(picture[one])) >= FEWEST_PICTURES
+    ]
+
+
+def _led_on(stroke: Stroke, last: bool, known: _Known, width: float) -> tuple[Stroke, bool]:
+    """Return a stroke that leads to known tape at one end, if there is some; and whether."""
+    end, outward = stroke.end(last)
+    # It may have been seen as far as to the middle of that tape.
+    back = min(width, stroke.length / 2)
+    way = known.way(end - back * outward, outward) - back
+    near = way < width / 2 + UNSEEN
+    return (stroke.with_end(last, way) if near else stroke), near
+
+
+def _fit(points: Array, kind: NDArray[np.intp], width: float) -> _Outline | None:
+    """Fit the outline of tape that ends: its end, and both sides.
+
+    Args:
+        points: (n, 2) [m].
+        kind: (n,) ``FRONT``, ``SIDE`` or ``INSIDE``.
+        width: of the tape [m].
+
+    Returns:
+        None if it is no tape.
+    """
+
+    def errors(pose: Array) -> Array:
+        off = _off(pose, points, width)
+        return np.where(kind == INSIDE, np.maximum(off, 0.0), off)
+
+    axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
+    fits = []
+    for inward in (axes[0], -axes[0], axes[1], -axes[1]):
+        along = points @ inward
+        begin = points.mean(axis=0) + (along.min() - along.mean()) * inward
+        start = np.array([*begin, math.atan2(inward[1], inward[0])])
+        fits.append(least_squares(errors, start, loss="soft_l1", f_scale=2 * SCATTER))
+    best = min(fits, key=lambda fit: fit.cost)
+    local = _local(best.x, points)
+    close = np.abs(errors(best.x)) < CLOSE
+    if close.mean() < FITTING or not _is_as_wide(local[close], kind[close], width):
+        return None
+    inward = np.array([math.cos(best.x[2]), math.sin(best.x[2])])
+    at_end = close & (kind == FRONT) & (np.abs(local[:, 0]) < CLOSE)
+    begin_seen = bool(at_end.sum() >= FEWEST_ON_SIDE)
+    seen = local[close & (kind != FRONT), 0]
+    places = np.array([[0.0 if begin_seen else seen.min()], [seen.max(initial=0.0)]])
+    return _Outline(Stroke(best.x[:2] + places * inward), begin_seen)
+
+
+def _is_as_wide(local: Array, kind: NDArray[np.intp], width: float) -> bool:
+    """Return whether points (n, 2) along and across tape tell that it has this width [m]."""
+    across = local[:, 1]
+    side = (kind == SIDE) & (local[:, 0] > CLOSE)
+    if min((side & (across > 0)).sum(), (side & (across < 0)).sum()) >= FEWEST_ON_SIDE:
+        return True
+    inside = across[kind == INSIDE]
+    return len(inside) >= FEWEST and bool(np.ptp(inside) > WIDE_ENOUGH * width)
+
+
+def _local(pose: Array, points: Array) -> Array:
+    """Return points (n, 2) along and across tape whose end has a pose (3,)."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    away = points - pose[:2]
+    return np.column_stack([away @ (c, s), away @ (-s, c)])
+
+
+def _off(pose: Array, points: Array, width: float) -> Array:
+    """Return how far points (n, 2) lie off the outline of tape whose end has a pose (3,) [m].
+
+    Those inside are negative.
+    """
+    along, across = _local(pose, points).T
+    aside = np.abs(across) - width / 2
+    inside = np.maximum(aside, -along)
+    outside = np.where(aside > 0, np.where(along > 0, aside, np.hypot(aside, along)), -along)
+    off: Array = np.where((along > 0) & (aside < 0), inside, outside)
+    return off
