@@ -26,6 +26,7 @@ from robot.geometry import Pose2
 from robot.mapping.ends import RaysOnFloor, is_tape
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
+from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
 from robot.mapping.sketch import Sketch
 from robot.mapping.stroke_fitting import fit_stroke
@@ -125,7 +126,8 @@ class Mapper:
             raise MappingError("the pictures show too little tape for a map")
         solution = self._refined(self._adjust(total, WHOLE))
         rays = RaysOnFloor.of(log, self._spec, self._state)
-        real = [s for s in self._strokes.each if is_tape(s, self._width, rays)]
+        own = without_redundant(self._strokes, solution.misses)
+        real = [stroke for stroke in own if is_tape(stroke, self._width, rays)]
         kept = Strokes.of(real, self._width)
         whole = joined(kept, rays)
         if whole is not kept or len(real) < len(self._strokes.traced):
