@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,10 +36,6 @@ WIDE_ENOUGH = 0.85
 """... or what is dark of it is at least so wide, as a share of the tape's width."""
 FRONT, SIDE, INSIDE = range(3)
 """Points where a ray met something, where it left it, and where it began within it."""
-UNSEEN = 0.12
-"""Tape goes on to other tape that is nearer than this to where its sides were seen last [m]."""
-LONGEST = 1.0
-"""Other tape is looked for within this distance of its end [m]."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +43,7 @@ class Lengthwise:
     """What rays met that is not of known tape."""
 
     strokes: tuple[Stroke, ...]
-    """Tape."""
-    unseen: tuple[tuple[bool, bool], ...]
-    """(s,) whether nobody saw where it begins, and where it ends."""
+    """Tape: from its end, or where its sides were seen first, to where they were seen last."""
     others: Array
     """(n, 2) about where something else lies [m]."""
 
@@ -69,26 +62,14 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
     points = np.vstack([rays.first[met], rays.until[left], rays.begin[inside]])
     picture = np.concatenate([rays.picture[some] for some in (met, left, inside)])
     kind = np.repeat([FRONT, SIDE, INSIDE], [met.sum(), left.sum(), inside.sum()])
-    found, unseen, others = [], [], []
+    found, others = [], []
     for thing in _things(points, picture):
-        outline = _fit(points[thing], kind[thing], width)
-        if outline is None:
+        stroke = _fit(points[thing], kind[thing], width)
+        if stroke is None:
             others.append(points[thing].mean(axis=0))
-            continue
-        stroke, begins = _led_on(outline.stroke, False, known, width)
-        stroke, ends = _led_on(stroke, True, known, width)
-        found.append(stroke)
-        unseen.append((not (begins or outline.begin_seen), not ends))
-    return Lengthwise(tuple(found), tuple(unseen), np.array(others).reshape(-1, 2))
-
-
-class _Outline(NamedTuple):
-    """Tape by its outline."""
-
-    stroke: Stroke
-    """From its end, or from where its sides were seen first, to where they were seen last."""
-    begin_seen: bool
-    """Whether its end was seen."""
+        else:
+            found.append(stroke)
+    return Lengthwise(tuple(found), np.array(others).reshape(-1, 2))
 
 
 class _Known:
@@ -108,16 +89,6 @@ class _Known:
             nearest = np.minimum(nearest, np.hypot(*(points - start - part[:, None] * way).T))
         return nearest - self._half
 
-    def way(self, begin: Array, direction: Array) -> float:
-        """Return how far it is to the next centre line [m]; inf if it is too far."""
-        away = self._start - begin
-        with np.errstate(divide="ignore", invalid="ignore"):
-            sine = direction[0] * self._way[:, 1] - direction[1] * self._way[:, 0]
-            length = (away[:, 0] * self._way[:, 1] - away[:, 1] * self._way[:, 0]) / sine
-            part = (away[:, 0] * direction[1] - away[:, 1] * direction[0]) / sine
-        meets = (part >= 0) & (part <= 1) & (length > 0) & (length < LONGEST)
-        return float(length[meets].min(initial=math.inf))
-
 
 def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """Return which points (n, 2) belong together."""
@@ -134,17 +105,7 @@ def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     ]
 
 
-def _led_on(stroke: Stroke, last: bool, known: _Known, width: float) -> tuple[Stroke, bool]:
-    """Return a stroke that leads to known tape at one end, if there is some; and whether."""
-    end, outward = stroke.end(last)
-    # It may have been seen as far as to the middle of that tape.
-    back = min(width, stroke.length / 2)
-    way = known.way(end - back * outward, outward) - back
-    near = way < width / 2 + UNSEEN
-    return (stroke.with_end(last, way) if near else stroke), near
-
-
-def _fit(points: Array, kind: NDArray[np.intp], width: float) -> _Outline | None:
+def _fit(points: Array, kind: NDArray[np.intp], width: float) -> Stroke | None:
     """Fit the outline of tape that ends: its end, and both sides.
 
     Args:
@@ -174,10 +135,10 @@ def _fit(points: Array, kind: NDArray[np.intp], width: float) -> _Outline | None
         return None
     inward = np.array([math.cos(best.x[2]), math.sin(best.x[2])])
     at_end = close & (kind == FRONT) & (np.abs(local[:, 0]) < CLOSE)
-    begin_seen = bool(at_end.sum() >= FEWEST_ON_SIDE)
+    begin_seen = at_end.sum() >= FEWEST_ON_SIDE
     seen = local[close & (kind != FRONT), 0]
     places = np.array([[0.0 if begin_seen else seen.min()], [seen.max(initial=0.0)]])
-    return _Outline(Stroke(best.x[:2] + places * inward), begin_seen)
+    return Stroke(best.x[:2] + places * inward)
 
 
 def _is_as_wide(local: Array, kind: NDArray[np.intp], width: float) -> bool:

@@ -136,8 +136,11 @@ class Mapper:
             rays = RaysOnFloor.of(log, self._spec, self._state)
         tidy = tidied(self._strokes, rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
+        if more.strokes:
+            every = Strokes.of(self._strokes.each + more.strokes, self._width)
+            tidy = tidied(every, rays)
         return TapeMap(
-            tidy.with_lengthwise(more),
+            tidy,
             more.others,
             self._strokes,
             solution,

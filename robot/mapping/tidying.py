@@ -15,7 +15,6 @@ import numpy as np
 
 from robot.geometry import Array
 from robot.mapping.ends import End, RaysOnFloor, find_end
-from robot.mapping.lengthwise import Lengthwise
 from robot.mapping.stroke_fitting import SHORTEST, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 
@@ -52,18 +51,6 @@ class TidyStrokes:
     """Pairs of ends that meet in a corner."""
     ends: dict[EndName, End]
     """What was seen of the free ends, and those that nobody saw."""
-
-    def with_lengthwise(self, more: Lengthwise) -> TidyStrokes:
-        """Return them with tape that was only seen along its length."""
-        ends = dict(self.ends)
-        for number, (stroke, unseen) in enumerate(
-            zip(more.strokes, more.unseen, strict=True), len(self.strokes)
-        ):
-            for last in (False, True):
-                if unseen[last]:
-                    place, outward = stroke.end(last)
-                    ends[number, last] = End(place, outward, 0.0, math.inf, math.nan)
-        return TidyStrokes(self.strokes + more.strokes, self.corners, ends)
 
 
 def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
