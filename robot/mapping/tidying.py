@@ -18,11 +18,13 @@ from robot.mapping.ends import End, RaysOnFloor, find_end
 from robot.mapping.stroke_fitting import SHORTEST, fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
 
-GAP, UNSEEN_GAP = 0.20, 0.12
+GAP, UNSEEN_GAP = 0.40, 0.12
 """Strokes that continue each other are one if they are nearer than this [m]: if rays saw the tape
 in between, or not."""
-OVERLAPPING = 0.05
+OVERLAPPING = 0.4
 """... or overlap by less than this [m]."""
+SMALLEST_RING = 0.6
+"""A stroke's own ends are joined if it is longer than this [m]."""
 TURN, TURN_BY_GAP = math.radians(10), math.radians(200)
 """... and if their directions differ by less than this [rad], and by the gap, as tape may bend
 there [rad/m]."""
@@ -89,12 +91,12 @@ def _next_pair(
         gap = float(away @ outward)
         aside = abs(float(away[0] * outward[1] - away[1] * outward[0]))
         turn = math.acos(np.clip(-outward @ backward, -1.0, 1.0))
-        if a[0] == b[0] and strokes[a[0]].length < 3 * GAP:
+        if a[0] == b[0] and strokes[a[0]].length < SMALLEST_RING:
             continue
         if (
             -OVERLAPPING < gap < GAP
             and turn < TURN + TURN_BY_GAP * max(0.0, gap)
-            and aside < ASIDE + abs(gap) * (ASIDE_SHARE + math.sin(turn / 2))
+            and aside < ASIDE + max(0.0, gap) * (ASIDE_SHARE + math.sin(turn / 2))
         ):
             pairs.append((abs(gap), a, b))
     for gap, a, b in sorted(pairs):
@@ -102,7 +104,7 @@ def _next_pair(
         bare = min(end.upper for end in seen)
         if bare < gap - SLACK:
             continue
-        if gap < UNSEEN_GAP or max(end.lower for end in seen) > gap - 0.02:
+        if gap < UNSEEN_GAP or sum(max(0.0, end.lower) for end in seen) > gap - 0.02:
             return a, b
     return None
 
