@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from robot.geometry import Array
-from robot.mapping.ends import RaysOnFloor
+from robot.mapping.ends import RaysOnFloor, is_tape
 from robot.mapping.strokes import Stroke
 
 BEYOND = 0.012
@@ -28,14 +28,10 @@ FEWEST, FEWEST_PICTURES = 8, 3
 """Points of a thing, and pictures that saw it, at least."""
 SCATTER = 0.002
 """Standard deviation of a point [m]; those beyond twice that count less and less."""
-CLOSE, FITTING = 0.004, 0.85
+CLOSE, FITTING = 0.004, 0.6
 """A thing is tape if at least this share of its points lies so close to the outline [m]."""
 FEWEST_ON_SIDE = 3
 """Both sides of it have to be seen so often."""
-WIDE_ENOUGH = 0.85
-"""... or what is dark of it is at least so wide, as a share of the tape's width."""
-FRONT, SIDE, INSIDE = range(3)
-"""Points where a ray met something, where it left it, and where it began within it."""
 
 
 @dataclass(frozen=True)
@@ -56,16 +52,15 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
     # Tape that crosses known tape is left by its own sides.
     left = np.isfinite(rays.until[:, 0])
     left[left] = known.distance(rays.until[left]) > BEYOND
-    # Rays that begin in the dark meet no edge there, but tape reaches beyond that point.
-    inside = met & (np.hypot(*(rays.first - rays.begin).T) < 1e-3)
-    met &= ~inside
-    points = np.vstack([rays.first[met], rays.until[left], rays.begin[inside]])
-    picture = np.concatenate([rays.picture[some] for some in (met, left, inside)])
-    kind = np.repeat([FRONT, SIDE, INSIDE], [met.sum(), left.sum(), inside.sum()])
+    # Rays that begin in the dark meet no edge there.
+    met &= np.hypot(*(rays.first - rays.begin).T) > 1e-3
+    points = np.vstack([rays.first[met], rays.until[left]])
+    picture = np.concatenate([rays.picture[met], rays.picture[left]])
+    front = np.arange(len(points)) < met.sum()
     found, others = [], []
     for thing in _things(points, picture):
-        stroke = _fit(points[thing], kind[thing], width)
-        if stroke is None:
+        stroke = _fit(points[thing], front[thing], width)
+        if stroke is None or not is_tape(stroke, width, rays):
             others.append(points[thing].mean(axis=0))
         else:
             found.append(stroke)
@@ -105,50 +100,38 @@ def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     ]
 
 
-def _fit(points: Array, kind: NDArray[np.intp], width: float) -> Stroke | None:
+def _fit(points: Array, front: NDArray[np.bool_], width: float) -> Stroke | None:
     """Fit the outline of tape that ends: its end, and both sides.
 
     Args:
         points: (n, 2) [m].
-        kind: (n,) ``FRONT``, ``SIDE`` or ``INSIDE``.
+        front: (n,) which of them rays met first.
         width: of the tape [m].
 
     Returns:
         None if it is no tape.
     """
-
-    def errors(pose: Array) -> Array:
-        off = _off(pose, points, width)
-        return np.where(kind == INSIDE, np.maximum(off, 0.0), off)
-
     axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
     fits = []
     for inward in (axes[0], -axes[0], axes[1], -axes[1]):
         along = points @ inward
         begin = points.mean(axis=0) + (along.min() - along.mean()) * inward
         start = np.array([*begin, math.atan2(inward[1], inward[0])])
-        fits.append(least_squares(errors, start, loss="soft_l1", f_scale=2 * SCATTER))
+        fits.append(
+            least_squares(_off, start, loss="cauchy", f_scale=2 * SCATTER, args=(points, width))
+        )
     best = min(fits, key=lambda fit: fit.cost)
     local = _local(best.x, points)
-    close = np.abs(errors(best.x)) < CLOSE
-    if close.mean() < FITTING or not _is_as_wide(local[close], kind[close], width):
+    close = np.abs(_off(best.x, points, width)) < CLOSE
+    side = close & ~front & (local[:, 0] > CLOSE)
+    counts = (side & (local[:, 1] > 0)).sum(), (side & (local[:, 1] < 0)).sum()
+    if close.mean() < FITTING or min(counts) < FEWEST_ON_SIDE:
         return None
     inward = np.array([math.cos(best.x[2]), math.sin(best.x[2])])
-    at_end = close & (kind == FRONT) & (np.abs(local[:, 0]) < CLOSE)
-    begin_seen = at_end.sum() >= FEWEST_ON_SIDE
-    seen = local[close & (kind != FRONT), 0]
-    places = np.array([[0.0 if begin_seen else seen.min()], [seen.max(initial=0.0)]])
+    at_end = close & front & (np.abs(local[:, 0]) < CLOSE)
+    begin = 0.0 if at_end.sum() >= FEWEST_ON_SIDE else local[side, 0].min()
+    places = np.array([[begin], [local[side, 0].max()]])
     return Stroke(best.x[:2] + places * inward)
-
-
-def _is_as_wide(local: Array, kind: NDArray[np.intp], width: float) -> bool:
-    """Return whether points (n, 2) along and across tape tell that it has this width [m]."""
-    across = local[:, 1]
-    side = (kind == SIDE) & (local[:, 0] > CLOSE)
-    if min((side & (across > 0)).sum(), (side & (across < 0)).sum()) >= FEWEST_ON_SIDE:
-        return True
-    inside = across[kind == INSIDE]
-    return len(inside) >= FEWEST and bool(np.ptp(inside) > WIDE_ENOUGH * width)
 
 
 def _local(pose: Array, points: Array) -> Array:

@@ -19,7 +19,14 @@ from robot.calibration.adjustment import Solution, State, Weights
 from robot.calibration.drive_log import DriveLog
 from robot.calibration.sightings import Sightings
 from robot.calibration.tracking import laid, predicted
-from robot.calibration.unknowns import COUNT, LEFT, PRIORS, RIGHT, SEPARATION
+from robot.calibration.unknowns import (
+    COUNT,
+    LEFT,
+    PRIORS,
+    RIGHT,
+    SEPARATION,
+    TAPE,
+)
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
@@ -45,6 +52,8 @@ WHEELS_SD = np.array([0.02, 0.02, 0.03])
 """Standard deviations of radii and separation of a robot that is as described."""
 KNOWN_SD = 1e-3
 """Share of a hand-built robot's deviations that the other unknowns have then."""
+RULER_SD = 1e-4
+"""Standard deviation of the tape's width where it is the only ruler [m]."""
 LEAST_GATE, MOST_GATE = 0.015, 0.12
 """Edges farther from the known ones are new [m]: if the pose is exactly known, and at most."""
 AHEAD = 0.4
@@ -78,9 +87,18 @@ class Mapper:
     """Draws the map of one drive."""
 
     def __init__(
-        self, log: DriveLog, spec: RobotSpec, width: float, start: Pose2 = Pose2()
+        self,
+        log: DriveLog,
+        spec: RobotSpec,
+        width: float,
+        start: Pose2 = Pose2(),
+        *,
+        calibrate: bool = False,
     ) -> None:
         """Prepare a drive on tape of a width [m], that begins at a pose in the map.
+
+        A robot that nobody has calibrated is calibrated along with it; then the tape's width is the
+        only ruler.
 
         Raises:
             MappingError: the drive shows no tape, or the robot stood still.
@@ -89,9 +107,12 @@ class Mapper:
         self._nothing = Strokes.of((), width)
         self.extend(log)
         self._start = start.to_array()
-        sd = KNOWN_SD * PRIORS
-        sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
-        self._sd = sd
+        self._calibrate = calibrate
+        self._sd = PRIORS.copy() if calibrate else KNOWN_SD * PRIORS
+        if calibrate:
+            self._sd[TAPE] = RULER_SD
+        else:
+            self._sd[[LEFT, RIGHT, SEPARATION]] = WHEELS_SD
         self._state = State(np.zeros(COUNT), self._start[None].copy(), np.zeros((1, 2)))
         self._covariance = np.diag(START_SD**2)
         self._strokes = self._nothing
@@ -124,6 +145,10 @@ class Mapper:
         self._trace(total)
         if not self._strokes.traced:
             raise MappingError("the pictures show too little tape for a map")
+        if self._calibrate:
+            # The first pictures were laid out by a robot that was not known yet.
+            self._adjust(total, WHOLE)
+            self._trace(total)
         solution = self._refined(self._adjust(total, WHOLE))
         rays = RaysOnFloor.of(log, self._spec, self._state)
         own = without_redundant(self._strokes, solution.misses)
