@@ -27,6 +27,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("maps", nargs="+", metavar="MAP")
     parser.add_argument("--world", default="default", help="a condition, as of brickpose run")
+    parser.add_argument("--calibrate", action="store_true", help="the robot along with the map")
     parser.add_argument("--laps", type=int, default=1, help="of the figure-eight")
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
     parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
@@ -38,7 +39,9 @@ def main() -> None:
         rows = []
         for seed in range(*given.seeds):
             try:
-                drawn, poses = mapped(name, seed, given.world, seconds, eight)
+                drawn, poses = mapped(
+                    name, seed, given.world, seconds, eight, calibrate=given.calibrate
+                )
             except (CalibrationError, MappingError) as error:
                 print(f"{name} {seed}: refused: {error}", flush=True)
                 continue

@@ -48,10 +48,12 @@ def mapped(
     world: str = "default",
     seconds: float = 16.5,
     motion: Callable[[float], Twist2] = eight,
+    *,
+    calibrate: bool = False,
 ) -> tuple[TapeMap, Array]:
     """The map of one drive, and the robot's true poses at the pictures that were used."""
-    log, _, poses = driven(world, seed, seconds, motion, name, calibrated=True)
-    drawn = Mapper(log, SPEC, WIDTH).run()
+    log, _, poses = driven(world, seed, seconds, motion, name, calibrated=not calibrate)
+    drawn = Mapper(log, SPEC, WIDTH, calibrate=calibrate).run()
     return drawn, poses[np.searchsorted(log.stamps, drawn.stamps)]
 
 

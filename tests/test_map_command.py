@@ -12,6 +12,8 @@ from app.command_line import main
 from app.engine.build import build_program
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
+from robot.calibration.profile import load_profile
+from robot.calibration.unknowns import NAMES
 from robot.fields.field_loading import load_field
 from robot.interface import RobotError
 from robot.localization.integrity import State
@@ -58,6 +60,21 @@ def test_a_recorded_drive_becomes_a_field_to_localize_in(
     assert last.pose is not None
     assert last.reading.truth is not None
     assert last.pose.distance_to(last.reading.truth) < 0.002
+
+
+def test_a_robot_is_calibrated_along_with_the_map(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, profile = tmp_path / "floor.svg", tmp_path / "robot.toml"
+    arguments = ["map", str(recording), "--out", str(out), "--calibrate", str(profile)]
+    assert main(arguments) == 0
+    shown = capsys.readouterr().out
+    assert f"brickpose run --map {out} --profile {profile}" in shown
+    assert "camera_pitch" in shown
+    own, truth = load_field(str(out), tmp_path), load_field("square", Path("maps"))
+    np.testing.assert_allclose(own.drive_area, truth.drive_area, atol=0.004)
+    measured = load_profile(profile)
+    assert abs(measured.values[NAMES.index("camera_pitch")]) < 0.002
 
 
 def test_a_recording_without_pictures_is_refused(

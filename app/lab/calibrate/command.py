@@ -18,6 +18,7 @@ from app.engine.program import Program
 from app.files import atomic_file
 from app.lab.calibrate.calibrated_robot import CalibratedRobot
 from app.lab.calibrate.drive_report import drive_report
+from app.lab.unknown_lines import unknown_lines
 from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
@@ -200,15 +201,7 @@ def _adjusted(
 
 def lines_of(calibration: Calibration) -> list[str]:
     """Return what was found, a line each unknown, for people."""
-    lines = [f"{'measured':<18}{'difference':>11}{'95 %':>10}"]
-    for place, unknown in enumerate(UNKNOWNS[: ROBOT + 1]):
-        value, sd = (unknown.scale * item[place] for item in (calibration.values, calibration.sd))
-        note = (
-            "  not learnt: this drive does not tell"
-            if unknown.name in calibration.not_learnt
-            else ""
-        )
-        lines.append(f"{unknown.name:<18}{value:>+11.3f}{1.96 * sd:>10.3f} {unknown.unit}{note}")
+    lines = unknown_lines(calibration.values, calibration.sd, calibration.not_learnt)
     lines.append(f"the edges lie {calibration.residual:.2f} times as far off as expected")
     millimetres = 1.96 * 1e3 * calibration.position_sd
     if not math.isnan(millimetres):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +13,29 @@ from app.console import say
 from app.engine.mapping.map_files import write_map
 from app.files import atomic_file
 from app.lab.mapping.map_report import map_report
+from app.lab.unknown_lines import unknown_lines
 from app.recordings.replay.opening import ReplayOptions, open_replay
+from app.settings.kept_profile import profile_before, write_profile
 from robot.calibration.drive_log import DriveLog, DriveRecorder
+from robot.calibration.profile import Profile
+from robot.calibration.unknowns import ROBOT
 from robot.description.spec import RobotSpec
 from robot.fields.svg_field import TAPE_MM
 from robot.geometry import Pose2
 from robot.interface import RobotError
 from robot.mapping.mapper import Mapper
-from robot.mapping.tape_map import MappingError
+from robot.mapping.tape_map import MappingError, TapeMap
 from robot.scanning.tape import Tape
 from robot.settings import SettingError
 
 
 def map_recording(
-    recording: Path, out: Path, start: Sequence[float], width: float, report: Path | None
+    recording: Path,
+    out: Path,
+    start: Sequence[float],
+    width: float,
+    report: Path | None,
+    profile: Path | None,
 ) -> int:
     """Run the command; return 0, or 1 if the map does not fit what was seen.
 
@@ -35,6 +45,7 @@ def map_recording(
         start: where the drive begins in the map [m, m, rad].
         width: of the tape [m].
         report: the page to write; None is beside the drawing.
+        profile: calibrates the robot along with the map, and writes its profile; or None.
 
     Raises:
         MappingError, CalibrationError: the drive does not tell what the floor is like.
@@ -47,28 +58,49 @@ def map_recording(
         raise SettingError(f"--width is {width:g}; valid is {low:g} to {high:g}")
     if not np.isfinite(start).all():
         raise SettingError(f"--start is {start}; valid are finite numbers")
-    log, spec = read_drive(recording, width)
-    drawn = Mapper(log, spec, width, Pose2(*start)).run(_show if sys.stderr.isatty() else _silent)
+    calibrate = profile is not None
+    log, spec = read_drive(recording, width, calibrated=not calibrate)
+    if profile is not None:
+        profile_before(profile, spec)  # another robot's is not overwritten
+    mapper = Mapper(log, spec, width, Pose2(*start), calibrate=calibrate)
+    drawn = mapper.run(_show if sys.stderr.isatty() else _silent)
     write_map(drawn, out, f"Drawn from {recording.name}")
     page = report or out.with_suffix(".html")
     with atomic_file(page) as new:
         new.write_text(map_report(drawn, recording.name), encoding="utf-8")
     for line in [*drawn.facts, *drawn.remarks]:
         say(line)
-    say(f"the map is {out}, a report in {page}; use it by: brickpose run --map {out}")
+    options = f"--map {out}"
+    if profile is not None:
+        measured = profile_of_map(drawn, spec, f"a map from {recording.name}")
+        write_profile(profile, measured)
+        for line in unknown_lines(measured.values, measured.sd):
+            say(line)
+        options += f" --profile {profile}"
+    say(f"the map is {out}, a report in {page}; use it by: brickpose run {options}")
     return 0 if drawn.fits else 1
 
 
-def read_drive(recording: Path, width: float) -> tuple[DriveLog, RobotSpec]:
-    """Return what a map needs of a recording, and its robot.
+def profile_of_map(drawn: TapeMap, spec: RobotSpec, source: str) -> Profile:
+    """Return what a map has told of a robot, which it was drawn with without a calibration."""
+    values = drawn.solution.state.values[:ROBOT]
+    sd = np.sqrt(np.diag(drawn.solution.covariance))[:ROBOT]
+    lens = Profile.of(spec).lens
+    return Profile(spec.name, datetime.now(UTC), source, values, sd, lens)
+
+
+def read_drive(
+    recording: Path, width: float, *, calibrated: bool = True
+) -> tuple[DriveLog, RobotSpec]:
+    """Return what a map needs of a recording, and its robot: as calibrated, or without that.
 
     Raises:
         RecordingError: the file cannot be used.
         MappingError: it has no pictures.
     """
     program = open_replay(recording, ReplayOptions())
-    spec = program.robot.spec
-    recorder = DriveRecorder(spec, program.config.scanner, (Tape(width),), calibrated=True)
+    spec = program.robot.spec if calibrated else program.robot.spec.uncalibrated
+    recorder = DriveRecorder(spec, program.config.scanner, (Tape(width),), calibrated=calibrated)
     pictures = 0
     try:
         while True:

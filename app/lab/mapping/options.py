@@ -46,6 +46,14 @@ def add_map_command(commands: Commands) -> None:
         metavar="FILE.html",
         help="the report (default: beside the drawing)",
     )
+    command.add_argument(
+        "--calibrate",
+        type=Path,
+        default=None,
+        metavar="PROFILE.toml",
+        help="calibrate the robot along with the map, from the tape's width alone; writes its "
+        "profile",
+    )
     command.set_defaults(command=_map)
 
 
@@ -54,5 +62,10 @@ def _map(parsed: argparse.Namespace) -> int:
 
     with interruptible():
         return map_recording(
-            parsed.recording, parsed.out, parsed.start, parsed.width, parsed.report
+            parsed.recording,
+            parsed.out,
+            parsed.start,
+            parsed.width,
+            parsed.report,
+            parsed.calibrate,
         )
