@@ -9,10 +9,16 @@ from robot.geometry import Array
 
 
 def unknown_lines(values: Array, sd: Array, not_learnt: Collection[str] = ()) -> list[str]:
-    """Return the robot's unknowns (at least 12) with their intervals, a line each, for people."""
+    """Return the robot's unknowns with their intervals, a line each, for people.
+
+    Args:
+        values: (n,) differences from the description, in the order of ``UNKNOWNS``.
+        sd: (n,) of them.
+        not_learnt: names of those that the drive did not tell.
+    """
     lines = [f"{'measured':<18}{'difference':>11}{'95 %':>10}"]
-    for place, unknown in enumerate(UNKNOWNS[: ROBOT + 1]):
-        value, spread = unknown.scale * values[place], unknown.scale * sd[place]
+    for unknown, difference, each in zip(UNKNOWNS[: ROBOT + 1], values, sd, strict=False):
+        value, spread = unknown.scale * difference, unknown.scale * each
         note = "  not learnt: this drive does not tell" if unknown.name in not_learnt else ""
         lines.append(
             f"{unknown.name:<18}{value:>+11.3f}{1.96 * spread:>10.3f} {unknown.unit}{note}"

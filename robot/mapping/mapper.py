@@ -163,7 +163,7 @@ class Mapper:
         more = find_lengthwise(tidy.strokes, self._width, rays)
         if more.strokes:
             every = Strokes.of(self._strokes.each + more.strokes, self._width)
-            tidy = tidied(every, rays)
+            tidy = tidied(joined(every, rays), rays)
         return TapeMap(
             tidy,
             more.others,

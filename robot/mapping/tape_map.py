@@ -123,8 +123,8 @@ class TapeMap:
         if len(self.others):
             places = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in self.others[:MOST_PLACES])
             remarks.append(
-                f"something dark at {places} is not in the map: if it is tape, drive past it, so "
-                "that it is seen from its side"
+                f"something dark at {places} is not in the map: a shadow, or tape that was seen "
+                "from its end only; drive past it"
             )
         return tuple(remarks)
 
