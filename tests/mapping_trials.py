@@ -10,17 +10,22 @@ import math
 from pathlib import Path
 
 import numpy as np
+from calibrations import SPEC
+from engine_runs import EIGHT
 from mappings import eight, errors_of, field_of, laid_on, mapped
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from app.settings.config import MAPS
+from app.engine.build import Streams, build_program, build_simulated
+from app.settings.conditions import apply_condition
+from app.settings.config import MAPS, Config
 from robot.calibration.adjustment import CalibrationError
 from robot.driving.figure_eight import FigureEight
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
 from robot.mapping.tape_map import MappingError, TapeMap
+from sim.simulated import PERIOD, no_wait
 
 
 def main() -> None:
@@ -28,6 +33,9 @@ def main() -> None:
     parser.add_argument("maps", nargs="+", metavar="MAP")
     parser.add_argument("--world", default="default", help="a condition, as of brickpose run")
     parser.add_argument("--calibrate", action="store_true", help="the robot along with the map")
+    parser.add_argument(
+        "--localize", action="store_true", help="another drive in the map, and in the true one"
+    )
     parser.add_argument("--laps", type=int, default=1, help="of the figure-eight")
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
     parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
@@ -36,7 +44,7 @@ def main() -> None:
     seconds = math.ceil(given.laps * FigureEight().lap)
     for name in given.maps:
         taped = load_field(name, MAPS)
-        rows = []
+        rows, others = [], []
         for seed in range(*given.seeds):
             try:
                 drawn, poses = mapped(
@@ -55,11 +63,44 @@ def main() -> None:
                 sep="; ",
                 flush=True,
             )
+            if given.localize:
+                own, true = (
+                    1e3 * localized(taped, field, laid, given.world, seed)
+                    for field, laid in (
+                        (field_of(drawn), laid_on(drawn, poses, taped)),
+                        (taped, Pose2()),
+                    )
+                )
+                print(f"    error of another drive {own:.2f} mm; in the true map {true:.2f} mm")
+                others.append([own, true])
+        if others:
+            own, true = np.median(others, axis=0)
+            print(
+                f"{name}: median error in the own map {own:.2f} mm, in the true one {true:.2f} mm"
+            )
         for label, value in (("median", np.median), ("worst", np.max)):
             path, mean, largest = value(rows, axis=0)
             print(f"{name}: {label} path {path:.2f}, edges {mean:.2f}, largest {largest:.1f} mm")
     if given.figure:
         draw(panels, given.figure)
+
+
+def localized(taped: Field, field: Field, floor_from_field: Pose2, world: str, seed: int) -> float:
+    """Root mean square of a drive's error on a taped floor, localized in a field [m]."""
+    config = apply_condition(Config(robot="sim", seed=seed + 500_000), world)
+    robot = build_simulated(config, SPEC, taped, Streams.of(config.seed).robot, no_wait)
+    program = build_program(config, robot=robot, field=field)
+    errors = []
+    try:
+        for _ in range(round(FigureEight().lap / PERIOD)):
+            program.engine.commands.put(EIGHT)
+            snapshot = program.engine.step()
+            pose, truth = snapshot.pose, snapshot.reading.truth
+            if pose is not None and truth is not None:
+                errors.append((floor_from_field @ pose).distance_to(truth))
+    finally:
+        robot.close()
+    return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def draw(panels: dict[str, tuple[Field, TapeMap, Array]], out: Path) -> None:
