@@ -51,7 +51,7 @@ const drive = new DrivePanel(connection);
 const calibration = new CalibrationPanel(drive.drive, order, connection);
 const camera = new CameraPanel(loop, drawn);
 const map = new MapPanel(loop, order);
-const mapping = new MappingPanel(drive.drive, order, connection, (drawing) => map.setDrawing(drawing));
+const mapping = new MappingPanel(drive.drive, order, connection, (drawing, chosen) => map.setDrawing(drawing, chosen));
 const plots = new PlotsPanel(loop, history);
 const filter = new FilterPanel(connection, order, () => map.telling.scatter());
 const replay = new ReplayBar(order);

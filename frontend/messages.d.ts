@@ -2,6 +2,7 @@
 
 export type Command =
   | CalibrateCommand
+  | DeleteStrokeCommand
   | DiscardMapCommand
   | DriveCommand
   | FigureEightCommand
@@ -86,6 +87,17 @@ export interface CalibrationDriveMessage {
   adjusted: number;
   /** What is missing so far, or why it failed; null when all is well. */
   message: string | null;
+}
+
+/** Delete a stroke of tape from the finished map, before it is saved. */
+export interface DeleteStrokeCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "delete_stroke";
+  /** Its number, from 0 on, in ``/api/mapping``. */
+  stroke: number;
+  /** Of that drawing: in another one, the stroke may have another number. */
+  version: number;
 }
 
 /** Forget the map that is drawn, or was. */

@@ -16,6 +16,7 @@ from app.engine.snapshot import Snapshot
 from app.messages.commands import DriveCommand, FigureEightCommand
 from app.page.mapping import drawing_message, mapping_message
 from robot.errors import CommandError
+from robot.fields.svg_field import field_of_drawing
 
 EIGHT = FigureEightCommand(type="figure_eight")
 LAP_S = 17.0
@@ -97,6 +98,24 @@ def test_the_robot_goes_on_in_the_saved_map(mapped, tmp_path):
         if snapshot.pose
     ]
     assert max(errors) < 0.005
+
+
+def test_a_stroke_that_is_deleted_is_not_in_the_map(mapped, tmp_path):
+    drawer, before = mapped.drawer, mapped.drawer.drawing
+    with pytest.raises(CommandError, match="valid is 0 to 3"):
+        drawer.delete_stroke(4, before.version)
+    drawer.delete_stroke(1, before.version)
+    with pytest.raises(CommandError, match="changed meanwhile"):
+        drawer.delete_stroke(1, before.version)
+    left = drawing_message(drawer.drawing)
+    assert [stroke.points for stroke in left.strokes] == [
+        stroke.points
+        for number, stroke in enumerate(drawing_message(before).strokes)
+        if number != 1
+    ]
+    field = field_of_drawing(drawer.drawing.result.drawing("three sides"), "three")
+    assert len(field.edges) < 16
+    drawer._drawing = before
 
 
 @pytest.mark.parametrize("name", ["", "../up", "a/b", "x" * 61, ".hidden", "a b"])

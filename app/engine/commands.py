@@ -21,6 +21,7 @@ from app.engine.program import Program
 from app.messages.commands import (
     CalibrateCommand,
     Command,
+    DeleteStrokeCommand,
     DiscardMapCommand,
     DriveCommand,
     FigureEightCommand,
@@ -275,6 +276,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         UndoCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         StartMapCommand: Rule(_nothing, Repeat.NEVER, _check_drawn),
         FinishMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        DeleteStrokeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         DiscardMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         SaveMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         StopCommand: Rule(_stop, Repeat.NEVER),

@@ -86,6 +86,16 @@ class FinishMapCommand(CommandMessage):
     type: Literal["finish_map"]
 
 
+class DeleteStrokeCommand(CommandMessage):
+    """Delete a stroke of tape from the finished map, before it is saved."""
+
+    type: Literal["delete_stroke"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    """Its number, from 0 on, in ``/api/mapping``."""
+    version: int
+    """Of that drawing: in another one, the stroke may have another number."""
+
+
 class DiscardMapCommand(CommandMessage):
     """Forget the map that is drawn, or was."""
 
@@ -248,6 +258,7 @@ Command = Annotated[
     | UndoCalibrationCommand
     | StartMapCommand
     | FinishMapCommand
+    | DeleteStrokeCommand
     | DiscardMapCommand
     | SaveMapCommand
     | SetPoseCommand

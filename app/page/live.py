@@ -21,6 +21,7 @@ from app.messages.commands import (
     AckMessage,
     CalibrateCommand,
     Command,
+    DeleteStrokeCommand,
     DiscardMapCommand,
     ErrorMessage,
     FinishCalibrationCommand,
@@ -53,6 +54,9 @@ OUTLETS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = Mappin
         UndoCalibrationCommand: lambda outlets, *_: outlets.calibrator.undo(),
         StartMapCommand: lambda outlets, *_: outlets.mapping.begin(),
         FinishMapCommand: lambda outlets, *_: outlets.mapping.finish(),
+        DeleteStrokeCommand: lambda outlets, _, command: outlets.mapping.delete_stroke(
+            command.stroke, command.version
+        ),
         DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
         SaveMapCommand: lambda outlets, _, command: outlets.save_map(command),
     }

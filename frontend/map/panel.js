@@ -77,9 +77,14 @@ export class MapPanel {
     this.#fit();
   }
 
-  /** Show a map that is drawn by driving; null is the field. @param {MapDrawingMessage | null} drawing */
-  setDrawing(drawing) {
+  /**
+   * Show a map that is drawn by driving; null is the field.
+   * @param {MapDrawingMessage | null} drawing
+   * @param {number} chosen number of a stroke that stands out
+   */
+  setDrawing(drawing, chosen = -1) {
     this.scene.drawing = drawing;
+    this.scene.chosen = chosen;
     if (!this.#moved) this.#fit();
     this.refresh();
   }

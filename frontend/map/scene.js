@@ -28,6 +28,8 @@ export class Scene {
   telemetry = null;
   /** The map that is drawn by driving. @type {MapDrawingMessage | null} */
   drawing = null;
+  /** Number of its stroke that stands out. */
+  chosen = -1;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -68,7 +70,7 @@ export class Scene {
   #paintMapping(context, mapped, pixel) {
     const { truth = null, mapping } = this.telemetry ?? {};
     this.#inMetres(context, () => {
-      drawMapping(context, mapped, pixel);
+      drawMapping(context, mapped, pixel, this.chosen);
       const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
       if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
       const style = { colour: palette["floor-estimate"], fill: 0.15 };

@@ -14,14 +14,16 @@ const SEEN = 2;
  * @param {CanvasRenderingContext2D} context in metres
  * @param {MapDrawingMessage} drawing
  * @param {number} pixel [m]
+ * @param {number} chosen number of a stroke that stands out
  */
-export function drawMapping(context, { strokes, path, edges, unseen_ends }, pixel) {
+export function drawMapping(context, { strokes, path, edges, unseen_ends }, pixel, chosen) {
   context.lineJoin = "round";
   context.fillStyle = palette["floor-rays"];
   for (const [x, y] of edges) context.fillRect(x - 0.75 * pixel, y - 0.75 * pixel, 1.5 * pixel, 1.5 * pixel);
   stroke(context, line(path), palette["floor-estimate"], 1.5 * pixel, 0.7);
-  for (const { points, interval } of strokes) {
+  for (const [number, { points, interval }] of strokes.entries()) {
     const tape = line(points);
+    if (number === chosen) stroke(context, tape, palette["floor-beam"], 4 * LINE * pixel, 1);
     if (interval > SEEN * pixel) stroke(context, tape, palette["floor-draft"], 2 * interval, 0.25);
     stroke(context, tape, palette["floor-halo"], (LINE + 3) * pixel, 0.8);
     stroke(context, tape, palette["floor-draft"], LINE * pixel, 1);

@@ -1,6 +1,6 @@
 // @ts-check
 import { find, findButton, findInput, make, setText } from "../page/elements.js";
-import { plain } from "../page/format.js";
+import { millimetres, plain } from "../page/format.js";
 import { sentence } from "../page/toasts.js";
 import { getJson } from "../wire/http.js";
 
@@ -23,6 +23,7 @@ export class MappingPanel {
   #panel = find("mapping", HTMLElement);
   #state = find("mapping-state", HTMLElement);
   #remarks = find("mapping-remarks", HTMLElement);
+  #strokes = find("mapping-strokes", HTMLElement);
   #save = find("mapping-save", HTMLFormElement);
   #name = findInput("mapping-name");
   #start = findButton("mapping-start");
@@ -31,6 +32,8 @@ export class MappingPanel {
   #file = find("mapping-file", HTMLAnchorElement);
   /** What the page's drawing was loaded for; empty without one. @type {string | null} */
   #loaded = "";
+  /** @type {MapDrawingMessage | null} */
+  #drawing = null;
   /** Name of the map that was saved. */
   #saved = "";
 
@@ -38,7 +41,8 @@ export class MappingPanel {
    * @param {Drive} drive
    * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
    * @param {Connection} connection
-   * @param {(drawing: MapDrawingMessage | null) => void} draw shows the map; null is none
+   * @param {(drawing: MapDrawingMessage | null, chosen?: number) => void} draw shows the map, and one of its
+   *   strokes; null is none
    */
   constructor(drive, order, connection, draw) {
     this.drive = drive;
@@ -68,7 +72,7 @@ export class MappingPanel {
     this.#finish.disabled = (map?.version ?? 0) === 0;
     this.#discard.hidden = map === null;
     this.#save.hidden = this.#file.hidden = state !== "done";
-    this.#remarks.hidden = state !== "done";
+    this.#remarks.hidden = this.#strokes.hidden = state !== "done";
     setText(this.#state, this.#words(map, replay !== null));
   }
 
@@ -101,6 +105,7 @@ export class MappingPanel {
     this.#loaded = key;
     if (key === "") {
       this.#saved = "";
+      this.#drawing = null;
       this.draw(null);
       return;
     }
@@ -108,15 +113,32 @@ export class MappingPanel {
       const drawing = /** @type {MapDrawingMessage} */ (await getJson("/api/mapping"));
       // Meanwhile it may have been discarded, or there is a newer one.
       if (this.#loaded !== key || drawing.version === 0) return;
+      this.#drawing = drawing;
       this.draw(drawing);
       const lines = [
         ...drawing.remarks.map((line) => make("li", { class: "remark" }, sentence(line))),
         ...drawing.facts.map((line) => make("li", {}, sentence(line))),
       ];
       this.#remarks.replaceChildren(...lines);
+      this.#list(drawing);
     } catch (error) {
       setText(this.#state, `The map could not be read: ${sentence(error)}`);
     }
+  }
+
+  /** List the strokes of a finished map; each can be deleted. @param {MapDrawingMessage} drawing */
+  #list({ strokes, version }) {
+    const rows = strokes.map(({ points, interval }, stroke) => {
+      const length = points.slice(1).reduce((sum, [x, y], i) => sum + Math.hypot(x - points[i][0], y - points[i][1]), 0);
+      const name = `Tape ${stroke + 1}`;
+      const remove = make("button", { type: "button", "aria-label": `Delete ${name}` }, "delete");
+      remove.onclick = () => this.order({ type: "delete_stroke", stroke, version });
+      const row = make("li", {}, make("span", {}, `${name}: ${millimetres(length)}, ± ${millimetres(interval, 1)}`), remove);
+      row.onpointerenter = row.onfocusin = () => this.draw(this.#drawing, stroke);
+      row.onpointerleave = row.onfocusout = () => this.draw(this.#drawing);
+      return row;
+    });
+    this.#strokes.replaceChildren(...rows);
   }
 
   /** @param {boolean} open */

@@ -57,14 +57,14 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
     points = np.vstack([rays.first[met], rays.until[left]])
     picture = np.concatenate([rays.picture[met], rays.picture[left]])
     front = np.arange(len(points)) < met.sum()
-    found, others = [], []
+    tape, others = [], []
     for thing in _things(points, picture):
         stroke = _fit(points[thing], front[thing], width)
         if stroke is None or not is_tape(stroke, width, rays):
             others.append(points[thing].mean(axis=0))
         else:
-            found.append(stroke)
-    return Lengthwise(tuple(found), np.array(others).reshape(-1, 2))
+            tape.append(stroke)
+    return Lengthwise(tuple(tape), np.array(others).reshape(-1, 2))
 
 
 class _Known:
@@ -94,9 +94,9 @@ def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     count, thing = connected_components(links, directed=False)
     things = [np.flatnonzero(thing == number) for number in range(count)]
     return [
-        one
-        for one in things
-        if len(one) >= FEWEST and len(np.unique(picture[one])) >= FEWEST_PICTURES
+        members
+        for members in things
+        if len(members) >= FEWEST and len(np.unique(picture[members])) >= FEWEST_PICTURES
     ]
 
 
@@ -118,11 +118,13 @@ def _fit(points: Array, front: NDArray[np.bool_], width: float) -> Stroke | None
         begin = points.mean(axis=0) + (along.min() - along.mean()) * inward
         start = np.array([*begin, math.atan2(inward[1], inward[0])])
         fits.append(
-            least_squares(_off, start, loss="cauchy", f_scale=2 * SCATTER, args=(points, width))
+            least_squares(
+                _signed_distance, start, loss="cauchy", f_scale=2 * SCATTER, args=(points, width)
+            )
         )
     best = min(fits, key=lambda fit: fit.cost)
     local = _local(best.x, points)
-    close = np.abs(_off(best.x, points, width)) < CLOSE
+    close = np.abs(_signed_distance(best.x, points, width)) < CLOSE
     side = close & ~front & (local[:, 0] > CLOSE)
     counts = (side & (local[:, 1] > 0)).sum(), (side & (local[:, 1] < 0)).sum()
     if close.mean() < FITTING or min(counts) < FEWEST_ON_SIDE:
@@ -141,8 +143,8 @@ def _local(pose: Array, points: Array) -> Array:
     return np.column_stack([away @ (c, s), away @ (-s, c)])
 
 
-def _off(pose: Array, points: Array, width: float) -> Array:
-    """Return how far points (n, 2) lie off the outline of tape whose end has a pose (3,) [m].
+def _signed_distance(pose: Array, points: Array, width: float) -> Array:
+    """Return how far points (n, 2) lie from the outline of tape whose end has a pose (3,) [m].
 
     Those inside are negative.
     """
@@ -150,5 +152,5 @@ def _off(pose: Array, points: Array, width: float) -> Array:
     aside = np.abs(across) - width / 2
     inside = np.maximum(aside, -along)
     outside = np.where(aside > 0, np.where(along > 0, aside, np.hypot(aside, along)), -along)
-    off: Array = np.where((along > 0) & (aside < 0), inside, outside)
-    return off
+    distance: Array = np.where((along > 0) & (aside < 0), inside, outside)
+    return distance

@@ -54,6 +54,12 @@ class TidyStrokes:
     ends: dict[EndName, End]
     """What was seen of the free ends, and those that nobody saw."""
 
+    def without(self, number: int) -> TidyStrokes:
+        """Return them without one stroke; what met it in a corner ends there as it is."""
+        strokes = self.strokes[:number] + self.strokes[number + 1 :]
+        kept = [k for k in range(len(self.strokes)) if k != number]
+        return TidyStrokes(strokes, *_renumbered(kept, self.corners, self.ends))
+
 
 def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
     """Return strokes of which those are one that continue each other; the same object if none."""
@@ -155,11 +161,20 @@ def tidied(strokes: Strokes, rays: RaysOnFloor) -> TidyStrokes:
     # Short pieces that other strokes cover are of places where tape looks odd.
     in_corners = {number for pair in corners for number, _ in pair}
     kept = [k for k, s in enumerate(each) if k in in_corners or s.length > SHORTEST]
+    return TidyStrokes(tuple(each[k] for k in kept), *_renumbered(kept, corners, free))
+
+
+def _renumbered(
+    kept: Sequence[int], corners: Sequence[tuple[EndName, EndName]], ends: dict[EndName, End]
+) -> tuple[tuple[tuple[EndName, EndName], ...], dict[EndName, End]]:
+    """Return corners and ends of those strokes that are kept, by their new numbers."""
     number_of = {old: new for new, old in enumerate(kept)}
-    each = [each[k] for k in kept]
-    corners = [((number_of[a], i), (number_of[b], j)) for (a, i), (b, j) in corners]
-    free = {(number_of[k], last): end for (k, last), end in free.items() if k in number_of}
-    return TidyStrokes(tuple(each), tuple(corners), free)
+    left = tuple(
+        ((number_of[a], i), (number_of[b], j))
+        for (a, i), (b, j) in corners
+        if a in number_of and b in number_of
+    )
+    return left, {(number_of[k], last): end for (k, last), end in ends.items() if k in number_of}
 
 
 def _corners(

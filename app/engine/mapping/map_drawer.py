@@ -133,6 +133,29 @@ class MapDrawer:
             self.close()
             self._drawing = None
 
+    def delete_stroke(self, number: int, version: int) -> None:
+        """Delete a stroke from the finished map.
+
+        Args:
+            number: of the stroke, as ``/api/mapping`` of that version lists them.
+            version: of the map.
+
+        Raises:
+            CommandError: there is no such stroke, or the map is another one by now.
+        """
+        with self._lock:
+            drawn, drawing = self._done(), self._drawing
+            assert drawing is not None  # it is done
+            strokes = drawn.tidy.strokes
+            if version != drawing.version:
+                raise CommandError("the map has changed meanwhile; look again")
+            if not 0 <= number < len(strokes):
+                raise CommandError(f"there is no stroke {number}; valid is 0 to {len(strokes) - 1}")
+            if len(strokes) == 1:
+                raise CommandError("a map has a stroke at least; discard it instead")
+            changed = replace(drawn, tidy=drawn.tidy.without(number))
+            self._show(result=changed, version=version + 1)
+
     def save(self, name: str, folder: Path) -> Path:
         """Write the map to a folder, under a new name; return the drawing's file.
 
