@@ -19,7 +19,10 @@ from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.ros2.source import TopicSource
+from app.settings.config import MAPS
 from robot.errors import CommandError
+from robot.fields.field import FieldError
+from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
 
 ChangeMap = Callable[[str, Hypothesis], None]
@@ -123,7 +126,12 @@ class Outlets:
         say(f"The map is {path}")
         if command.use:
             assert newest is not None and self._change_map is not None  # it was refused else
-            self._change_map(str(path), self.mapping.place(newest))
+            place = self.mapping.place(newest)
+            try:
+                load_field(str(path), MAPS).require_inside(place.pose)
+            except FieldError as error:
+                raise CommandError(f"the map is saved, but the robot is off it: {error}") from error
+            self._change_map(str(path), place)
 
     @property
     def failures(self) -> list[str]:

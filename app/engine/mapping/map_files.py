@@ -17,11 +17,13 @@ def write_map(drawn: TapeMap, out: Path, title: str) -> None:
     """Write a drawing, and the ROS map of the same name beside it.
 
     Raises:
-        FieldError: the strokes are no field.
+        FieldError: the strokes are no field that a robot can be on.
         OSError: a file cannot be written.
     """
     text = drawn.drawing(title)
-    grid = field_of_drawing(text, out.stem).occupancy(CELL)
+    field = field_of_drawing(text, out.stem)
+    field.require_free()
+    grid = field.occupancy(CELL)
     with atomic_file(out) as new:
         new.write_text(text, encoding="utf-8")
     save_map_yaml(grid, out.with_suffix(".yaml"))
