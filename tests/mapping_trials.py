@@ -27,6 +27,9 @@ from robot.geometry import Array, Pose2
 from robot.mapping.tape_map import MappingError, TapeMap
 from sim.simulated import PERIOD, no_wait
 
+SETTLED_S = 3.0
+"""The start is told with an error, which the filter needs so long to see [s]."""
+
 
 def main() -> None:
     parser = argparse.ArgumentParser()
@@ -96,7 +99,7 @@ def localized(taped: Field, field: Field, floor_from_field: Pose2, world: str, s
             program.engine.commands.put(EIGHT)
             snapshot = program.engine.step()
             pose, truth = snapshot.pose, snapshot.reading.truth
-            if pose is not None and truth is not None:
+            if pose is not None and truth is not None and snapshot.stamp > SETTLED_S:
                 errors.append((floor_from_field @ pose).distance_to(truth))
     finally:
         robot.close()
