@@ -33,8 +33,12 @@ def driven(
     map_name: str = "square",
     *,
     calibrated: bool = False,
+    steer: Callable[[Pose2], Twist2 | None] | None = None,
 ) -> tuple[DriveLog, Array, Array]:
-    """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures."""
+    """A drive, the true unknowns (15,), and the true poses (k, 3) at the pictures.
+
+    ``steer`` drives by where the robot truly is, instead of by the time, and ends with None.
+    """
     taped = load_field(map_name, MAPS)
     config = apply_condition(Config(robot="sim"), world)
     # More pictures than the recorder takes would only be rendered.
@@ -51,7 +55,10 @@ def driven(
             recorder.add(reading)
             assert reading.truth is not None
             truths.append((reading.stamp, *reading.truth.to_array()))
-            robot.write(drive.wheels(motion(reading.stamp)))
+            wanted = motion(reading.stamp) if steer is None else steer(reading.truth)
+            if wanted is None:
+                break
+            robot.write(drive.wheels(wanted))
     finally:
         robot.close()
     values = np.zeros(COUNT)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from calibrations import SPEC
 from engine_runs import EIGHT
-from mappings import eight, errors_of, field_of, laid_on, mapped
+from mappings import Tour, errors_of, field_of, laid_on, mapped
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
@@ -27,6 +27,8 @@ from robot.geometry import Array, Pose2
 from robot.mapping.tape_map import MappingError, TapeMap
 from sim.simulated import PERIOD, no_wait
 
+LONGEST_S = 300.0
+"""Of a tour [s]."""
 SETTLED_S = 3.0
 """The start is told with an error, which the filter needs so long to see [s]."""
 
@@ -39,19 +41,26 @@ def main() -> None:
     parser.add_argument(
         "--localize", action="store_true", help="another drive in the map, and in the true one"
     )
+    parser.add_argument("--tour", action="store_true", help="over all of the field, not the eight")
     parser.add_argument("--laps", type=int, default=1, help="of the figure-eight")
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
     parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
     given = parser.parse_args()
-    panels = {}
+    panels, means = {}, []
     seconds = math.ceil(given.laps * FigureEight().lap)
     for name in given.maps:
         taped = load_field(name, MAPS)
         rows, others = [], []
         for seed in range(*given.seeds):
+            tour = Tour(taped, given.laps) if given.tour else None
             try:
                 drawn, poses = mapped(
-                    name, seed, given.world, seconds, eight, calibrate=given.calibrate
+                    name,
+                    seed,
+                    given.world,
+                    LONGEST_S if given.tour else seconds,
+                    calibrate=given.calibrate,
+                    steer=tour,
                 )
             except (CalibrationError, MappingError) as error:
                 print(f"{name} {seed}: refused: {error}", flush=True)
@@ -63,6 +72,7 @@ def main() -> None:
                 f"{name} {seed}: path {rows[-1][0]:.2f} mm, edges {rows[-1][1]:.2f} mm, largest "
                 f"{rows[-1][2]:.1f} mm, {100 * errors.covered:.0f} % of the tape",
                 *drawn.remarks,
+                "" if drawn.fits else "it does not fit",
                 sep="; ",
                 flush=True,
             )
@@ -81,9 +91,11 @@ def main() -> None:
             print(
                 f"{name}: median error in the own map {own:.2f} mm, in the true one {true:.2f} mm"
             )
+        means.append(np.median(rows, axis=0)[1] if rows else math.nan)
         for label, value in (("median", np.median), ("worst", np.max)):
             path, mean, largest = value(rows, axis=0)
             print(f"{name}: {label} path {path:.2f}, edges {mean:.2f}, largest {largest:.1f} mm")
+    print(f"median over {len(means)} fields of the mean error: {np.nanmedian(means):.2f} mm")
     if given.figure:
         draw(panels, given.figure)
 

@@ -12,7 +12,7 @@ from robot.driving.figure_eight import FigureEight
 from robot.fields.edges import sample
 from robot.fields.field import Field
 from robot.fields.svg_field import field_of_drawing
-from robot.geometry import Array, Pose2, Twist2
+from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.mapping.mapper import Mapper
 from robot.mapping.tape_map import TapeMap
 
@@ -23,10 +23,41 @@ STEP = 0.004
 LARGEST = 0.2
 """No error counts as larger [m]."""
 COVERED = 0.02
+ASIDE, LANE = 0.22, 0.45
+"""Distance of a tour from the edge of the field, and of its lanes [m]."""
 
 
 def eight(elapsed: float) -> Twist2:
     return EIGHT.twist(elapsed)
+
+
+class Tour:
+    """Drives over all of a field as a hand would: around it, and in lanes across; so many laps."""
+
+    def __init__(self, taped: Field, laps: int) -> None:
+        xmin, ymin, xmax, ymax = taped.drive_area
+        xs, ys = _lanes(xmin, xmax), _lanes(ymin, ymax)
+        ring = [(xs[0], ys[0]), (xs[-1], ys[0]), (xs[-1], ys[-1]), (xs[0], ys[-1])]
+        self._points = []
+        for lap in range(laps):
+            self._points += ring[:: -1 if lap % 2 else 1]
+            for lane, y in enumerate(ys[1:-1], start=1):
+                self._points += [(x, y) for x in (xs if (lane + lap) % 2 == 0 else xs[::-1])]
+
+    def __call__(self, pose: Pose2) -> Twist2 | None:
+        while self._points and math.dist(self._points[0], (pose.x, pose.y)) < LANE / 9:
+            self._points.pop(0)
+        if not self._points:
+            return None
+        x, y = self._points[0]
+        turn = wrap_angle(math.atan2(y - pose.y, x - pose.x) - pose.theta)
+        v = 0.15 * max(0.0, math.cos(turn)) if abs(turn) < 1 else 0.02
+        return Twist2(v, min(max(-1.0, 2 * turn), 1.0))
+
+
+def _lanes(low: float, high: float) -> Array:
+    low, high = low + ASIDE, high - ASIDE
+    return np.linspace(low, high, max(2, 1 + round((high - low) / LANE)))
 
 
 @dataclass(frozen=True)
@@ -50,9 +81,12 @@ def mapped(
     motion: Callable[[float], Twist2] = eight,
     *,
     calibrate: bool = False,
+    steer: Callable[[Pose2], Twist2 | None] | None = None,
 ) -> tuple[TapeMap, Array]:
     """The map of one drive, and the robot's true poses at the pictures that were used."""
-    log, _, poses = driven(world, seed, seconds, motion, name, calibrated=not calibrate)
+    log, _, poses = driven(
+        world, seed, seconds, motion, name, calibrated=not calibrate, steer=steer
+    )
     drawn = Mapper(log, SPEC, WIDTH, calibrate=calibrate).run()
     return drawn, poses[np.searchsorted(log.stamps, drawn.stamps)]
 
