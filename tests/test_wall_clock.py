@@ -20,6 +20,7 @@ WALL_CLOCK = re.compile(
 
 READERS = {
     "app/lab/calibrate/calibrated_robot.py",  # the date of a profile
+    "app/lab/mapping/command.py",
     "app/settings/kept_profile.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
