@@ -19,9 +19,10 @@ from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
 from robot.mapping.drawing import drawing
 from robot.mapping.mapper import Mapper
+from robot.mapping.steadiness import steadiness
 from robot.mapping.stroke_fitting import fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
-from robot.mapping.tape_map import MappingError
+from robot.mapping.tape_map import LEAST_STEADINESS, MappingError
 from robot.mapping.tidying import TidyStrokes
 from robot.mapping.tracing import Cells, Middles, trace
 
@@ -171,6 +172,17 @@ def test_a_robot_that_nobody_calibrated_draws_by_the_width_of_the_tape() -> None
     assert errors.mean < 0.003
     assert errors.covered > 0.95
     assert errors.path < 0.003
+
+
+def test_tape_that_looks_the_same_when_moved_is_not_steady() -> None:
+    angles = np.linspace(0, 2 * math.pi, 40, endpoint=False)
+    circle = Stroke(np.column_stack([np.cos(angles), np.sin(angles)]), curved=True, closed=True)
+    side, opposite = Stroke(np.array([[0, 0], [1.0, 0]])), Stroke(np.array([[0, 1.0], [1, 1]]))
+    across = Stroke(np.array([[0, 0], [0, 1.0]]))
+    for strokes in ([circle], [side], [side, opposite]):
+        assert steadiness(strokes) < LEAST_STEADINESS / 5
+    for strokes in ([side, across], [side, opposite, across], [circle, side]):
+        assert steadiness(strokes) > 2 * LEAST_STEADINESS
 
 
 def test_a_robot_that_is_pushed_says_so() -> None:

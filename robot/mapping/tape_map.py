@@ -12,6 +12,7 @@ from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 from robot.mapping.drawing import drawing
 from robot.mapping.pushed import moved_at, push_remark
+from robot.mapping.steadiness import steadiness
 from robot.mapping.strokes import Strokes
 from robot.mapping.tidying import TidyStrokes
 
@@ -21,6 +22,8 @@ MOST_RESIDUAL = 2.5
 """... and if they lie at most so many times as far off as expected."""
 
 
+LEAST_STEADINESS = 0.01
+"""Tape tells where the robot is, in all directions, if its steadiness is at least so much."""
 MOST_PLACES = 3
 """Remarks name so many places at most."""
 
@@ -119,6 +122,11 @@ class TapeMap:
             remarks.append(
                 f"{unseen} ends of tape were not seen: drive toward them, and where the tape goes "
                 "on"
+            )
+        if steadiness(self.tidy.strokes) < LEAST_STEADINESS:
+            remarks.append(
+                "the tape looks the same when the robot is moved along it, so the path may be "
+                "wrong by such a motion: lay a mark beside it, such as a stub"
             )
         if len(self.others):
             places = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in self.others[:MOST_PLACES])
