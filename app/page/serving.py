@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import sys
 from collections.abc import Callable, Generator
@@ -25,6 +26,9 @@ from robot.localization.estimate import Hypothesis
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
+
+ANSWERED_S = 0.3
+"""A command is answered within this time [s]."""
 
 
 class Server:
@@ -74,7 +78,8 @@ class Server:
     def _change_map(self, name: str, place: Hypothesis) -> None:
         self.successor = name, place
         self._engine.handed_over = True
-        self.stop()
+        # The page's command has to be answered before.
+        asyncio.get_running_loop().call_later(ANSWERED_S, self.stop)
 
     def stop(self) -> None:
         """Ask the server to end, from any thread or from a signal handler.

@@ -34,6 +34,8 @@ export class MappingPanel {
   #loaded = "";
   /** @type {MapDrawingMessage | null} */
   #drawing = null;
+  /** Name of the map that the robot is to go on in; empty without one. */
+  #awaited = "";
   /** Name of the map that was saved. */
   #saved = "";
 
@@ -60,8 +62,10 @@ export class MappingPanel {
   }
 
   /** @param {TelemetryMessage} telemetry */
-  follow({ mapping, replay }) {
+  follow({ mapping, replay, map: field }) {
     const map = mapping ?? null;
+    // The answer to the command may be lost where the program changes its map.
+    if (this.#awaited !== "" && field === this.#awaited) this.#arrive();
     const key = map && map.version > 0 ? `${map.state} ${map.version}` : "";
     if (key !== this.#loaded) this.#load(key);
     if (this.#panel.hidden) return;
@@ -95,9 +99,14 @@ export class MappingPanel {
     event.preventDefault();
     const use = event.submitter?.id !== "mapping-keep";
     const name = this.#name.value;
-    if (!(await this.order({ type: "save_map", name, use }))) return;
-    this.#saved = name;
-    if (use) this.#show(false);
+    this.#awaited = use ? name : "";
+    if (await this.order({ type: "save_map", name, use })) this.#saved = name;
+  }
+
+  /** The robot goes on in the map that was saved. */
+  #arrive() {
+    this.#awaited = "";
+    this.#show(false);
   }
 
   /** @param {string} key */
