@@ -92,6 +92,10 @@ def test_the_robot_goes_on_in_the_saved_map(mapped, tmp_path):
     following = build_on_map(mapped.program, str(path), mapped.drawer.place(before))
     assert following.field.name == "kitchen"
     assert following.robot is mapped.program.robot
+    # A recording of it is replayed from there.
+    begins = following.config.start_pose
+    assert begins.set_initial_pose
+    assert begins.initial_pose.pose.distance_to(before.truth) < 0.005
     errors = [
         snapshot.pose.distance_to(snapshot.truth)
         for snapshot in run(following, 4.0, EIGHT)

@@ -21,6 +21,7 @@ from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
 from app.settings.profiles import profile_file
+from app.settings.start_pose import InitialPose
 from robot.calibration.profile import Profile, load_profile
 from robot.calibration.tracker import CalibrationTracker
 from robot.description.spec import RobotSpec
@@ -109,18 +110,23 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
         place: where the robot is in it.
 
     Raises:
-        FieldError: there is no such map.
+        FieldError: there is no such map, or the robot is off it.
     """
-    usual = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
-    config, field = replace(program.config, map=name, start_pose=usual), load_field(name, MAPS)
+    # A recording's replay begins where the configuration says.
+    pose, covariance = place.pose, tuple(place.covariance.ravel().tolist())
+    initial = InitialPose(pose.x, pose.y, pose.theta, covariance=covariance)
+    begins = replace(
+        program.config.start_pose, restore_pose=False, set_initial_pose=True, initial_pose=initial
+    )
+    config, field = replace(program.config, map=name, start_pose=begins), load_field(name, MAPS)
     controls, robot = program.engine.controls, program.robot
     scanner = LineScanner(controls.spec.floor_view, config.scanner, field.tape)
-    own, begin = own_models(config, field), Start((place,), odometry=place.pose)
+    path = pose_path(begins.pose_file, config.robot, field)
+    own, begin = own_models(config, field), replace(start(begins, path, field), odometry=pose)
     parameters = controls.localization.parameters
     engine = build_engine(config, robot, field, scanner, own, begin, parameters)
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    path = pose_path(config.start_pose.pose_file, config.robot, field)
     return Program(engine, robot, field, config, path, own.choice)
 
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 from concurrent.futures import Future
 from dataclasses import dataclass
 
 import numpy as np
 
+from app.engine.followed_drive import give_way, start_of
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import SetPoseCommand
@@ -18,11 +18,6 @@ from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Pose2
-from robot.localization.integrity import State
-
-NICENESS = 5
-"""An adjustment's share of the processor is what the control loop and other programs leave."""
-
 
 STANDING_SD = np.array([0.002, 0.002, math.radians(0.5)])
 """How far a robot that stands may have moved unnoticed while its drive is adjusted [m, m, rad]."""
@@ -48,11 +43,9 @@ class CollectedDrive:
         self._field = program.field
         self._process = process
         # It loads what it needs while the robot drives.
-        process.submit(_give_way, NICENESS)
+        give_way(process)
         self._recorder = DriveRecorder(self.spec, program.config.scanner, program.field.tape)
-        known = first.integrity.state is State.CERTAIN and first.pose is not None
-        # Else where somebody told that it was, and how its wheels have turned since.
-        self._start = first.pose if known and first.pose else first.odometry
+        self._start = start_of(first)
         self.began = first.stamp
         """Stamp of the first tick [s]."""
         self._last = first
@@ -95,10 +88,6 @@ class CollectedDrive:
             sd_xy=float(sd[:2].max()),
             sd_theta=float(sd[2]),
         )
-
-
-def _give_way(niceness: int) -> None:
-    os.setpriority(os.PRIO_PROCESS, 0, niceness)
 
 
 def _calibrate(job: _Job) -> Calibration:

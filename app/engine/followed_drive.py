@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import time
 from collections.abc import Iterator
@@ -10,10 +11,15 @@ from typing import TypeVar
 
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.snapshot import Snapshot
+from app.worker_process import WorkerProcess
 from robot.errors import BrickPoseError
+from robot.geometry import Pose2
+from robot.localization.integrity import State
 
 T = TypeVar("T")
 
+NICENESS = 5
+"""Of a process that works beside the control loop."""
 LOOK_S = 0.2
 """Interval of checking whether to end, while there are no ticks [s]."""
 SILENT_S = 2.0
@@ -22,6 +28,22 @@ SILENT_S = 2.0
 
 class FollowingError(BrickPoseError, RuntimeError):
     """The drive cannot be followed to its end; the message says why."""
+
+
+def give_way(process: WorkerProcess) -> None:
+    """Let the process work only with what the control loop and other programs leave it."""
+    process.submit(_give_way, NICENESS)
+
+
+def _give_way(niceness: int) -> None:
+    os.setpriority(os.PRIO_PROCESS, 0, niceness)
+
+
+def start_of(first: Snapshot) -> Pose2:
+    """Return where a drive begins, by its first tick: as the filter says if that is certain."""
+    known = first.integrity.state is State.CERTAIN and first.pose is not None
+    # Else where somebody told that it was, and how its wheels have turned since.
+    return first.pose if known and first.pose else first.odometry
 
 
 def ticks_of(feed: Backlog[Snapshot], stopping: threading.Event) -> Iterator[Snapshot]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from robot.fields.drawing.curves import distances
 from robot.geometry import Array
 from robot.mapping.ends import RaysOnFloor, is_tape
 from robot.mapping.strokes import Stroke
@@ -46,12 +48,11 @@ class Lengthwise:
 
 def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor) -> Lengthwise:
     """Return tape of a width [m] that is not among the known strokes."""
-    known = _Known(strokes, width)
     met = np.isfinite(rays.first[:, 0])
-    met[met] = known.distance(rays.first[met]) > BEYOND
+    met[met] = _from_tape(rays.first[met], strokes, width) > BEYOND
     # Tape that crosses known tape is left by its own sides.
     left = np.isfinite(rays.until[:, 0])
-    left[left] = known.distance(rays.until[left]) > BEYOND
+    left[left] = _from_tape(rays.until[left], strokes, width) > BEYOND
     # Rays that begin in the dark meet no edge there.
     met &= np.hypot(*(rays.first - rays.begin).T) > 1e-3
     points = np.vstack([rays.first[met], rays.until[left]])
@@ -67,22 +68,13 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
     return Lengthwise(tuple(tape), np.array(others).reshape(-1, 2))
 
 
-class _Known:
-    """Tape that is known."""
-
-    def __init__(self, strokes: tuple[Stroke, ...], width: float) -> None:
-        points = [stroke.points for stroke in strokes]
-        self._start = np.vstack([line[:-1] for line in points])
-        self._way = np.vstack([np.diff(line, axis=0) for line in points])
-        self._half = width / 2
-
-    def distance(self, points: Array) -> Array:
-        """Return how far points (n, 2) lie from the tape (n,) [m]."""
-        nearest = np.full(len(points), np.inf)
-        for start, way in zip(self._start, self._way, strict=True):
-            part = np.clip((points - start) @ way / (way @ way), 0, 1)
-            nearest = np.minimum(nearest, np.hypot(*(points - start - part[:, None] * way).T))
-        return nearest - self._half
+def _from_tape(points: Array, strokes: tuple[Stroke, ...], width: float) -> Array:
+    """Return how far points (n, 2) lie from tape (n,) [m]; on it, they are negative."""
+    nearest = np.full(len(points), np.inf)
+    for stroke in strokes:
+        for start, end in pairwise(stroke.points):
+            nearest = np.minimum(nearest, distances(points, start, end))
+    return nearest - width / 2
 
 
 def _things(points: Array, picture: NDArray[np.intp]) -> list[NDArray[np.intp]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robot.calibration.sightings import Misses
+from robot.fields.drawing.curves import distances
 from robot.geometry import Array
 from robot.mapping.strokes import Stroke, Strokes
 
@@ -46,7 +47,5 @@ def without_redundant(strokes: Strokes, seen: Misses) -> list[Stroke]:
 def _from_edges(points: Array, edges: Array) -> Array:
     nearest = np.full(len(points), np.inf)
     for edge in edges:
-        start, along = edge[:2], edge[2:] - edge[:2]
-        part = np.clip((points - start) @ along / (along @ along), 0, 1)
-        nearest = np.minimum(nearest, np.hypot(*(points - start - part[:, None] * along).T))
+        nearest = np.minimum(nearest, distances(points, edge[:2], edge[2:]))
     return nearest

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import os
 from bisect import bisect_left
 from concurrent.futures import Future
 from dataclasses import dataclass
 
 import numpy as np
 
+from app.engine.followed_drive import give_way, start_of
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.worker_process import WorkerProcess
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2, interpolate
-from robot.localization.integrity import State
 from robot.mapping.mapper import Mapper
 from robot.mapping.sketch import Sketch
 from robot.mapping.tape_map import TapeMap
 from robot.scanning.tape import Tape
 
-NICENESS = 5
-"""Drawing gets the share of the processor that control loop and other programs leave."""
 FEWEST_EDGES = 4
 """A picture shows tape if so many rays met it."""
 
@@ -62,13 +59,11 @@ class MappedDrive:
         self._spec = first.spec
         self._width = program.engine.localization.scanner.main_width
         self._process = process
-        process.submit(_give_way, NICENESS)
+        give_way(process)
         self._recorder = DriveRecorder(
             self._spec, program.config.scanner, (Tape(self._width),), calibrated=True
         )
-        known = first.integrity.state is State.CERTAIN and first.pose is not None
-        # On a floor that nobody knows, the map begins where dead reckoning has it.
-        self._start = first.pose if known and first.pose else first.odometry
+        self._start = start_of(first)
         self._mapper: Mapper | None = None
         self._stamps: list[float] = []
         self._odometry: list[Pose2] = []
@@ -125,10 +120,6 @@ class MappedDrive:
 
     def _job(self) -> _Job:
         return _Job(self._mapper, self._recorder.log, self._spec, self._width, self._start)
-
-
-def _give_way(niceness: int) -> None:
-    os.setpriority(os.PRIO_PROCESS, 0, niceness)
 
 
 def _draw(job: _Job) -> Drawn:

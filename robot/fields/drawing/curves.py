@@ -70,7 +70,7 @@ def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: floa
     for _ in range(_REFINEMENTS):
         points = curve(parameters)
         start, step = parameters[:-1], np.diff(parameters)
-        offset = [_distance(curve(start + k * step), points[:-1], points[1:]) for k in _LOOKED_AT]
+        offset = [distances(curve(start + k * step), points[:-1], points[1:]) for k in _LOOKED_AT]
         far = np.max(offset, axis=0) > tolerance
         if not far.any():
             break
@@ -79,9 +79,13 @@ def _refined(curve: Callable[[Array], Array], parameters: Array, tolerance: floa
     return curve(parameters)
 
 
-def _distance(points: Array, start: Array, end: Array) -> Array:
-    """Return distances (n,) of points (n, 2) from line segments between start and end (n, 2)."""
-    along, across = end - start, points - start
+def distances(points: Array, start: Array, end: Array) -> Array:
+    """Return distances (n,) of points (n, 2) from line segments between start and end (n, 2).
+
+    A single segment (2,) is that of all points.
+    """
+    across = points - start
+    along = np.broadcast_to(end - start, across.shape)
     square = (along**2).sum(axis=1)
     share = np.clip((across * along).sum(axis=1) / np.where(square > 0, square, 1), 0, 1)
     offset: Array = across - share[:, None] * along
