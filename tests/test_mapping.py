@@ -1,6 +1,7 @@
 """Maps drawn by driving: strokes, their edges, tracing, ends, drawing, and whole drives."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from app.settings.config import MAPS
 from robot.calibration.drive_log import DriveLog
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
+from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
+from robot.mapping.ends import RaysOnFloor
 from robot.mapping.mapper import Mapper
 from robot.mapping.steadiness import steadiness
 from robot.mapping.stroke_fitting import fit_stroke
@@ -229,3 +232,20 @@ def test_what_cannot_be_used_is_named(
 ) -> None:
     assert main(["map", str(tmp_path / "nothing.mcap"), *options]) in (1, 2)
     assert words in capsys.readouterr().err
+
+
+def test_tape_where_rays_saw_bare_floor_contradicts_the_map() -> None:
+    log, _, _ = driven("default", 60100, 16.5, eight, "square", calibrated=True)
+    drawn, _ = mapped("square", 60100)
+    used = log.some(np.searchsorted(log.stamps, drawn.stamps))
+    rays = RaysOnFloor.of(used, SPEC, drawn.solution.state)
+    assert drawn.bare.share == BareFloor.of(drawn.tidy.strokes, WIDTH, rays).share
+    assert drawn.bare.share < 0.002
+    # The same side once more, as if the robot had lost its path for a while.
+    turned = [Stroke(Pose2(0.1, 0.0, 0.2).apply(s.nodes)) for s in drawn.tidy.strokes[:1]]
+    bare = BareFloor.of([*drawn.tidy.strokes, *turned], WIDTH, rays)
+    assert bare.contradicts
+    assert bare.places == pytest.approx(turned[0].nodes.mean(axis=0)[None], abs=0.01)
+    wrong = replace(drawn, bare=bare)
+    assert not wrong.fits
+    assert "saw bare floor there at" in " ".join(wrong.remarks)

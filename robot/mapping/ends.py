@@ -133,34 +133,6 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
     return End(place, outward, lower, max(upper, lower), _face(first[on_face, 0]))
 
 
-def is_tape(stroke: Stroke, width: float, rays: RaysOnFloor) -> bool:
-    """Return whether more rays that cross a stroke of a width [m] saw tape there than bare floor.
-
-    Clutter in a corner, or two pieces of tape side by side, may look like tape from one place.
-    """
-    points = stroke.points
-    steps = np.diff(points, axis=0)
-    tape = bare = 0
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for start, step in zip(points[:-1], steps, strict=True):
-            length = math.hypot(*step)
-            left = np.array([-step[1], step[0]]) / length
-            way = rays.end - rays.begin
-            sine = way @ left / np.hypot(*way.T)
-            reached = ((start - rays.begin) @ left) / (way @ left)
-            place = ((rays.begin - start) + reached[:, None] * way) @ step / length**2
-            crosses = (reached > 0) & (reached < 1) & (place >= 0) & (place < 1)
-            crosses &= np.abs(sine) > STEEP
-            half = width / 2 / np.abs(sine)
-            crossing = reached * np.hypot(*way.T)
-            entry = np.hypot(*(rays.entry - rays.begin).T)
-            first = np.hypot(*(rays.first - rays.begin).T)
-            tape += int((crosses & (np.abs(crossing - half - entry) < ON_EDGE)).sum())
-            beyond = np.isnan(first) | (first > crossing + half + 0.02)
-            bare += int((crosses & beyond).sum())
-    return tape >= bare
-
-
 def _robust(values: Array, without: float) -> float:
     """Return the least value (n,), but for some outliers."""
     if len(values) <= 2 * OUTLIERS:

@@ -19,7 +19,8 @@ from scipy.spatial import cKDTree
 
 from robot.fields.drawing.curves import distances
 from robot.geometry import Array
-from robot.mapping.ends import RaysOnFloor, is_tape
+from robot.mapping.crossings import is_tape
+from robot.mapping.ends import RaysOnFloor
 from robot.mapping.strokes import Stroke
 
 BEYOND = 0.012

@@ -30,7 +30,8 @@ from robot.calibration.unknowns import (
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
-from robot.mapping.ends import RaysOnFloor, is_tape
+from robot.mapping.crossings import BareFloor, is_tape
+from robot.mapping.ends import RaysOnFloor
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.redundant import without_redundant
@@ -171,6 +172,7 @@ class Mapper:
             solution,
             log.stamps,
             self._adjustment(total).step_errors(self._state),
+            BareFloor.of(tidy.strokes, self._width, rays),
         )
 
     def _refined(self, solution: Solution) -> Solution:

@@ -10,6 +10,7 @@ from robot.calibration.adjustment import Solution, residual_sd
 from robot.calibration.unknowns import COUNT
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
+from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
 from robot.mapping.pushed import moved_at, push_remark
 from robot.mapping.steadiness import steadiness
@@ -20,8 +21,8 @@ LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
 MOST_RESIDUAL = 2.5
 """... and if they lie at most so many times as far off as expected."""
-
-
+UNSURE = 0.01
+"""Tape that is less certain than this is told [m]."""
 LEAST_STEADINESS = 0.01
 """Tape tells where the robot is, in all directions, if its steadiness is at least so much."""
 MOST_PLACES = 3
@@ -48,6 +49,8 @@ class TapeMap:
     """(k,) of the pictures that were used [s]."""
     step_errors: Array = field(repr=False)
     """(k - 1, 3) how far steps are from what the wheels tell, in deviations."""
+    bare: BareFloor
+    """Where bare floor was seen instead of the map's tape."""
 
     @property
     def length(self) -> float:
@@ -80,7 +83,7 @@ class TapeMap:
     @property
     def fits(self) -> bool:
         """Whether the map explains what was seen."""
-        return self._edges_lie_on_it and self.moved_at is None
+        return self._edges_lie_on_it and self.moved_at is None and not self.bare.contradicts
 
     @property
     def unseen_ends(self) -> Array:
@@ -115,6 +118,17 @@ class TapeMap:
                 f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
             )
+        if self.bare.contradicts:
+            remarks.append(
+                f"{100 * self.bare.share:.0f} % of the rays across its tape saw bare floor there"
+                f"{_near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
+            )
+        largest = float(1.96 * self.node_sd.max())
+        if largest > UNSURE:
+            remarks.append(
+                f"some of its tape is uncertain by {1e3 * largest:.0f} mm: drive along it once "
+                "more, and back to where the map began"
+            )
         if self.moved_at is not None:
             remarks.append(push_remark(self.moved_at))
         unseen = len(self.unseen_ends)
@@ -129,10 +143,9 @@ class TapeMap:
                 "wrong by such a motion: lay a mark beside it, such as a stub"
             )
         if len(self.others):
-            places = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in self.others[:MOST_PLACES])
             remarks.append(
-                f"something dark at {places} is not in the map: a shadow, or tape that was seen "
-                "from its end only; drive past it"
+                f"something dark{_near(self.others)} is not in the map: a shadow, or tape that was "
+                "seen from its end only; drive past it"
             )
         return tuple(remarks)
 
@@ -140,3 +153,9 @@ class TapeMap:
         """Return the map as an SVG, for ``load_field``."""
         start = Pose2.from_array(self.solution.state.poses[0])
         return drawing(self.tidy, self.measured.width, start, title)
+
+
+def _near(places: Array) -> str:
+    """Return the first places (n, 2) in words; nothing for none."""
+    some = " and ".join(f"({x:.2f}, {y:.2f}) m" for x, y in places[:MOST_PLACES])
+    return f" at {some}" if some else ""
