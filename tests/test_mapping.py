@@ -241,11 +241,11 @@ def test_tape_where_rays_saw_bare_floor_contradicts_the_map() -> None:
     rays = RaysOnFloor.of(used, SPEC, drawn.solution.state)
     assert drawn.bare.share == BareFloor.of(drawn.tidy.strokes, WIDTH, rays).share
     assert drawn.bare.share < 0.002
-    # The same side once more, as if the robot had lost its path for a while.
-    turned = [Stroke(Pose2(0.1, 0.0, 0.2).apply(s.nodes)) for s in drawn.tidy.strokes[:1]]
-    bare = BareFloor.of([*drawn.tidy.strokes, *turned], WIDTH, rays)
+    # A side once more, where there is none, as if the robot had lost its path for a while.
+    nowhere = Stroke(np.array([[-0.3, 0.15], [0.3, 0.15]]))
+    bare = BareFloor.of([*drawn.tidy.strokes, nowhere], WIDTH, rays)
     assert bare.contradicts
-    assert bare.places == pytest.approx(turned[0].nodes.mean(axis=0)[None], abs=0.01)
+    assert bare.places == pytest.approx(np.array([[0.0, 0.15]]))
     wrong = replace(drawn, bare=bare)
     assert not wrong.fits
     assert "saw bare floor there at" in " ".join(wrong.remarks)
