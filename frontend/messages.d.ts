@@ -5,6 +5,7 @@ export type Command =
   | DeleteStrokeCommand
   | DiscardMapCommand
   | DriveCommand
+  | ExploreCommand
   | FigureEightCommand
   | FinishCalibrationCommand
   | FinishMapCommand
@@ -149,6 +150,18 @@ export interface EstimateMessage {
   theta: number;
   /** 9 numbers by rows [m^2, m rad, rad^2]. */
   covariance: number[];
+}
+
+/**
+ * Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed. It ends by
+ * itself, back at its start, when all of the floor between the tape was seen.
+ */
+export interface ExploreCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "explore";
+  /** Whether to begin; without it the command only renews a drive that has begun. */
+  start?: boolean;
 }
 
 /** The field, the robot on it, and limits: what a page needs once, and after a calibration. */
@@ -732,7 +745,7 @@ export interface TelemetryMessage {
   estimate: EstimateMessage | null;
   integrity: IntegrityMessage;
   twist: TwistMessage;
-  mode: "idle" | "drive" | "figure_eight" | "calibrate";
+  mode: "idle" | "drive" | "figure_eight" | "calibrate" | "explore";
   driver: DriverMessage;
   particles: ParticlesMessage;
   scan: ScanMessage;

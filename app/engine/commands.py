@@ -24,6 +24,7 @@ from app.messages.commands import (
     DeleteStrokeCommand,
     DiscardMapCommand,
     DriveCommand,
+    ExploreCommand,
     FigureEightCommand,
     FinishCalibrationCommand,
     FinishMapCommand,
@@ -129,6 +130,10 @@ def _figure_eight(_command: Command, controls: Controls, _odometry: OdometryStat
 
 def _calibrate(command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
     controls.driving.calibrate(controls.stamp, start=command.start)
+
+
+def _explore(command: ExploreCommand, controls: Controls, _odometry: OdometryState) -> None:
+    controls.driving.explore(controls.stamp, start=command.start)
 
 
 def _check_driving(_command: Command, program: Program) -> None:
@@ -275,6 +280,7 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         FinishCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         UndoCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         StartMapCommand: Rule(_nothing, Repeat.NEVER, _check_drawn),
+        ExploreCommand: Rule(_explore, Repeat.NEVER, _check_driving, drives=True),
         FinishMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         DeleteStrokeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         DiscardMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),

@@ -9,13 +9,14 @@ from robot.driving.differential_drive import DifferentialDrive
 from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
+from robot.driving.route import Route
 from robot.geometry import Twist2
 
 GAP_S = 3.0
 """The drive of a calibration that is renewed again within this time goes on; it stands until then.
 A minute of driving shall not be lost by a moment without network."""
 
-Mode = Literal["idle", "drive", "figure_eight", "calibrate"]
+Mode = Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
 
 
 class Driving:
@@ -25,6 +26,8 @@ class Driving:
         self, controller: DriveController, timeout: float, eight: FigureEight | None = None
     ) -> None:
         self.mode: Mode = "idle"
+        self.route: Route | None = None
+        """What is driven to explore; None stands. Another thread may give the next one."""
         self._controller = controller
         self._timeout = timeout
         self._eight = eight or FigureEight()
@@ -60,6 +63,13 @@ class Driving:
             self._began = self._updated = stamp
         self._renewed = stamp
 
+    def explore(self, stamp: float, *, start: bool) -> None:
+        """Start to follow the routes that are given, or renew that."""
+        if start and self.mode != "explore":
+            self.mode = "explore"
+            self.route = None
+        self._renewed = stamp
+
     def stop(self) -> None:
         """Stand still at once."""
         self.mode = "idle"
@@ -69,12 +79,31 @@ class Driving:
         """Return the twist to apply where the robot is now by odometry."""
         stamp = odometry.stamp
         if self.mode in ("figure_eight", "calibrate"):
-            self._follow_programme(stamp, stamp - self._renewed >= self._timeout - 5e-7)
+            self._follow_programme(stamp, self._lapsed(stamp))
+        elif self.mode == "explore":
+            self._follow_route(odometry)
         self._updated = stamp
         twist = self._controller.update(stamp)
         if not self._controller.active:
             self.mode = "idle" if self.mode == "drive" else self.mode
         return twist
+
+    def _lapsed(self, stamp: float) -> bool:
+        return stamp - self._renewed >= self._timeout - 5e-7
+
+    def _follow_route(self, odometry: OdometryState) -> None:
+        """Drive on; stand at the end of a route, and stop if nobody renews it any more."""
+        if self._lapsed(odometry.stamp):
+            self.stop()
+            return
+        route = self.route
+        twist = None if route is None else route.twist(odometry.odom_from_robot)
+        if twist is not None:
+            self._controller.command(twist, odometry.stamp)
+            return
+        self._controller.stop()
+        if self.route is route:
+            self.route = None
 
     def _follow_programme(self, stamp: float, lapsed: bool) -> None:
         """Drive on; stand if nobody renews it any more."""

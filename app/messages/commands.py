@@ -80,6 +80,17 @@ class StartMapCommand(CommandMessage):
     type: Literal["start_map"]
 
 
+class ExploreCommand(CommandMessage):
+    """Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed.
+
+    It ends by itself, back at its start, when all of the floor between the tape was seen.
+    """
+
+    type: Literal["explore"]
+    start: bool = False
+    """Whether to begin; without it the command only renews a drive that has begun."""
+
+
 class FinishMapCommand(CommandMessage):
     """End the drive of the map; all of it is adjusted then."""
 
@@ -257,6 +268,7 @@ Command = Annotated[
     | FinishCalibrationCommand
     | UndoCalibrationCommand
     | StartMapCommand
+    | ExploreCommand
     | FinishMapCommand
     | DeleteStrokeCommand
     | DiscardMapCommand

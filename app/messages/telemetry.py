@@ -214,7 +214,7 @@ class TelemetryMessage(Message):
     estimate: EstimateMessage | None
     integrity: IntegrityMessage
     twist: TwistMessage
-    mode: Literal["idle", "drive", "figure_eight", "calibrate"]
+    mode: Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
     driver: DriverMessage
     particles: ParticlesMessage
     scan: ScanMessage

@@ -1,0 +1,53 @@
+"""Lets a robot explore: gives its drive the next route whenever it stands."""
+
+from __future__ import annotations
+
+from app.engine.program import Program
+from app.engine.snapshot import Snapshot
+from app.messages.commands import StopCommand
+from robot.geometry import Pose2
+from robot.mapping.exploring import Explorer
+from robot.mapping.sketch import Sketch
+
+LATEST_S = 2.0
+"""A route is planned when the map has what the robot saw so far, or after so long [s]."""
+
+
+class Exploration:
+    """One exploring drive; for the thread that draws its map."""
+
+    def __init__(self, program: Program) -> None:
+        """Prepare for a program."""
+        self._commands = program.engine.commands
+        self._driving = program.engine.controls.driving
+        self._explorer = Explorer()
+        self._stands_since: float | None = None
+        self.done = False
+        """Whether there is nothing left to see."""
+
+    def follow(
+        self, snapshot: Snapshot, sketch: Sketch | None, map_from_odom: Pose2 | None
+    ) -> None:
+        """Give the next route, if the robot explores and has come to the end of the last one.
+
+        Args:
+            snapshot: of a tick.
+            sketch: the map so far; None if nothing was seen.
+            map_from_odom: where odometry began in it.
+        """
+        if snapshot.mode != "explore" or self.done or self._driving.route is not None:
+            self._stands_since = None
+            return
+        if self._stands_since is None:
+            self._stands_since = snapshot.stamp
+        drawn = sketch is not None and sketch.stamp >= self._stands_since
+        if not drawn and snapshot.stamp < self._stands_since + LATEST_S:
+            return
+        known = map_from_odom or Pose2()
+        route = self._explorer.next(sketch, known @ snapshot.odom_from_robot)
+        if route is None:
+            self.done = True
+            self._commands.put(StopCommand(type="stop"))
+            return
+        route.goal = known.inverse() @ route.goal
+        self._driving.route = route
