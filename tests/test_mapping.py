@@ -18,7 +18,9 @@ from app.settings.config import MAPS
 from robot.calibration.drive_log import DriveLog
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
-from robot.mapping.crossings import BareFloor
+from robot.mapping.bare_floor import BIN, gaps
+from robot.mapping.crossings import BareFloor, Crossings
+from robot.mapping.cutting import pieces_of
 from robot.mapping.drawing import drawing
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.mapper import Mapper
@@ -249,3 +251,29 @@ def test_tape_where_rays_saw_bare_floor_contradicts_the_map() -> None:
     wrong = replace(drawn, bare=bare)
     assert not wrong.fits
     assert "saw bare floor there at" in " ".join(wrong.remarks)
+
+
+@given(st.lists(st.floats(0.045, 0.12), min_size=3, max_size=9))
+def test_gaps_are_where_rays_saw_bare_floor(lengths: list[float]) -> None:
+    borders = np.concatenate([[0.0], np.cumsum(lengths)])
+    places = np.arange(0.0, borders[-1], 0.001)
+    is_bare = np.searchsorted(borders, places, side="right") % 2 == 0
+    found = list(gaps(places[~is_bare], places[is_bare], 0.0, float(borders[-1])))
+    expected = list(zip(borders[1:-1:2], borders[2::2], strict=False))
+    assert len(found) == len(expected)
+    for gap, border in zip(found, expected, strict=True):
+        assert gap == pytest.approx(border, abs=2.1 * BIN)
+
+
+def test_dashes_are_cut_apart_and_a_ring_opens() -> None:
+    for whole in (Stroke(np.array([[0.0, 0.0], [0.8, 0.0]])), CURVE, RING):
+        total = whole.knots[-1]
+        places = np.arange(0.0, total, 0.001)
+        is_bare = np.abs(places - total / 2) < 0.04
+        pieces = list(pieces_of(whole, Crossings(places[~is_bare], places[is_bare])))
+        assert len(pieces) == (1 if whole.closed else 2)
+        assert not any(piece.closed for piece in pieces)
+        assert sum(piece.length for piece in pieces) == pytest.approx(whole.length - 0.08, abs=0.02)
+        for piece in pieces:
+            assert distances(piece.points, whole).max() < 0.001
+    assert list(pieces_of(LINE, Crossings(places, np.zeros(0)))) == [LINE]

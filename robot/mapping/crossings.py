@@ -22,10 +22,12 @@ BARE_STROKE = 0.2
 
 
 class Crossings(NamedTuple):
-    """How many rays that cross a stroke saw its tape, and how many saw bare floor."""
+    """Where rays crossed a stroke, as sums of chords (``Stroke.knots``) [m]."""
 
-    tape: int
-    bare: int
+    tape: Array
+    """(n,) where they saw its tape."""
+    bare: Array
+    """(m,) where they saw bare floor."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,8 @@ class BareFloor:
     @classmethod
     def of(cls, strokes: Sequence[Stroke], width: float, rays: RaysOnFloor) -> BareFloor:
         """Return what the rays of a drive saw of a map with tape of a width [m]."""
-        counts = np.array([crossings(stroke, width, rays) for stroke in strokes]).reshape(-1, 2)
+        crossed = [crossings(stroke, width, rays) for stroke in strokes]
+        counts = np.array([[len(places) for places in each] for each in crossed]).reshape(-1, 2)
         shares = counts[:, 1] / np.maximum(1, counts.sum(axis=1))
         places = [
             stroke.points[len(stroke.points) // 2 - 1 : len(stroke.points) // 2 + 1].mean(axis=0)
@@ -58,15 +61,14 @@ class BareFloor:
 
 def crossings(stroke: Stroke, width: float, rays: RaysOnFloor) -> Crossings:
     """Return what the rays saw that cross a stroke of a width [m]."""
-    points = stroke.points
-    steps = np.diff(points, axis=0)
-    tape = bare = 0
+    points, places = stroke.points, stroke.places
+    tape, bare = [np.zeros(0)], [np.zeros(0)]
     way = rays.end - rays.begin
     length = np.hypot(*way.T)
     entry = np.hypot(*(rays.entry - rays.begin).T)
     first = np.hypot(*(rays.first - rays.begin).T)
     with np.errstate(invalid="ignore", divide="ignore"):
-        for start, step in zip(points[:-1], steps, strict=True):
+        for k, (start, step) in enumerate(zip(points[:-1], np.diff(points, axis=0), strict=True)):
             left = np.array([-step[1], step[0]]) / math.hypot(*step)
             sine = way @ left / length
             reached = ((start - rays.begin) @ left) / (way @ left)
@@ -75,10 +77,11 @@ def crossings(stroke: Stroke, width: float, rays: RaysOnFloor) -> Crossings:
             crosses &= np.abs(sine) > STEEP
             half = width / 2 / np.abs(sine)
             crossing = reached * length
-            tape += int((crosses & (np.abs(crossing - half - entry) < ON_EDGE)).sum())
+            along = places[k] + place * (places[k + 1] - places[k])
+            tape.append(along[crosses & (np.abs(crossing - half - entry) < ON_EDGE)])
             beyond = np.isnan(first) | (first > crossing + half + BARE_BEYOND)
-            bare += int((crosses & beyond).sum())
-    return Crossings(tape, bare)
+            bare.append(along[crosses & beyond])
+    return Crossings(np.concatenate(tape), np.concatenate(bare))
 
 
 def is_tape(stroke: Stroke, width: float, rays: RaysOnFloor) -> bool:
@@ -87,4 +90,4 @@ def is_tape(stroke: Stroke, width: float, rays: RaysOnFloor) -> bool:
     Clutter in a corner, or two pieces of tape side by side, may look like tape from one place.
     """
     tape, bare = crossings(stroke, width, rays)
-    return tape >= bare
+    return len(tape) >= len(bare)

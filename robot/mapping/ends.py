@@ -14,6 +14,7 @@ from robot.calibration.sightings import Sightings
 from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Array
+from robot.mapping.bare_floor import gaps
 from robot.mapping.strokes import Stroke, Strokes
 
 BEFORE, BEYOND = 0.12, 0.20
@@ -124,6 +125,12 @@ def find_end(stroke: Stroke, last: bool, width: float, rays: RaysOnFloor) -> End
         on_edge &= np.abs(entry[:, 0] - near) < 4 * ON_EDGE
         bare = np.isnan(met) | (met > reached.max(axis=1) + 0.02 / length)
     window = crosses & (inner > -BEFORE) & (outer < BEYOND)
+    middle = (inner + outer) / 2
+    gap = next(gaps(middle[window & on_edge], middle[window & bare], -BEFORE, BEYOND), None)
+    if gap is not None:
+        # Tape beyond bare floor is another piece, such as the next dash.
+        window &= middle < gap[1]
+        on_edge &= middle < gap[0]
     lower = -_robust(-inner[window & on_edge], 0.0)
     upper = _robust(outer[window & bare], math.inf)
     on_face = (np.abs(first[:, 1]) < width / 2 - FACE) & (begin[:, 0] > first[:, 0] + 0.02)

@@ -31,6 +31,7 @@ from robot.calibration.wheel_motion import WheelMotion
 from robot.description.spec import RobotSpec
 from robot.geometry import Pose2
 from robot.mapping.crossings import BareFloor, is_tape
+from robot.mapping.cutting import without_gaps
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
@@ -160,11 +161,11 @@ class Mapper:
             self._strokes = whole
             solution = self._refined(self._adjust(total, WHOLE[-1:]))
             rays = RaysOnFloor.of(log, self._spec, self._state)
-        tidy = tidied(self._strokes, rays)
+        tidy = tidied(without_gaps(self._strokes, rays), rays)
         more = find_lengthwise(tidy.strokes, self._width, rays)
         if more.strokes:
             every = Strokes.of(self._strokes.each + more.strokes, self._width)
-            tidy = tidied(joined(every, rays), rays)
+            tidy = tidied(without_gaps(joined(every, rays), rays), rays)
         return TapeMap(
             tidy,
             more.others,

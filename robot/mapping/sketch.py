@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.calibration.adjustment import Solution
-from robot.calibration.unknowns import COUNT
 from robot.geometry import Array, Pose2
 from robot.mapping.pushed import moved_at
 from robot.mapping.strokes import Stroke, Strokes
+from robot.mapping.uncertainty import node_sd
 
 MOST_POINTS = 1500
 """Most of the points at which edges were seen."""
@@ -45,10 +45,9 @@ class Sketch:
             step_errors: (k - 1, 3) how far steps are from what the wheels tell, in deviations.
         """
         path, ends = solution.state.poses, solution.misses.ends
-        node_sd = np.sqrt(np.diag(solution.covariance)[COUNT:])
         return cls(
             tuple(stroke.points for stroke in strokes.each),
-            largest_by_stroke(strokes.each, node_sd),
+            largest_by_stroke(strokes.each, node_sd(strokes, solution)),
             path,
             ends[:: 1 + len(ends) // MOST_POINTS],
             float(stamps[len(path) - 1]),
@@ -61,10 +60,10 @@ class Sketch:
         return Pose2.from_array(self.path[-1])
 
 
-def largest_by_stroke(strokes: Sequence[Stroke], node_sd: Array) -> Array:
+def largest_by_stroke(strokes: Sequence[Stroke], sd: Array) -> Array:
     """Return the largest value (s,) of each stroke's nodes."""
     first, largest = 0, []
     for stroke in strokes:
-        largest.append(float(node_sd[first : first + len(stroke.nodes)].max()))
+        largest.append(float(sd[first : first + len(stroke.nodes)].max()))
         first += len(stroke.nodes)
     return np.array(largest)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robot.calibration.adjustment import Solution, residual_sd
-from robot.calibration.unknowns import COUNT
 from robot.errors import BrickPoseError
 from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor
@@ -16,6 +15,7 @@ from robot.mapping.pushed import moved_at, push_remark
 from robot.mapping.steadiness import steadiness
 from robot.mapping.strokes import Strokes
 from robot.mapping.tidying import TidyStrokes
+from robot.mapping.uncertainty import node_sd
 
 LEAST_SHARE = 0.7
 """A map fits if this share of the edges that were seen lies on its strokes."""
@@ -63,8 +63,7 @@ class TapeMap:
 
         The map begins where the robot did, so what is far from there is less certain.
         """
-        sd: Array = np.sqrt(np.diag(self.solution.covariance)[COUNT:])
-        return sd
+        return node_sd(self.measured, self.solution)
 
     @property
     def residual(self) -> float:

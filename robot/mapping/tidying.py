@@ -15,7 +15,8 @@ import numpy as np
 
 from robot.geometry import Array
 from robot.mapping.ends import End, RaysOnFloor, find_end
-from robot.mapping.stroke_fitting import SHORTEST, fit_stroke
+from robot.mapping.stroke_fitting import DENSEST, SHORTEST, fit_stroke
+from robot.mapping.stroke_fitting import SPACING as NODES
 from robot.mapping.strokes import Stroke, Strokes
 
 GAP, UNSEEN_GAP = 0.40, 0.12
@@ -117,11 +118,31 @@ def _next_pair(
 
 def _joined(before: Stroke, after: Stroke) -> Stroke:
     """Return one stroke along two, of which the second continues the first."""
-    first, second = _samples(before), _samples(after)
-    # Where they overlap, points would run back.
-    first = first[(first - after.nodes[0]) @ before.end(True)[1] < 0]
-    whole = fit_stroke(np.vstack([first, second]))
-    return after if whole is None else whole
+    if not before.curved and not after.curved:
+        whole = fit_stroke(np.vstack([_short_of(after, _samples(before), before), _samples(after)]))
+        return after if whole is None else whole
+    # A curve keeps its nodes: they were adjusted where they are.
+    second = _nodes(after)
+    first = _short_of(after, _nodes(before), before)
+    first = first[np.hypot(*(first - second[0]).T) > DENSEST / 2]
+    return Stroke(np.vstack([first, second]), curved=True)
+
+
+def _short_of(after: Stroke, points: Array, before: Stroke) -> Array:
+    """Return those points (n, 2) along a stroke that come before another one, which overlaps it."""
+    forward = (points - after.nodes[0]) @ before.end(True)[1]
+    # Farther back the tape may bend around.
+    kept = np.flatnonzero(forward < 0)
+    return points[: kept[-1] + 1] if len(kept) else points[:0]
+
+
+def _nodes(stroke: Stroke) -> Array:
+    """Return nodes (n, 2) of a spline along a stroke."""
+    if stroke.curved:
+        return stroke.nodes
+    start, end = stroke.nodes
+    shares = np.linspace(0, 1, 2 + round(stroke.length / NODES))[:, None]
+    return np.asarray(start + shares * (end - start), np.float64)
 
 
 def _closed(stroke: Stroke) -> Stroke:
