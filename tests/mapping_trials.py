@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from calibrations import SPEC
 from engine_runs import EIGHT
-from mappings import Tour, errors_of, field_of, laid_on, mapped
+from mappings import Tour, errors_of, field_of, held, laid_on, mapped
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
@@ -46,7 +46,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
     parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
     given = parser.parse_args()
-    panels, means = {}, []
+    panels, means, within = {}, [], []
     seconds = math.ceil(given.laps * FigureEight().lap)
     for name in given.maps:
         taped = load_field(name, MAPS)
@@ -67,6 +67,7 @@ def main() -> None:
                 continue
             panels.setdefault(name, (taped, drawn, poses))
             errors = errors_of(drawn, poses, taped)
+            within.append(held(drawn, poses, taped))
             rows.append([1e3 * errors.path, 1e3 * errors.mean, 1e3 * errors.largest])
             print(
                 f"{name} {seed}: path {rows[-1][0]:.2f} mm, edges {rows[-1][1]:.2f} mm, largest "
@@ -96,6 +97,9 @@ def main() -> None:
             path, mean, largest = value(rows, axis=0)
             print(f"{name}: {label} path {path:.2f}, edges {mean:.2f}, largest {largest:.1f} mm")
     print(f"median over {len(means)} fields of the mean error: {np.nanmedian(means):.2f} mm")
+    if within:
+        share = 100 * np.concatenate(within).mean()
+        print(f"95 % intervals hold {share:.1f} % of the true edges, in the frame of the start")
     if given.figure:
         draw(panels, given.figure)
 

@@ -138,6 +138,37 @@ def errors_of(drawn: TapeMap, poses: Array, taped: Field) -> Errors:
     )
 
 
+def held(drawn: TapeMap, poses: Array, taped: Field) -> Array:
+    """Which of the map's edge points lie within their 95 % intervals of the true edges (n,).
+
+    The map lies on the floor as its first picture does; points of tape that is none count not.
+    """
+    floor_from_map = Pose2.from_array(poses[0]) @ drawn.first_pose.inverse()
+    points, sides, sd = [], [], []
+    for stroke in drawn.measured.each:
+        across = stroke.across @ _rotation(floor_from_map.theta).T
+        nodes = floor_from_map.apply(stroke.nodes)
+        points += [nodes + WIDTH / 2 * across, nodes - WIDTH / 2 * across]
+        sides += [across, -across]
+    counts = np.cumsum([len(stroke.nodes) for stroke in drawn.measured.each])
+    for own in np.split(drawn.node_sd, counts[:-1]):
+        sd += [own, own]
+    off = _beside(np.vstack(points), np.vstack(sides), taped)
+    known = off < COVERED
+    return off[known] < 1.96 * np.concatenate(sd)[known]
+
+
+def _beside(points: Array, normals: Array, taped: Field) -> Array:
+    """How far points (n, 2) lie beside the nearest true edge that faces the same side (n,) [m]."""
+    start, way = taped.edges[:, :2], taped.edges[:, 2:] - taped.edges[:, :2]
+    length = np.hypot(*way.T)
+    away = points[:, None] - start
+    along = (away * way).sum(axis=2) / length
+    off = np.abs((away * taped.normals).sum(axis=2))
+    beside = (normals @ taped.normals.T > 0.9) & (along > -0.005) & (along < length + 0.005)
+    return np.where(beside, off, np.inf).min(axis=1)
+
+
 def _rotation(theta: float) -> Array:
     return np.array([[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]])
 

@@ -1,4 +1,5 @@
 // @ts-check
+import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
 import { sentence } from "../page/toasts.js";
@@ -12,8 +13,6 @@ import { UnknownRow } from "./row.js";
 /** @typedef {import("../drive/lease.js").Drive} Drive */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 
-/** Telemetry tells of a drive that was accepted within this time [ms]. */
-const BEGINS_MS = 1000;
 const HINT =
   "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the" +
   " robot about where the map shows it.";
@@ -38,10 +37,8 @@ export class CalibrationPanel {
   #known = null;
   /** What the numbers on the page were loaded for. */
   #loaded = "";
-  /** When this page started the drive that it renews [ms]. */
-  #started = -Infinity;
-  /** Whether telemetry has told of that drive. */
-  #seen = false;
+  /** @type {OwnDrive} */
+  #drives;
 
   /**
    * @param {Drive} drive
@@ -50,13 +47,13 @@ export class CalibrationPanel {
    */
   constructor(drive, order, connection) {
     this.drive = drive;
-    this.order = order;
+    this.#drives = new OwnDrive(drive, order, "calibrate");
     for (const opener of this.#openers)
       opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
     findButton("calibration-close").onclick = () => this.#show(false);
     for (const part of [...this.#openers, this.#panel])
       part.addEventListener("keydown", (event) => this.#key(event));
-    this.#start.onclick = () => this.#begin();
+    this.#start.onclick = () => this.#drives.begin();
     this.#finish.onclick = () => order({ type: "finish_calibration" });
     this.#undo.onclick = () => order({ type: "undo_calibration" });
     connection.onState((state) => state !== "open" && (this.#loaded = ""));
@@ -65,7 +62,7 @@ export class CalibrationPanel {
   /** @param {TelemetryMessage} telemetry */
   follow(telemetry) {
     const drive = telemetry.calibration ?? null;
-    this.#renew(drive);
+    this.#drives.follow(drive?.state === "drive");
     if (this.#panel.hidden) return;
     const key = `${drive?.state} ${drive?.adjusted} ${telemetry.robot.calibrated}`;
     if (key !== this.#loaded) this.#load(key);
@@ -83,22 +80,6 @@ export class CalibrationPanel {
     this.#finish.title = driving ? `From ${plain(drive.fewest)} s on` : "";
     this.#undo.disabled = !this.#known?.undoable || !this.drive.possible || driving;
     setText(this.#state, this.#words(drive, telemetry.replay !== null));
-  }
-
-  /** Let go of the drive when it is over. @param {CalibrationDriveMessage | null} drive */
-  #renew(drive) {
-    if (this.drive.programme !== "calibrate") return;
-    if (drive?.state === "drive") this.#seen = true;
-    else if (this.#seen || performance.now() - this.#started > BEGINS_MS)
-      this.drive.setProgramme(null);
-  }
-
-  async #begin() {
-    // These two are answered: the renewals that follow are not.
-    if (!(await this.order({ type: "take" })) || !(await this.order({ type: "calibrate", start: true }))) return;
-    this.#started = performance.now();
-    this.#seen = false;
-    this.drive.setProgramme("calibrate");
   }
 
   /** @param {CalibrationDriveMessage | null} drive @param {boolean} replayed */

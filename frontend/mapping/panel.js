@@ -1,4 +1,5 @@
 // @ts-check
+import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, findInput, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
 import { sentence } from "../page/toasts.js";
@@ -12,8 +13,8 @@ import { getJson } from "../wire/http.js";
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 
 const HINT =
-  "Drive along all of the tape, any way you like, and come back to where you began: the map of this floor is" +
-  " drawn meanwhile.";
+  "Drive along all of the tape, any way you like, and come back to where you began, or let the robot explore:" +
+  " the map of this floor is drawn meanwhile.";
 
 /** The map that is drawn by driving: its buttons, how far it is, and how well it fits. */
 export class MappingPanel {
@@ -27,6 +28,7 @@ export class MappingPanel {
   #save = find("mapping-save", HTMLFormElement);
   #name = findInput("mapping-name");
   #start = findButton("mapping-start");
+  #explore = findButton("mapping-explore");
   #finish = findButton("mapping-finish");
   #discard = findButton("mapping-discard");
   #file = find("mapping-file", HTMLAnchorElement);
@@ -38,6 +40,8 @@ export class MappingPanel {
   #awaited = "";
   /** Name of the map that was saved. */
   #saved = "";
+  /** @type {OwnDrive} */
+  #explores;
 
   /**
    * @param {Drive} drive
@@ -50,20 +54,26 @@ export class MappingPanel {
     this.drive = drive;
     this.order = order;
     this.draw = draw;
+    this.#explores = new OwnDrive(drive, order, "explore");
     for (const opener of this.#openers) opener.onclick = () => this.#show(Boolean(this.#panel.hidden));
     findButton("mapping-close").onclick = () => this.#show(false);
     for (const part of [...this.#openers, this.#panel])
       part.addEventListener("keydown", (event) => this.#key(event));
     this.#start.onclick = () => order({ type: "start_map" });
-    this.#finish.onclick = () => order({ type: "finish_map" });
+    this.#explore.onclick = () => (this.#explores.mine ? this.#explores.end() : this.#explores.begin());
+    this.#finish.onclick = () => {
+      this.#explores.end();
+      order({ type: "finish_map" });
+    };
     this.#discard.onclick = () => order({ type: "discard_map" });
     this.#save.onsubmit = (event) => this.#keep(event);
     connection.onState((state) => state !== "open" && (this.#loaded = null));
   }
 
   /** @param {TelemetryMessage} telemetry */
-  follow({ mapping, replay, map: field }) {
+  follow({ mapping, mode, replay, map: field }) {
     const map = mapping ?? null;
+    this.#explores.follow(mode === "explore");
     // The answer to the command may be lost where the program changes its map.
     if (this.#awaited !== "" && field === this.#awaited) this.#arrive();
     const key = map && map.version > 0 ? `${map.state} ${map.version}` : "";
@@ -72,6 +82,9 @@ export class MappingPanel {
     const state = map?.state ?? "";
     this.#start.hidden = state === "draw" || state === "finish" || state === "done";
     this.#start.disabled = !this.drive.possible || replay !== null;
+    this.#explore.hidden = state === "finish" || state === "done";
+    this.#explore.disabled = !this.drive.possible || this.drive.other !== null || replay !== null;
+    setText(this.#explore, this.#explores.mine ? "Stop exploring" : "Explore");
     this.#finish.hidden = state !== "draw";
     this.#finish.disabled = (map?.version ?? 0) === 0;
     this.#discard.hidden = map === null;

@@ -6,7 +6,13 @@ import { distance, millimetres, minutes, plain } from "./format.js";
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
-const MODES = { idle: "standing", drive: "driving", figure_eight: "figure-eight", calibrate: "calibrating" };
+const MODES = {
+  idle: "standing",
+  drive: "driving",
+  figure_eight: "figure-eight",
+  calibrate: "calibrating",
+  explore: "exploring",
+};
 const LINKS = { connecting: "connecting", lost: "disconnected" };
 
 /** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */

@@ -66,6 +66,11 @@ class TapeMap:
         return node_sd(self.measured, self.solution)
 
     @property
+    def first_pose(self) -> Pose2:
+        """Of the robot at the first picture, in the map."""
+        return Pose2.from_array(self.solution.state.poses[0])
+
+    @property
     def residual(self) -> float:
         """How many times as far as expected edges lie off the strokes."""
         return residual_sd(self.solution.misses)
@@ -150,8 +155,7 @@ class TapeMap:
 
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""
-        start = Pose2.from_array(self.solution.state.poses[0])
-        return drawing(self.tidy, self.measured.width, start, title)
+        return drawing(self.tidy, self.measured.width, self.first_pose, title)
 
 
 def _near(places: Array) -> str:

@@ -1,0 +1,50 @@
+// @ts-check
+/** @typedef {import("../messages").Command} Command */
+/** @typedef {import("./lease.js").Drive} Drive */
+
+/** Telemetry tells of a drive that was accepted within this time [ms]. */
+const BEGINS_MS = 1000;
+
+/** A drive that the robot ends by itself: its start is answered, then this page renews it. */
+export class OwnDrive {
+  /** When this page started it [ms]. */
+  #started = -Infinity;
+  /** Whether telemetry has told of it. */
+  #seen = false;
+
+  /**
+   * @param {Drive} drive
+   * @param {(command: Command) => Promise<boolean>} order
+   * @param {"calibrate" | "explore"} programme
+   */
+  constructor(drive, order, programme) {
+    this.drive = drive;
+    this.order = order;
+    this.programme = programme;
+  }
+
+  /** Whether this page lets the robot drive so. */
+  get mine() {
+    return this.drive.programme === this.programme;
+  }
+
+  async begin() {
+    // These two are answered: the renewals that follow are not.
+    if (!(await this.order({ type: "take" }))) return;
+    if (!(await this.order({ type: this.programme, start: true }))) return;
+    this.#started = performance.now();
+    this.#seen = false;
+    this.drive.setProgramme(this.programme);
+  }
+
+  end() {
+    if (this.mine) this.drive.setProgramme(null);
+  }
+
+  /** Let go of the drive when it is over. @param {boolean} drives whether the robot drives so */
+  follow(drives) {
+    if (!this.mine) return;
+    if (drives) this.#seen = true;
+    else if (this.#seen || performance.now() - this.#started > BEGINS_MS) this.end();
+  }
+}
