@@ -46,8 +46,9 @@ from robot.mapping.tracing import Cells, Middles, trace
 
 STEP_M, STEP_RAD = 0.02, 0.05
 """A picture is used if the robot moved or turned so far since the last one."""
-WINDOW = 8
-"""Pictures by which the window grows."""
+WINDOW, WINDOW_SHARE = 8, 0.015
+"""Pictures by which the window grows, and their share of all: long drives are adjusted less often,
+as each time all of the drive is."""
 START_SD = np.array([1e-4, 1e-4, 1e-4])
 """The map begins where the robot does [m, m, rad]."""
 WHEELS_SD = np.array([0.02, 0.02, 0.03])
@@ -198,7 +199,7 @@ class Mapper:
             CalibrationError: no path explains the drive.
         """
         stamps = self._log.stamps
-        for count in range(self.mapped + WINDOW, len(stamps) + 1, WINDOW):
+        while (count := self.mapped + max(WINDOW, int(WINDOW_SHARE * self.mapped))) <= len(stamps):
             self.grow(count)
             report(float(stamps[count - 1] - stamps[0]))
 
