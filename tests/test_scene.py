@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from app.engine.build import build_program
+from app.page.view.map_layer import MapLayer
 from app.page.view.scene import FAR_AWAY, hypothesis_mark
 from app.page.view.view import View
 from app.settings.config import Config
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
+from robot.mapping.sketch import Sketch
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +70,30 @@ def test_what_is_not_known_is_not_shown(shown):
     assert np.all(scene._nodes["particles"].points[:, :2] == FAR_AWAY)
     scene.update(replace(snapshot, line_scan=replace(snapshot.line_scan)))
     assert np.abs(scene._nodes["rays"].points).max() < 5
+
+
+def test_the_map_that_is_drawn_is_shown_with_its_corrections(shown):
+    scene, _ = shown
+    line = np.array([[0.0, 0.0], [0.5, 0.0], [0.5, 0.4]])
+    path = np.column_stack([np.linspace(0, 0.4, 9), np.zeros((9, 2))])
+    first = Sketch((line,), np.array([0.003]), path, line, 1.0, None)
+    moved = path.copy()
+    moved[-3:, 1] += 0.02
+    second = replace(first, path=moved)
+    layer = MapLayer(scene._server.scene, iter([None, first, second, None]).__next__)
+    layer.update()
+    assert not layer._lines["tape"].visible
+    layer.update()
+    assert layer._lines["tape"].points[:, :, :2] == pytest.approx(_pairs(line))
+    assert len(layer._lines["band"].points) == 4
+    assert not layer._lines["correction"].visible
+    layer.update()
+    assert layer._lines["correction"].visible
+    corrections = layer._lines["correction"].points[:, :, 1]
+    assert corrections == pytest.approx(np.tile([0.0, 0.02], (3, 1)))
+    layer.update()
+    assert not any(node.visible for node in (*layer._lines.values(), *layer._points.values()))
+
+
+def _pairs(line):
+    return np.stack([line[:-1], line[1:]], axis=1)

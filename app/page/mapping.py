@@ -13,7 +13,7 @@ from app.messages.answers import MapDrawingMessage, StrokeMessage, content, refu
 from app.messages.telemetry import MappingMessage, PoseMessage
 from app.page.calibration import INTERVAL
 from robot.geometry import Array
-from robot.mapping.sketch import largest_by_stroke
+from robot.mapping.sketch import Sketch, largest_by_stroke
 from robot.mapping.tape_map import TapeMap
 
 Points = list[tuple[float, float]]
@@ -62,6 +62,12 @@ def mapping_router(drawer: MapDrawer) -> APIRouter:
         )
 
     return router
+
+
+def sketch_of(drawer: MapDrawer) -> Sketch | None:
+    """Return the map that is drawn, as far as it is; None without one."""
+    drawing = drawer.drawing
+    return None if drawing is None else drawing.sketch
 
 
 def drawing_message(drawing: Drawing | None) -> MapDrawingMessage:

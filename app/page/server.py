@@ -39,7 +39,7 @@ from app.page.docs_page import docs_page
 from app.page.floor_grid import floor_grid_router
 from app.page.lens.routes import lens_router
 from app.page.live import Live
-from app.page.mapping import mapping_router
+from app.page.mapping import mapping_router, sketch_of
 from app.page.outlets import Outlets
 from app.page.profile import RayError, profile
 from app.page.telemetry import field_message, parameter_messages
@@ -64,7 +64,9 @@ def create_app(
 
     With tokens, each request must bring one of them.
     """
-    view = View(program.field, program.robot.spec, program.engine.latest)
+    view = View(
+        program.field, program.robot.spec, program.engine.latest, lambda: sketch_of(outlets.mapping)
+    )
     keeper = PoseKeeper(
         program.pose_file,
         program.config.start_pose.save_pose_rate,

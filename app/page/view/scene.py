@@ -7,6 +7,7 @@ replaced: that costs the server a millisecond, whatever the number of viewers.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import cv2
@@ -16,11 +17,13 @@ from numpy.typing import NDArray
 
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
+from app.page.view.map_layer import MapLayer, lifted
 from app.page.view.paths import Path
 from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, heading_vectors
+from robot.mapping.sketch import Sketch
 from robot.scanning.line_scanner import LineScan
 
 TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
@@ -40,7 +43,13 @@ LIFT = {"paths": 0.002, "rays": 0.003, "particles": 0.004, "headings": 0.005, "e
 class Scene:
     """The scene of one viser server."""
 
-    def __init__(self, server: viser.ViserServer, field: Field, spec: RobotSpec) -> None:
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        field: Field,
+        spec: RobotSpec,
+        sketch: Callable[[], Sketch | None],
+    ) -> None:
         self._server = server
         self._paths = {"truth": Path(), "odometry": Path(), "estimate": Path()}
         self._ticks = 0
@@ -58,6 +67,7 @@ class Scene:
             for number, (colour, mesh) in enumerate(robot_meshes(spec.urdf).items())
         ]
         self._nodes = self._add_nodes(scene)
+        self._mapping = MapLayer(scene, sketch)
 
     def update(self, snapshot: Snapshot) -> None:
         """Show a snapshot."""
@@ -77,6 +87,7 @@ class Scene:
                 self._show_scan(snapshot)
             if self._ticks % 5 == 0:
                 self._show_paths()
+                self._mapping.update()
         self._server.flush()
 
     def _change_robot(self, spec: RobotSpec) -> None:
@@ -166,7 +177,7 @@ class Scene:
         if snapshot.pose is not None:
             corners = snapshot.pose.apply(self._spec.outline)
             outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-            self._nodes["estimate"].points = _lifted(outline, LIFT["estimate"])
+            self._nodes["estimate"].points = lifted(outline, LIFT["estimate"])
         else:
             self._nodes["estimate"].points = np.full((1, 2, 3), FAR_AWAY)
             self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
@@ -185,11 +196,11 @@ class Scene:
             # A filter that knows nothing has no particles; viser does not redraw empty nodes.
             poses, weights = np.full((1, 3), FAR_AWAY), np.ones(1)
         particles = self._nodes["particles"]
-        particles.points = _lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
+        particles.points = lifted(poses[:, :2], LIFT["particles"]).astype(np.float32)
         particles.colors = _by_weight(weights)
         few = poses[:: max(1, len(poses) // HEADINGS)]
         headings = self._nodes["headings"]
-        headings.batched_positions = _lifted(few[:, :2], LIFT["headings"])
+        headings.batched_positions = lifted(few[:, :2], LIFT["headings"])
         headings.batched_wxyzs = _quaternions(few[:, 2])
         self._show_hypotheses(snapshot)
 
@@ -203,7 +214,7 @@ class Scene:
             node.colors = np.zeros((1, 2, 3), dtype=np.uint8)
             return
         marks = [hypothesis_mark(each.pose, each.covariance) for each in shown]
-        node.points = _lifted(np.concatenate(marks), LIFT["estimate"])
+        node.points = lifted(np.concatenate(marks), LIFT["estimate"])
         parts = np.repeat([item.weight for item in shown], [len(mark) for mark in marks])
         node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
 
@@ -220,14 +231,14 @@ class Scene:
         start = snapshot.scan_pose @ scan.robot_from_scan
         starts = np.broadcast_to((start.x, start.y), ends.shape)
         rays = np.stack([starts, ends], axis=1)[::RAY_STEP]
-        self._nodes["rays"].points = _lifted(rays, LIFT["rays"])
-        self._nodes["hits"].points = _lifted(ends, LIFT["rays"]).astype(np.float32)
+        self._nodes["rays"].points = lifted(rays, LIFT["rays"])
+        self._nodes["hits"].points = lifted(ends, LIFT["rays"]).astype(np.float32)
 
     def _show_paths(self) -> None:
         for name, path in self._paths.items():
             segments = path.segments(every=2 if name == "odometry" else 1)
             if len(segments):
-                self._nodes[f"path_{name}"].points = _lifted(segments, LIFT["paths"])
+                self._nodes[f"path_{name}"].points = lifted(segments, LIFT["paths"])
 
 
 _LABEL_HEIGHT = {"truth": 0.24, "odometry": 0.06, "estimate": 0.15}
@@ -246,11 +257,6 @@ def hypothesis_mark(pose: Pose2, covariance: Array) -> Array:
     """Lines (n, 2, 2) [m]: the ellipse, and a line from its centre along the heading."""
     ahead = pose.apply(np.array([[0.0, 0.0], [0.08, 0.0]]))
     return np.concatenate([covariance_ellipse(pose, covariance), ahead[None]])
-
-
-def _lifted(points: Array, height: float) -> Array:
-    """Floor points (..., 2) as points in space (..., 3)."""
-    return np.concatenate([points, np.full((*points.shape[:-1], 1), height)], axis=-1)
 
 
 def _quaternions(headings: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import io
+from collections.abc import Callable
 from pathlib import Path
 
 import anyio
@@ -22,6 +23,7 @@ from app.page.view.scene import Scene
 from app.page.view.viewers import Viewers, without_port
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
+from robot.mapping.sketch import Sketch
 
 UPDATES_HZ = 15
 
@@ -37,14 +39,28 @@ reconnects only while it has the focus, which a frame in a page often lacks."""
 class View:
     """A viser server that listens nowhere: who may see the page is handed over to it."""
 
-    def __init__(self, field: Field, spec: RobotSpec, latest: Latest[Snapshot]) -> None:
+    def __init__(
+        self,
+        field: Field,
+        spec: RobotSpec,
+        latest: Latest[Snapshot],
+        sketch: Callable[[], Sketch | None] = lambda: None,
+    ) -> None:
+        """Make a view of a robot on a field.
+
+        Args:
+            field: the floor.
+            spec: the robot.
+            latest: what is shown.
+            sketch: returns the map that is drawn by driving; None without one.
+        """
         self._viewers = Viewers()
         # viser prints its own address.
         with contextlib.redirect_stdout(io.StringIO()), without_port(self._viewers):
             self._server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
         # viser's share button would make this server call one on the internet.
         self._server._websock_server.unregister_handler(viser._messages.ShareUrlRequest)
-        self._scene = Scene(self._server, field, spec)
+        self._scene = Scene(self._server, field, spec, sketch)
         self._latest = latest
         self.failure: str | None = None
         """Why the view stopped, if it failed."""
