@@ -55,12 +55,6 @@ class TidyStrokes:
     ends: dict[EndName, End]
     """What was seen of the free ends, and those that nobody saw."""
 
-    def without(self, number: int) -> TidyStrokes:
-        """Return them without one stroke; what met it in a corner ends there as it is."""
-        strokes = self.strokes[:number] + self.strokes[number + 1 :]
-        kept = [k for k in range(len(self.strokes)) if k != number]
-        return TidyStrokes(strokes, *_renumbered(kept, self.corners, self.ends))
-
 
 def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
     """Return strokes of which those are one that continue each other; the same object if none."""
@@ -74,7 +68,7 @@ def joined(strokes: Strokes, rays: RaysOnFloor) -> Strokes:
             continue
         before = each[a] if a_last else each[a].reversed
         after = each[b].reversed if b_last else each[b]
-        whole = _joined(before, after)
+        whole = join(before, after)
         each = [stroke for k, stroke in enumerate(each) if k not in (a, b)] + [whole]
     return Strokes.of(each, strokes.width) if changed else strokes
 
@@ -116,7 +110,7 @@ def _next_pair(
     return None
 
 
-def _joined(before: Stroke, after: Stroke) -> Stroke:
+def join(before: Stroke, after: Stroke) -> Stroke:
     """Return one stroke along two, of which the second continues the first."""
     if not before.curved and not after.curved:
         whole = fit_stroke(np.vstack([_short_of(after, _samples(before), before), _samples(after)]))
@@ -182,10 +176,10 @@ def tidied(strokes: Strokes, rays: RaysOnFloor) -> TidyStrokes:
     # Short pieces that other strokes cover are of places where tape looks odd.
     in_corners = {number for pair in corners for number, _ in pair}
     kept = [k for k, s in enumerate(each) if k in in_corners or s.length > SHORTEST]
-    return TidyStrokes(tuple(each[k] for k in kept), *_renumbered(kept, corners, free))
+    return TidyStrokes(tuple(each[k] for k in kept), *renumbered(kept, corners, free))
 
 
-def _renumbered(
+def renumbered(
     kept: Sequence[int], corners: Sequence[tuple[EndName, EndName]], ends: dict[EndName, End]
 ) -> tuple[tuple[tuple[EndName, EndName], ...], dict[EndName, End]]:
     """Return corners and ends of those strokes that are kept, by their new numbers."""

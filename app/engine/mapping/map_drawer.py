@@ -31,6 +31,7 @@ from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.mapping.editing import without_stroke
 from robot.mapping.pushed import push_remark
 from robot.mapping.sketch import Sketch
 from robot.mapping.tape_map import MappingError, TapeMap
@@ -153,7 +154,7 @@ class MapDrawer:
                 raise CommandError(f"there is no stroke {number}; valid is 0 to {len(strokes) - 1}")
             if len(strokes) == 1:
                 raise CommandError("a map has a stroke at least; discard it instead")
-            changed = replace(drawn, tidy=drawn.tidy.without(number))
+            changed = replace(drawn, tidy=without_stroke(drawn.tidy, number))
             self._show(result=changed, version=version + 1)
 
     def save(self, name: str, folder: Path) -> Path:
