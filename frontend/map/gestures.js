@@ -4,7 +4,7 @@
 
 /**
  * @typedef {object} Press how a tool handles one pointer; positions are in the map [m]
- * @property {() => boolean} wants whether the tool takes presses now; otherwise they move the view
+ * @property {(x: number, y: number) => boolean} wants whether the tool takes a press there; otherwise it moves the view
  * @property {(x: number, y: number) => void} press
  * @property {(x: number, y: number) => void} drag
  * @property {() => void} release
@@ -21,18 +21,20 @@ export class Gestures {
   #pointers = new Map();
   /** @type {"none" | "pan" | "tool"} */
   #doing = "none";
+  /** What the press was for. @type {Press | undefined} */
+  #tool;
 
   /**
    * @param {Surface} surface
    * @param {MapView} view
-   * @param {Press} tool
+   * @param {Press[]} tools the first that wants a press takes it
    * @param {() => void} changed
    * @param {() => void} fit
    */
-  constructor(surface, view, tool, changed, fit) {
+  constructor(surface, view, tools, changed, fit) {
     this.surface = surface;
     this.view = view;
-    this.tool = tool;
+    this.tools = tools;
     this.changed = changed;
     this.fit = fit;
     const { canvas } = surface;
@@ -56,13 +58,15 @@ export class Gestures {
     this.surface.canvas.setPointerCapture(event.pointerId);
     this.#pointers.set(event.pointerId, this.surface.locate(event));
     const second = this.#pointers.size > 1;
-    if (second && this.#doing === "tool") this.tool.cancel();
-    if (second || event.button !== 0 || event.shiftKey || !this.tool.wants()) {
+    if (second && this.#doing === "tool") this.#tool?.cancel();
+    const place = this.view.toMap(...this.surface.locate(event));
+    this.#tool = this.tools.find((tool) => tool.wants(...place));
+    if (second || event.button !== 0 || event.shiftKey || !this.#tool) {
       this.#doing = "pan";
       return;
     }
     this.#doing = "tool";
-    this.tool.press(...this.view.toMap(...this.surface.locate(event)));
+    this.#tool.press(...place);
   }
 
   /** @param {PointerEvent} event */
@@ -70,7 +74,7 @@ export class Gestures {
     const before = this.#pointers.get(event.pointerId);
     if (!before) return;
     const now = this.surface.locate(event);
-    if (this.#doing === "tool") this.tool.drag(...this.view.toMap(...now));
+    if (this.#doing === "tool") this.#tool?.drag(...this.view.toMap(...now));
     else this.#pinch(event.pointerId, before, now);
     this.#pointers.set(event.pointerId, now);
     this.changed();
@@ -96,7 +100,7 @@ export class Gestures {
   /** @param {PointerEvent} event @param {boolean} finished */
   #up(event, finished) {
     if (!this.#pointers.delete(event.pointerId)) return;
-    if (this.#doing === "tool") finished ? this.tool.release() : this.tool.cancel();
+    if (this.#doing === "tool") finished ? this.#tool?.release() : this.#tool?.cancel();
     if (this.#pointers.size === 0 || this.#doing === "tool") this.#doing = "none";
     this.changed();
   }
@@ -118,7 +122,7 @@ export class Gestures {
     if (event.key === "+" || event.key === "=") this.zoom(1);
     else if (event.key === "-") this.zoom(-1);
     else if (event.key === "0") this.fit();
-    else if (event.key === "Escape") this.tool.cancel();
+    else if (event.key === "Escape") for (const tool of this.tools) tool.cancel();
     else if (event.shiftKey && event.key.startsWith("Arrow")) this.#panBy(event.key);
     else return;
     event.preventDefault();

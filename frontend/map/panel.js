@@ -1,4 +1,5 @@
 // @ts-check
+import { EndTool } from "../mapping/end_tool.js";
 import { find, findButton, setText } from "../page/elements.js";
 import { degrees, distance, millimetres } from "../page/format.js";
 import { Surface } from "../page/surface.js";
@@ -62,7 +63,10 @@ export class MapPanel {
       this.#moved = true;
       this.refresh();
     };
-    this.gestures = new Gestures(this.surface, this.#view, this.tool, changed, () => this.#fit());
+    const ends = new EndTool(() => this.scene.finished, () => this.#view.scale, order);
+    this.scene.ends = ends;
+    const tools = [ends, this.tool];
+    this.gestures = new Gestures(this.surface, this.#view, tools, changed, () => this.#fit());
     this.#wire();
   }
 

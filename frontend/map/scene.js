@@ -6,13 +6,14 @@ import { Floor } from "./floor.js";
 import { drawHypotheses } from "./hypotheses.js";
 import { Paths } from "./paths.js";
 import { places } from "./places.js";
-import { drawMapping } from "../mapping/drawing.js";
+import { drawEnds, drawMapping } from "../mapping/drawing.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../page/surface.js").Surface} Surface */
+/** @typedef {import("../mapping/end_tool.js").EndTool} EndTool */
 /** @typedef {import("./view.js").MapView} MapView */
 
 /** A pose that the user is pointing out, and the `spread` [m] if it will be sent to the filter. */
@@ -30,6 +31,8 @@ export class Scene {
   drawing = null;
   /** Number of its stroke that stands out. */
   chosen = -1;
+  /** Drags ends of that map. @type {EndTool | null} */
+  ends = null;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -39,6 +42,11 @@ export class Scene {
   constructor(surface, view) {
     this.surface = surface;
     this.view = view;
+  }
+
+  /** The map that is drawn by driving, once it can be changed; else null. */
+  get finished() {
+    return this.telemetry?.mapping?.state === "done" ? this.drawing : null;
   }
 
   /** @param {FieldMessage} field @param {ImageBitmap} picture */
@@ -71,6 +79,7 @@ export class Scene {
     const { truth = null, mapping } = this.telemetry ?? {};
     this.#inMetres(context, () => {
       drawMapping(context, mapped, pixel, this.chosen);
+      if (this.finished) drawEnds(context, mapped, pixel, this.ends?.held ?? null);
       const ghost = { colour: palette["floor-truth"], dash: [4, 4] };
       if (truth) drawing.drawRobot(context, truth, this.#outline, pixel, ghost);
       const style = { colour: palette["floor-estimate"], fill: 0.15 };

@@ -1,8 +1,10 @@
 // @ts-check
 import { palette } from "../page/palette.js";
 import { stroke } from "../map/drawing.js";
+import { ends } from "./end_tool.js";
 
 /** @typedef {import("../messages").MapDrawingMessage} MapDrawingMessage */
+/** @typedef {import("./end_tool.js").HeldEnd} HeldEnd */
 
 /** Width of the tape's line on the screen [CSS px]. */
 const LINE = 4;
@@ -33,6 +35,25 @@ export function drawMapping(context, { strokes, path, edges, unseen_ends }, pixe
     ring.arc(x, y, 7 * pixel, 0, 2 * Math.PI);
     stroke(context, ring, palette["floor-halo"], 5 * pixel, 0.8);
     stroke(context, ring, palette["floor-odometry"], 2 * pixel, 1);
+  }
+}
+
+/**
+ * Draw the ends of a finished map's strokes, which can be dragged, and where one is dragged to.
+ * @param {CanvasRenderingContext2D} context in metres
+ * @param {MapDrawingMessage} drawing
+ * @param {number} pixel [m]
+ * @param {HeldEnd | null} held
+ */
+export function drawEnds(context, drawing, pixel, held) {
+  for (const { stroke: number, last, place } of ends(drawing)) {
+    const isHeld = held !== null && held.stroke === number && held.last === last;
+    const handle = new Path2D();
+    handle.arc(...(isHeld ? held.place : place), 4 * pixel, 0, 2 * Math.PI);
+    if (isHeld) stroke(context, line([place, held.place]), palette["floor-draft"], 2 * pixel, 1);
+    context.fillStyle = palette["floor-halo"];
+    context.fill(handle);
+    stroke(context, handle, palette["floor-draft"], 1.5 * pixel, 1);
   }
 }
 

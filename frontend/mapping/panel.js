@@ -40,6 +40,8 @@ export class MappingPanel {
   #awaited = "";
   /** Name of the map that was saved. */
   #saved = "";
+  /** Number of the stroke that another one is to be joined to. @type {number | null} */
+  #joined = null;
   /** @type {OwnDrive} */
   #explores;
 
@@ -136,6 +138,7 @@ export class MappingPanel {
       // Meanwhile it may have been discarded, or there is a newer one.
       if (this.#loaded !== key || drawing.version === 0) return;
       this.#drawing = drawing;
+      this.#joined = null;
       this.draw(drawing);
       const lines = [
         ...drawing.remarks.map((line) => make("li", { class: "remark" }, sentence(line))),
@@ -148,19 +151,40 @@ export class MappingPanel {
     }
   }
 
-  /** List the strokes of a finished map; each can be deleted. @param {MapDrawingMessage} drawing */
+  /** List the strokes of a finished map, which can be changed. @param {MapDrawingMessage} drawing */
   #list({ strokes, version }) {
     const rows = strokes.map(({ points, interval }, stroke) => {
       const length = points.slice(1).reduce((sum, [x, y], i) => sum + Math.hypot(x - points[i][0], y - points[i][1]), 0);
-      const name = `Tape ${stroke + 1}`;
-      const remove = make("button", { type: "button", "aria-label": `Delete ${name}` }, "delete");
-      remove.onclick = () => this.order({ type: "delete_stroke", stroke, version });
-      const row = make("li", {}, make("span", {}, `${name}: ${millimetres(length)}, ± ${millimetres(interval, 1)}`), remove);
+      const words = `Tape ${stroke + 1}: ${millimetres(length)}, ± ${millimetres(interval, 1)}`;
+      const row = make("li", {}, make("span", {}, words), this.#join(stroke, version), this.#remove(stroke, version));
       row.onpointerenter = row.onfocusin = () => this.draw(this.#drawing, stroke);
       row.onpointerleave = row.onfocusout = () => this.draw(this.#drawing);
       return row;
     });
     this.#strokes.replaceChildren(...rows);
+  }
+
+  /** @param {number} stroke @param {number} version */
+  #remove(stroke, version) {
+    const name = `Delete Tape ${stroke + 1}`;
+    const button = make("button", { type: "button", "aria-label": name }, "delete");
+    button.onclick = () => this.order({ type: "delete_stroke", stroke, version });
+    return button;
+  }
+
+  /** The first press chooses a stroke, the second one joins another to it. @param {number} stroke @param {number} version */
+  #join(stroke, version) {
+    const chosen = this.#joined;
+    const words = chosen === null ? "join" : chosen === stroke ? "cancel" : `to ${chosen + 1}`;
+    const name = chosen === null ? "Join Tape" : chosen === stroke ? "Do not join Tape" : `Join Tape ${chosen + 1} to Tape`;
+    const button = make("button", { type: "button", "aria-label": `${name} ${stroke + 1}` }, words);
+    button.onclick = async () => {
+      const first = this.#joined;
+      this.#joined = first === null ? stroke : null;
+      if (this.#drawing) this.#list(this.#drawing);
+      if (first !== null && first !== stroke) await this.order({ type: "join_strokes", stroke: first, other: stroke, version });
+    };
+    return button;
   }
 
   /** @param {boolean} open */
