@@ -416,6 +416,8 @@ export interface MappingMessage {
   state: "draw" | "finish" | "done" | "failed";
   /** How long the drive is [s]. */
   seconds: number;
+  /** Whether no pictures are taken into the map now. */
+  paused: boolean;
   /** How often it was drawn; ``/api/mapping`` has the newest drawing. */
   version: number;
   /** Of the robot in the new map; null before anything was drawn. */

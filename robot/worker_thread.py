@@ -69,6 +69,11 @@ class WorkerThread:
             self._wake()
         return self.join()
 
+    def wait(self, seconds: float) -> bool:
+        """Wait for the end, at most so long [s]; return whether it has ended."""
+        self._thread.join(seconds)
+        return not self.alive
+
     def join(self) -> bool:
         """Wait for the end as ``stop`` does, but do not ask for it."""
         if self.alive and self._thread is not threading.current_thread():

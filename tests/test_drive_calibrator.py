@@ -55,9 +55,7 @@ class Bench:
 
     def wait(self) -> None:
         """Wait for the end of the calibrator's thread."""
-        thread = self.calibrator._thread
-        assert thread is not None
-        thread._thread.join()
+        self.calibrator._follower.wait(60.0)
 
 
 @pytest.fixture

@@ -20,6 +20,7 @@ from robot.fields.svg_field import field_of_drawing
 
 EIGHT = FigureEightCommand(type="figure_eight")
 LAP_S = 17.0
+LONGEST_S = 60.0
 
 
 class Bench:
@@ -32,17 +33,13 @@ class Bench:
 
     def wait(self) -> None:
         """Wait for the end of the drawer's thread."""
-        thread = self.drawer._thread
-        assert thread is not None
-        thread._thread.join()
+        self.drawer._follower.wait(LONGEST_S)
 
     def drive(self, seconds: float) -> Snapshot:
         """Drive the eight, and wait until something is drawn."""
         snapshot = run(self.program, seconds, EIGHT)[-1]
-        thread = self.drawer._thread
-        assert thread is not None
         while self.drawer.drawing is not None and self.drawer.drawing.version == 0:
-            thread._thread.join(0.05)
+            self.drawer._follower.wait(0.05)
         return snapshot
 
 
@@ -178,7 +175,7 @@ def test_a_robot_that_stands_is_no_map_and_says_why(bench):
     bench.drawer.begin()
     run(bench.program, 2.0)
     while bench.drawer.drawing.words is None:
-        bench.drawer._thread._thread.join(0.05)
+        bench.drawer._follower.wait(0.05)
     assert "it has to drive" in bench.drawer.drawing.words
 
 
@@ -189,6 +186,6 @@ def test_long_without_tape_in_sight_it_says_so():
     away = DriveCommand(type="drive", v=0.25, omega=0.0)
     run(bench.program, 14.0, away)
     while "no tape has been in sight" not in (bench.drawer.drawing.words or ""):
-        bench.drawer._thread._thread.join(0.05)
+        bench.drawer._follower.wait(0.05)
         run(bench.program, 0.1, away)
     bench.drawer.close()

@@ -10,16 +10,14 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any, Literal
 
 from app.engine.calibration_commands import calibration_command
 from app.engine.collected_drive import CollectedDrive
+from app.engine.drive_follower import DriveFollower, FollowedTicks
 from app.engine.followed_drive import result_of, ticks_of
-from app.engine.mailboxes.backlog import Backlog
-from app.engine.problems import LOG
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import StopCommand
@@ -32,8 +30,7 @@ from robot.calibration.profile import Profile
 from robot.calibration.programme import USUAL_S
 from robot.calibration.unknowns import ROBOT
 from robot.description.urdf import SpecError
-from robot.errors import BrickPoseError, CommandError
-from robot.worker_thread import WorkerThread
+from robot.errors import CommandError
 
 STEP_S = 8.0
 """After so much more of the drive it is adjusted again [s]."""
@@ -47,7 +44,6 @@ MOST_WAITING = 2000
 """Most ticks that wait for the thread: forty seconds of them."""
 LAST_S = 0.1
 """The drive is whole if less than this of it is missing [s]."""
-PATIENCE_S = 3.0
 
 
 @dataclass(frozen=True)
@@ -82,7 +78,13 @@ class DriveCalibrator:
         self._present_before: tuple[Profile, Profile] | None = None
         """The profile that holds since the last calibration, and the one before."""
         self._finish = threading.Event()
-        self._thread: WorkerThread | None = None
+        self._follower = DriveFollower(
+            program,
+            "calibration",
+            MOST_WAITING,
+            self._work,
+            lambda words: self._show(state="failed", words=words),
+        )
         self._lock = threading.Lock()
 
     @property
@@ -101,26 +103,16 @@ class DriveCalibrator:
         Raises:
             CommandError: it is.
         """
-        if self._running and self._drive is not None and self._drive.state == "adjust":
+        if self._follower.running and self._drive is not None and self._drive.state == "adjust":
             raise CommandError("the last drive is adjusted; drive again when that is done")
 
     def begin(self) -> None:
         """Follow a drive that was commanded; it may be followed already."""
         with self._lock:
-            if self._running:
-                return
-            self._finish.clear()
-            self._drive = CalibrationDrive()
-            # Subscribed here: the thread may begin only after the next tick.
-            subscribed = ExitStack()
-            feed = subscribed.enter_context(self._program.engine.every.subscribe(MOST_WAITING))
-            self._thread = WorkerThread(
-                "calibration",
-                lambda stopping: self._run(subscribed, feed, stopping),
-                owner="the calibration",
-                patience=PATIENCE_S,
-            )
-            self._thread.start()
+            if not self._follower.running:
+                self._finish.clear()
+                self._drive = CalibrationDrive()
+                self._follower.begin()
 
     def finish(self) -> None:
         """End the drive, and calibrate by what it has seen.
@@ -129,7 +121,7 @@ class DriveCalibrator:
             CommandError: there is no drive, or it is too short.
         """
         drive, newest = self._drive, self._program.engine.latest.get()
-        if not self._running or drive is None or drive.state != "drive" or newest is None:
+        if not self._follower.running or drive is None or drive.state != "drive" or newest is None:
             raise CommandError("no calibration drives now")
         driven = drive.seconds(newest.stamp)
         if driven < FEWEST_S:
@@ -146,7 +138,7 @@ class DriveCalibrator:
         with self._lock:
             if self._present_before is None:
                 raise CommandError("nothing was calibrated here, so there is nothing to undo")
-            if self._running:
+            if self._follower.running:
                 raise CommandError("the robot is being calibrated; stop that first")
             present, earlier = self._present_before
             path = written_file(self._program.config)
@@ -161,27 +153,13 @@ class DriveCalibrator:
 
     def close(self) -> None:
         """End the thread; may be called twice."""
-        if self._thread is not None:
-            self._thread.stop()
+        self._follower.close()
 
-    @property
-    def _running(self) -> bool:
-        return self._thread is not None and self._thread.alive
-
-    def _run(
-        self, subscribed: ExitStack, feed: Backlog[Snapshot], stopping: threading.Event
-    ) -> None:
-        try:
-            with WorkerProcess() as process:
-                with subscribed:
-                    drive = self._follow(ticks_of(feed, stopping), process)
-                self._show(state="adjust", words=None)
-                self._keep(drive, result_of(drive.adjusted(), stopping))
-        except BrickPoseError as error:
-            self._show(state="failed", words=str(error))
-        except Exception as error:
-            LOG.exception("the calibration failed")
-            self._show(state="failed", words=str(error))
+    def _work(self, ticks: FollowedTicks) -> None:
+        with ticks.subscription:
+            drive = self._follow(ticks_of(ticks.feed, ticks.stopping), ticks.process)
+        self._show(state="adjust", words=None)
+        self._keep(drive, result_of(drive.adjusted(), ticks.stopping))
 
     def _follow(self, ticks: Iterator[Snapshot], process: WorkerProcess) -> CollectedDrive:
         """Collect a drive to its end, and let a process adjust it on the way.

@@ -23,7 +23,7 @@ from app.engine.mailboxes.backlog import Backlog
 from app.engine.mailboxes.broadcast import Broadcast
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
-from app.engine.snapshot import Snapshot
+from app.engine.snapshot import DrawnMap, Snapshot
 from app.messages.commands import Command
 from robot.driving.odometry import OdometryState
 from robot.geometry import Twist2
@@ -62,6 +62,8 @@ class Engine:
         """Why the engine failed; None while it has not."""
         self.handed_over = False
         """Whether another engine goes on with the robot: at the end it stands, but is open."""
+        self.drawn: DrawnMap | None = None
+        """The map that is drawn by driving, for snapshots; whoever draws it sets it."""
         self._apply = apply
         self._tracking = tracking
         self._meter = LoopMeter()
@@ -249,6 +251,7 @@ class Engine:
             problem_count=problems.count,
             record=problems.record,
             layers=controls.layers,
+            drawn=self.drawn,
         )
 
 

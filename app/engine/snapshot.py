@@ -12,6 +12,7 @@ from app.engine.problems import Problem, Problems
 from app.messages.commands import Command
 from app.messages.message import Layer
 from robot.description.spec import RobotSpec
+from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
 from robot.localization.estimate import Estimate
@@ -53,6 +54,17 @@ class LoopStatistics:
     frame_hz: float
     latency_ms: float
     """From the newest frame's exposure to this tick [ms]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnMap:
+    """The map that is drawn by driving, as far as it is; others see it instead of the field's."""
+
+    stamp: float
+    """When it was drawn [s]; the same stamp means the same map."""
+    grid: OccupancyGrid
+    map_from_odom: Pose2
+    """Where odometry began in it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +125,8 @@ class Snapshot:
     record: tuple[Problem, ...] = field(repr=False)
     layers: frozenset[Layer]
     """Visible layers of the 3D view."""
+    drawn: DrawnMap | None = field(default=None, repr=False)
+    """The map that is drawn by driving; None without one."""
     replay: ReplayState | None = None
     """State of the replay; None if this is not a replay."""
 

@@ -182,6 +182,8 @@ class MappingMessage(Message):
     none."""
     seconds: float
     """How long the drive is [s]."""
+    paused: bool
+    """Whether no pictures are taken into the map now."""
     version: int
     """How often it was drawn; ``/api/mapping`` has the newest drawing."""
     pose: PoseMessage | None

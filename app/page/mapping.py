@@ -7,7 +7,8 @@ from collections.abc import Iterable
 import numpy as np
 from fastapi import APIRouter, HTTPException, Response
 
-from app.engine.mapping.map_drawer import Drawing, MapDrawer
+from app.engine.mapping.drawing import Drawing
+from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.snapshot import Snapshot
 from app.messages.answers import MapDrawingMessage, StrokeMessage, content, refusal
 from app.messages.telemetry import MappingMessage, PoseMessage
@@ -30,6 +31,7 @@ def mapping_message(drawing: Drawing | None, snapshot: Snapshot) -> MappingMessa
     return MappingMessage(
         state=drawing.state,
         seconds=drawing.seconds,
+        paused=drawing.paused,
         version=drawing.version,
         pose=pose,
         message=drawing.words,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -40,7 +41,7 @@ class DriveLog:
     """(t, 2) left, right, never wrapped [rad]."""
     first: Array = field(default_factory=lambda: np.zeros((0, 0, 2)), repr=False)
     """(k, 2 r, 2) where rays first meet an edge of anything, then where they leave that [px]; nan
-    where there is bare floor."""
+    where there is bare floor. A ray that meets something where it begins tells nothing."""
     rays: Array = field(default_factory=lambda: np.zeros((0, 2, 2)), repr=False)
     """(r, 2, 2) where rays begin and end [px]."""
 
@@ -51,6 +52,17 @@ class DriveLog:
             stamps=self.stamps[pictures],
             pixels=self.pixels[pictures],
             first=self.first[pictures],
+        )
+
+    def followed_by(self, more: DriveLog) -> DriveLog:
+        """Return the drive with how it went on (``DriveRecorder.take``)."""
+        return DriveLog(
+            np.concatenate([self.stamps, more.stamps]),
+            np.concatenate([self.pixels, more.pixels]),
+            np.concatenate([self.wheel_stamps, more.wheel_stamps]),
+            np.concatenate([self.wheel_angles, more.wheel_angles]),
+            np.concatenate([self.first, more.first]),
+            self.rays,
         )
 
     def until(self, count: int) -> DriveLog:
@@ -80,21 +92,25 @@ class DriveRecorder:
         limits = {} if calibrated else LOOSE
         self._scanner = LineScanner(spec.floor_view, replace(settings, **limits), tape)
         self._left_right = list(spec.axle)
+        self._last = -math.inf
+        """Stamp of the last picture [s]."""
         self._pictures: list[tuple[float, Array, Array]] = []
         self._wheels: list[tuple[float, Array]] = []
 
-    def add(self, reading: Reading) -> Array | None:
+    def add(self, reading: Reading, *, look: bool = True) -> Array | None:
         """Add a reading; a picture that follows the last one too soon is left out.
+
+        Without a look at it, a picture shows nothing, not even bare floor; but there is one, so
+        that the path is followed from picture to picture.
 
         Returns the pixels (2 r, 2) of the picture's edges; None without a picture that is used.
         """
         self._wheels.append((reading.stamp, reading.positions[self._left_right]))
         frame = reading.frame
-        if frame is None:
+        if frame is None or frame.stamp - self._last < PERIOD_S - 1e-6:
             return None
-        if self._pictures and frame.stamp - self._pictures[-1][0] < PERIOD_S - 1e-6:
-            return None
-        edges, first = self._edges(frame.image)
+        edges, first = self._edges(frame.image) if look else self._nothing()
+        self._last = frame.stamp
         self._pictures.append((frame.stamp, edges, first))
         return edges
 
@@ -107,8 +123,19 @@ class DriveRecorder:
         both = [np.concatenate([self._pixels(side) for side in edges.T]) for edges in (tape, first)]
         return both[0], both[1]
 
+    def _nothing(self) -> tuple[Array, Array]:
+        begin = self._pixels(np.zeros(len(self._scanner.table.counts)))
+        nothing = np.full_like(begin, np.nan)
+        return np.concatenate([nothing, nothing]), np.concatenate([begin, nothing])
+
     def _pixels(self, positions: Array) -> Array:
         return self._scanner.pixels(positions)[EVERY // 2 :: EVERY]
+
+    def take(self) -> DriveLog:
+        """Return what was added since the last time, and forget it here."""
+        taken = self.log
+        self._pictures, self._wheels = [], []
+        return taken
 
     @property
     def log(self) -> DriveLog:

@@ -37,6 +37,7 @@ from robot.mapping.lengthwise import find_lengthwise
 from robot.mapping.map_adjustment import MapAdjustment
 from robot.mapping.redundant import without_redundant
 from robot.mapping.refinement import refined
+from robot.mapping.seen_floor import SeenFloor
 from robot.mapping.sketch import Sketch
 from robot.mapping.stroke_fitting import fit_stroke
 from robot.mapping.strokes import Stroke, Strokes
@@ -175,6 +176,7 @@ class Mapper:
             log.stamps,
             self._adjustment(total).step_errors(self._state),
             BareFloor.of(tidy.strokes, self._width, rays),
+            SeenFloor.of(rays),
         )
 
     def _refined(self, solution: Solution) -> Solution:
@@ -191,6 +193,11 @@ class Mapper:
     def mapped(self) -> int:
         """How many of the pictures that are used are mapped."""
         return 0 if self._solution is None else len(self._state.poses)
+
+    @property
+    def rays(self) -> RaysOnFloor:
+        """The rays of the pictures that are mapped, on the floor."""
+        return RaysOnFloor.of(self._log.until(self.mapped), self._spec, self._state)
 
     def catch_up(self, report: Callable[[float], None] = lambda seconds: None) -> None:
         """Map the drive up to its last whole window of pictures.

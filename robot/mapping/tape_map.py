@@ -8,10 +8,12 @@ import numpy as np
 
 from robot.calibration.adjustment import Solution, residual_sd
 from robot.errors import BrickPoseError
+from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2
 from robot.mapping.crossings import BareFloor
 from robot.mapping.drawing import drawing
 from robot.mapping.pushed import moved_at, push_remark
+from robot.mapping.seen_floor import SeenFloor, occupancy
 from robot.mapping.steadiness import steadiness
 from robot.mapping.strokes import Strokes
 from robot.mapping.tidying import TidyStrokes
@@ -51,6 +53,8 @@ class TapeMap:
     """(k - 1, 3) how far steps are from what the wheels tell, in deviations."""
     bare: BareFloor
     """Where bare floor was seen instead of the map's tape."""
+    seen: SeenFloor = field(repr=False)
+    """Where the camera has looked."""
 
     @property
     def length(self) -> float:
@@ -152,6 +156,11 @@ class TapeMap:
                 "seen from its end only; drive past it"
             )
         return tuple(remarks)
+
+    def cells(self, side: float) -> OccupancyGrid:
+        """Return the map in cells of a side [m]; what nobody looked at is unknown."""
+        lines = [stroke.points for stroke in self.tidy.strokes]
+        return occupancy(lines, self.measured.width, self.seen, side)
 
     def drawing(self, title: str) -> str:
         """Return the map as an SVG, for ``load_field``."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.files import atomic_file
 from robot.fields.grid_map import save_map_yaml
 from robot.fields.svg_field import field_of_drawing
+from robot.mapping.seen_floor import with_unseen
 from robot.mapping.tape_map import TapeMap
 
 CELL = 0.005
@@ -16,6 +17,8 @@ CELL = 0.005
 def write_map(drawn: TapeMap, out: Path, title: str) -> None:
     """Write a drawing, and the ROS map of the same name beside it.
 
+    In the ROS map, floor that nobody looked at is unknown.
+
     Raises:
         FieldError: the strokes are no field that a robot can be on.
         OSError: a file cannot be written.
@@ -23,7 +26,7 @@ def write_map(drawn: TapeMap, out: Path, title: str) -> None:
     text = drawn.drawing(title)
     field = field_of_drawing(text, out.stem)
     field.require_free()
-    grid = field.occupancy(CELL)
+    grid = with_unseen(field.occupancy(CELL), drawn.seen)
     with atomic_file(out) as new:
         new.write_text(text, encoding="utf-8")
     save_map_yaml(grid, out.with_suffix(".yaml"))

@@ -1,9 +1,10 @@
-"""The ticks of a drive that a map is drawn from, and the jobs that draw it."""
+"""The ticks of a drive that a map is drawn from, and the process that draws it."""
 
 from __future__ import annotations
 
 from bisect import bisect_left
 from concurrent.futures import Future
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +15,10 @@ from app.engine.snapshot import Snapshot
 from app.worker_process import WorkerProcess
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.description.spec import RobotSpec
+from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2, interpolate
 from robot.mapping.mapper import Mapper
+from robot.mapping.seen_floor import SeenFloor, occupancy
 from robot.mapping.sketch import Sketch
 from robot.mapping.tape_map import TapeMap
 from robot.scanning.tape import Tape
@@ -28,88 +31,84 @@ FEWEST_EDGES = 4
 class Drawn:
     """What one job has drawn."""
 
-    mapper: Mapper
-    """To go on from."""
-    sketch: Sketch | None
+    sketch: Sketch
+    grid: OccupancyGrid
+    """The same in cells."""
 
 
 @dataclass(frozen=True)
-class _Job:
-    """What the process needs."""
+class Whole:
+    """The map of the whole drive so far."""
 
-    mapper: Mapper | None
-    log: DriveLog
+    drawn: TapeMap
+    grid: OccupancyGrid
+
+
+@dataclass(frozen=True)
+class Drawer:
+    """What a map is drawn with."""
+
     spec: RobotSpec
     width: float
+    """Of the tape [m]."""
     start: Pose2
-
-    def extended(self) -> Mapper:
-        """Return the mapper with the whole drive."""
-        if self.mapper is None:
-            return Mapper(self.log, self.spec, self.width, self.start)
-        self.mapper.extend(self.log)
-        return self.mapper
+    side: float
+    """Of the cells [m]."""
 
 
 class MappedDrive:
     """One drive, from its first tick on; for one thread."""
 
     def __init__(self, program: Program, first: Snapshot, process: WorkerProcess) -> None:
-        """Begin with the first tick; a process will draw."""
+        """Begin at the first tick, which is still to be added; a process will draw."""
         self._spec = first.spec
-        self._width = program.engine.localization.scanner.main_width
+        width = program.engine.localization.scanner.main_width
         self._process = process
         give_way(process)
         self._recorder = DriveRecorder(
-            self._spec, program.config.scanner, (Tape(self._width),), calibrated=True
+            self._spec, program.config.scanner, (Tape(width),), calibrated=True
         )
-        self._start = start_of(first)
-        self._mapper: Mapper | None = None
+        side = program.config.ros2.map_resolution
+        process.submit(_begin, Drawer(self._spec, width, start_of(first), side))
         self._stamps: list[float] = []
         self._odometry: list[Pose2] = []
         self.began = first.stamp
         """Stamp of the first tick [s]."""
         self.seen = first.stamp
-        """Stamp of the last picture that showed tape [s]."""
-        self.add(first)
+        """Stamp of the last picture that showed tape [s], or that nobody looked at."""
 
     @property
     def seconds(self) -> float:
         """Its duration [s]."""
         return self._stamps[-1] - self.began
 
-    def add(self, snapshot: Snapshot) -> None:
-        """Add a tick."""
-        edges = self._recorder.add(snapshot.reading)
+    def add(self, snapshot: Snapshot, *, look: bool = True) -> None:
+        """Add a tick; without a look at its picture, only the wheels tell of it."""
+        edges = self._recorder.add(snapshot.reading, look=look)
         self._stamps.append(snapshot.stamp)
         self._odometry.append(snapshot.odom_from_robot)
-        if edges is not None and np.isfinite(edges[:, 0]).sum() >= 2 * FEWEST_EDGES:
+        if edges is None:
+            return
+        if not look or np.isfinite(edges[:, 0]).sum() >= 2 * FEWEST_EDGES:
             self.seen = snapshot.stamp
 
-    def draw(self) -> Future[Drawn]:
-        """Let the process draw what is new.
+    def draw(self) -> Future[Drawn | None]:
+        """Let the process draw what is new; None if nothing is.
 
         The future raises a MappingError while the drive shows too little, and a CalibrationError
         if no path explains it.
         """
-        return self._process.submit(_draw, self._job())
+        return self._process.submit(_draw, self._recorder.take())
 
-    def keep(self, drawn: Drawn) -> Pose2 | None:
-        """Go on from what a job has drawn; return where odometry began in that map."""
-        self._mapper = drawn.mapper
-        sketch = drawn.sketch
-        return None if sketch is None else self._map_from_odom(sketch.pose, sketch.stamp)
+    def whole(self) -> Future[Whole]:
+        """Let the process adjust all of it so far; the future raises what those of ``draw`` raise.
 
-    def finish(self) -> Future[TapeMap]:
-        """Let the process adjust all of it; the future raises what those of ``draw`` raise."""
-        return self._process.submit(_finish, self._job())
+        The drive may go on.
+        """
+        return self._process.submit(_whole, self._recorder.take())
 
-    def map_from_odom(self, drawn: TapeMap) -> Pose2:
-        """Return where odometry began in a map."""
-        last = Pose2.from_array(drawn.solution.state.poses[-1])
-        return self._map_from_odom(last, float(drawn.stamps[-1]))
-
-    def _map_from_odom(self, pose: Pose2, stamp: float) -> Pose2:
+    def map_from_odom(self, pose: Pose2, stamp: float) -> Pose2:
+        """Return where odometry began in a map, by the robot's pose at a picture's stamp [s]."""
         # A picture shows the floor as it was when it was exposed.
         exposed = stamp - self._spec.picture_delay
         later = min(max(1, bisect_left(self._stamps, exposed)), len(self._stamps) - 1)
@@ -118,15 +117,55 @@ class MappedDrive:
         odometry = interpolate(self._odometry[later - 1], self._odometry[later], fraction)
         return pose @ odometry.inverse()
 
-    def _job(self) -> _Job:
-        return _Job(self._mapper, self._recorder.log, self._spec, self._width, self._start)
+
+class _Growing:
+    """The map in the process: what is drawn stays there, and only what is new is sent to it."""
+
+    def __init__(self, drawer: Drawer) -> None:
+        self._drawer = drawer
+        self._log: DriveLog | None = None
+        self._mapper: Mapper | None = None
+
+    def draw(self, more: DriveLog) -> Drawn | None:
+        # If no path explains what is new, what was drawn before stays.
+        mapper = copy(self._extended(more))
+        before = mapper.mapped
+        mapper.catch_up()
+        sketch = mapper.sketch()
+        if sketch is None or mapper.mapped == before:
+            return None
+        self._mapper = mapper
+        drawer = self._drawer
+        seen = SeenFloor.of(mapper.rays)
+        return Drawn(sketch, occupancy(sketch.lines, drawer.width, seen, drawer.side))
+
+    def whole(self, more: DriveLog) -> Whole:
+        # What is adjusted as a whole has other strokes than what grows.
+        drawn = copy(self._extended(more)).run()
+        return Whole(drawn, drawn.cells(self._drawer.side))
+
+    def _extended(self, more: DriveLog) -> Mapper:
+        self._log = more if self._log is None else self._log.followed_by(more)
+        if self._mapper is None:
+            drawer = self._drawer
+            self._mapper = Mapper(self._log, drawer.spec, drawer.width, drawer.start)
+        else:
+            self._mapper.extend(self._log)
+        return self._mapper
 
 
-def _draw(job: _Job) -> Drawn:
-    mapper = job.extended()
-    mapper.catch_up()
-    return Drawn(mapper, mapper.sketch())
+_growing: _Growing
+"""Of this process; each draws one map."""
 
 
-def _finish(job: _Job) -> TapeMap:
-    return job.extended().run()
+def _begin(drawer: Drawer) -> None:
+    global _growing  # noqa: PLW0603 -- jobs of a process share nothing else
+    _growing = _Growing(drawer)
+
+
+def _draw(more: DriveLog) -> Drawn | None:
+    return _growing.draw(more)
+
+
+def _whole(more: DriveLog) -> Whole:
+    return _growing.whole(more)

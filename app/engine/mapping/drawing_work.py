@@ -1,0 +1,143 @@
+"""What a map drawer's thread does: it collects the drive, and lets the process draw."""
+
+from __future__ import annotations
+
+import threading
+from concurrent.futures import Future
+from functools import partial
+
+from app.engine.drive_follower import FollowedTicks
+from app.engine.followed_drive import FollowingError, result_of, ticks_until
+from app.engine.mailboxes.backlog import Backlog
+from app.engine.mapping.drawing import ShownDrawing
+from app.engine.mapping.mapped_drive import Drawn, MappedDrive, Whole
+from app.engine.program import Program
+from robot.calibration.adjustment import CalibrationError
+from robot.geometry import Pose2
+from robot.mapping.pushed import push_remark
+from robot.mapping.tape_map import MappingError, TapeMap
+
+STEP_S = 0.5
+"""After so much more of the drive its map is drawn again [s]."""
+UNSEEN_S = 4.0
+"""Without tape in sight for longer than this [s], the map depends on the wheels."""
+MOST_ASKED = 10
+"""So many may wait for the map as it is while it is drawn."""
+
+
+class DrawingWork:
+    """Draws one map after the other; other threads ask it to finish, and for the map so far."""
+
+    def __init__(self, program: Program, shown: ShownDrawing) -> None:
+        """Prepare for a program, and to show what is drawn."""
+        self._program = program
+        self._shown = shown
+        self.finish = threading.Event()
+        """Set to end the drive."""
+        self.asked = Backlog[Future[TapeMap]](MOST_ASKED)
+        """Gets the map of the drive so far, while it is drawn."""
+
+    def draw(self, ticks: FollowedTicks) -> None:
+        """Draw a map tick by tick, until ``finish`` is set; then adjust all of it.
+
+        Raises:
+            MappingError, CalibrationError: the drive does not tell what the floor is like.
+            FollowingError: the thread has to end.
+        """
+        try:
+            with ticks.subscription:
+                drive = self._follow(ticks)
+            self._shown.change(state="finish", words=None, paused=False)
+            job = drive.whole()
+            self._answer(job)
+            whole = result_of(job, ticks.stopping)
+        finally:
+            self._answer(_given_up())
+        drawn = whole.drawn
+        last = Pose2.from_array(drawn.solution.state.poses[-1])
+        map_from_odom = drive.map_from_odom(last, float(drawn.stamps[-1]))
+        version = self._version + 1
+        self._shown.change(
+            whole.grid, state="done", result=drawn, map_from_odom=map_from_odom, version=version
+        )
+
+    def _follow(self, ticks: FollowedTicks) -> MappedDrive:
+        """Collect the drive until it is to be finished, and let the process draw on the way."""
+        drive: MappedDrive | None = None
+        waiting: Future[Drawn | None] | None = None
+        due = STEP_S
+        for snapshot in ticks_until(self.finish, ticks.feed, ticks.stopping):
+            if snapshot is not None:
+                if drive is None:
+                    drive = MappedDrive(self._program, snapshot, ticks.process)
+                    self._shown.change(began=drive.began)
+                drive.add(snapshot, look=not self._paused)
+            if drive is None:
+                continue
+            if len(self.asked):
+                self._answer(drive.whole())
+            if waiting is not None and waiting.done():
+                self._keep(drive, waiting)
+                waiting = None
+            if waiting is None and due <= drive.seconds:
+                waiting, due = drive.draw(), drive.seconds + STEP_S
+                self._shown.change(seconds=drive.seconds)
+        assert drive is not None  # without a sketch, it is not finished
+        return drive
+
+    def _answer(self, job: Future[Whole]) -> None:
+        """Pass a map on to those who asked, when it is there."""
+        for wanted in self.asked.take():
+            job.add_done_callback(partial(_pass_on, wanted))
+
+    def _keep(self, drive: MappedDrive, job: Future[Drawn | None]) -> None:
+        try:
+            drawn = job.result()
+        except (MappingError, CalibrationError) as error:
+            # More of the drive may show what is missing.
+            self._shown.change(words=str(error))
+            return
+        if drawn is not None:
+            sketch = drawn.sketch
+            self._shown.change(
+                drawn.grid,
+                sketch=sketch,
+                map_from_odom=drive.map_from_odom(sketch.pose, sketch.stamp),
+                version=self._version + 1,
+            )
+        self._shown.change(words=self._remark(drive))
+
+    def _remark(self, drive: MappedDrive) -> str | None:
+        """Return what is wrong with the map that is drawn; None if nothing is."""
+        sketch = None if self._shown.now is None else self._shown.now.sketch
+        if sketch is not None and sketch.moved_at is not None:
+            return push_remark(sketch.moved_at)
+        unseen = drive.began + drive.seconds - drive.seen
+        if unseen <= UNSEEN_S:
+            return None
+        return (
+            f"no tape has been in sight for {unseen:.0f} s: meanwhile only the wheels tell where "
+            "the robot is"
+        )
+
+    @property
+    def _paused(self) -> bool:
+        return self._shown.now is not None and self._shown.now.paused
+
+    @property
+    def _version(self) -> int:
+        return 0 if self._shown.now is None else self._shown.now.version
+
+
+def _pass_on(wanted: Future[TapeMap], job: Future[Whole]) -> None:
+    error = job.exception()
+    if error is None:
+        wanted.set_result(job.result().drawn)
+    else:
+        wanted.set_exception(error)
+
+
+def _given_up() -> Future[Whole]:
+    given_up: Future[Whole] = Future()
+    given_up.set_exception(FollowingError("the map was discarded"))
+    return given_up
