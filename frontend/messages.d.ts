@@ -10,6 +10,7 @@ export type Command =
   | FinishCalibrationCommand
   | FinishMapCommand
   | PauseCommand
+  | PauseMapCommand
   | PingCommand
   | PlaceCommand
   | RecordCommand
@@ -473,6 +474,18 @@ export interface PauseCommand {
 }
 
 /**
+ * Take no pictures into the map that is drawn, or take them again. The wheels tell the robot's way
+ * meanwhile.
+ */
+export interface PauseMapCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "pause_map";
+  /** Null is the other way than now. */
+  paused?: boolean | null;
+}
+
+/**
  * Head of each binary message of ``/api/camera``. The message is the head's length in bytes
  * (uint32, little-endian), the head as JSON, and the picture as JPEG.
  */
@@ -616,13 +629,19 @@ export interface RobotMessage {
   calibrated: number | null;
 }
 
-/** Save the finished map under a new name; the dashboard's maps have a folder. */
+/**
+ * Save the map under a new name; the dashboard's maps have a folder. While it is drawn, it is
+ * saved as it is, and drawn on.
+ */
 export interface SaveMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "save_map";
   name: string;
-  /** Whether to go on in the new map at once. The robot stands meanwhile, and a recording ends. */
+  /**
+   * Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
+   * recording ends.
+   */
   use?: boolean;
 }
 
@@ -716,6 +735,10 @@ export interface StartMapCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "start_map";
+  /** Whether a map that is drawn already is forgotten; else it is kept, and none begins. */
+  discard?: boolean;
+  /** Whether no pictures are taken into it until ``pause_map`` says so. */
+  paused?: boolean;
 }
 
 /** How far the estimate can be relied on. */

@@ -55,7 +55,8 @@ class Client:
         return self.send(json.dumps({"op": op, **request}))
 
     def send(self, data) -> list[dict]:
-        return [json.loads(answer) for answer in self.session.receive(data)]
+        answers = self.session.receive(data)
+        return [json.loads(answer() if callable(answer) else answer) for answer in answers]
 
     def refused(self, op: str, **request) -> str:
         """The words of the one status that comes back."""

@@ -17,6 +17,7 @@ from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError, new, to_cdr
 from app.ros2.source import TopicSource
 from app.settings.ros2 import Ros2Settings
+from robot.errors import CommandError
 from robot.geometry import Pose2
 
 STAMPED, PLAIN = "geometry_msgs/msg/TwistStamped", "geometry_msgs/msg/Twist"
@@ -177,12 +178,19 @@ def test_any_heading_is_read_back(theta, length):
 
 def test_services_do_what_amcl_does(program, inbox):
     empty = new("std_srvs/srv/Empty_Request", structure_needs_at_least_one_member=0)
-    assert isinstance(inbox.call("reinitialize_global_localization", empty, ME), ScatterCommand)
-    assert isinstance(inbox.call("request_nomotion_update", empty, ME), UpdateCommand)
-    told = inbox.call(
-        "set_initial_pose", new("nav2_msgs/srv/SetInitialPose_Request", pose=pose()), ME
-    )
-    assert (told.x, told.y) == (0.1, 0.2)
-    assert [one.type for one in run(program, 0.02)[0].commands] == ["scatter", "update", "set_pose"]
+    told = new("nav2_msgs/srv/SetInitialPose_Request", pose=pose())
+    assert inbox.call("reinitialize_global_localization", empty, ME) == {}
+    assert inbox.call("request_nomotion_update", empty, ME) == {}
+    assert inbox.call("set_initial_pose", told, ME) == {}
+    scatter, update, set_pose = run(program, 0.02)[0].commands
+    assert isinstance(scatter, ScatterCommand) and isinstance(update, UpdateCommand)
+    assert (set_pose.x, set_pose.y) == (0.1, 0.2)
     with pytest.raises(MessageError, match="valid are reinitialize_global_localization"):
         inbox.call("get_map", empty, ME)
+
+
+def test_a_refusal_is_an_error_of_services_that_cannot_tell_it(program, inbox):
+    far = new("nav2_msgs/srv/SetInitialPose_Request", pose=pose())
+    far.pose.pose.pose.position.x = 100.0
+    with pytest.raises(CommandError, match="off the map"):
+        inbox.call("set_initial_pose", far, ME)

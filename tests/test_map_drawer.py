@@ -3,63 +3,42 @@
 from __future__ import annotations
 
 import math
+import threading
 from collections.abc import Iterator
+from concurrent.futures import Future
 from pathlib import Path
 
 import numpy as np
 import pytest
-from engine_runs import kinematic, run
+from drawn_maps import LAP_S, MappingBench
+from engine_runs import EIGHT, run
 
 from app.engine.build import build_on_map
-from app.engine.mapping.map_drawer import MapDrawer
-from app.engine.snapshot import Snapshot
-from app.messages.commands import DriveCommand, FigureEightCommand
+from app.engine.mapping.map_drawer import NoMapError
+from app.messages.commands import DriveCommand
 from app.page.mapping import drawing_message, mapping_message
+from app.settings.config import MAPS
 from robot.errors import CommandError
+from robot.fields.field_loading import load_field
 from robot.fields.svg_field import field_of_drawing
-
-EIGHT = FigureEightCommand(type="figure_eight")
-LAP_S = 17.0
-LONGEST_S = 60.0
-
-
-class Bench:
-    """A program that is stepped by hand, with its drawer."""
-
-    def __init__(self, **settings) -> None:
-        self.program = kinematic(**settings)
-        self.drawer = MapDrawer(self.program)
-        run(self.program, 0.2)
-
-    def wait(self) -> None:
-        """Wait for the end of the drawer's thread."""
-        self.drawer._follower.wait(LONGEST_S)
-
-    def drive(self, seconds: float) -> Snapshot:
-        """Drive the eight, and wait until something is drawn."""
-        snapshot = run(self.program, seconds, EIGHT)[-1]
-        while self.drawer.drawing is not None and self.drawer.drawing.version == 0:
-            self.drawer._follower.wait(0.05)
-        return snapshot
 
 
 @pytest.fixture
-def bench() -> Iterator[Bench]:
-    made = Bench()
+def bench() -> Iterator[MappingBench]:
+    made = MappingBench()
     yield made
-    made.drawer.close()
+    made.close()
 
 
 @pytest.fixture(scope="module")
-def mapped() -> Iterator[Bench]:
+def mapped() -> Iterator[MappingBench]:
     """A lap of which the map is done."""
-    made = Bench()
+    made = MappingBench()
     made.drawer.begin()
     made.drive(LAP_S)
-    made.drawer.finish()
-    made.wait()
+    made.finish()
     yield made
-    made.drawer.close()
+    made.close()
 
 
 def test_a_lap_becomes_a_map(mapped):
@@ -161,6 +140,78 @@ def test_one_map_at_a_time(bench):
     assert bench.drawer.drawing.state == "draw"
 
 
+def test_a_map_is_saved_while_it_is_drawn_and_drawn_on(bench, tmp_path):
+    bench.drawer.begin()
+    bench.drive(8.0)
+    before = bench.drawer.drawing
+    saving = threading.Thread(target=bench.drawer.save, args=("half", tmp_path))
+    saving.start()
+    while saving.is_alive():
+        bench.drive(0.1)
+    assert load_field(str(tmp_path / "half.svg"), MAPS).tape_width == pytest.approx(0.05)
+    assert bench.drawer.drawing.state == "draw"
+    bench.drive(9.0)
+    while bench.drawer.drawing.version <= before.version + 3:
+        bench.drive(0.1)
+    assert len(bench.drawer.drawing.sketch.path) > len(before.sketch.path)
+    bench.finish()
+    assert len(bench.drawer.drawing.result.tidy.strokes) == 4
+
+
+def test_what_waits_for_a_map_that_is_discarded_is_told(bench, tmp_path):
+    bench.drawer.begin()
+    bench.drive(3.0)
+    said: list[str] = []
+
+    def save() -> None:
+        try:
+            bench.drawer.save("half", tmp_path)
+        except CommandError as error:
+            said.append(str(error))
+
+    # No tick comes: only the thread's end can answer.
+    bench.drawer._work.asked.put(Future())
+    saving = threading.Thread(target=save)
+    saving.start()
+    while len(bench.drawer._work.asked) or not saving.is_alive():
+        saving.join(0.01)
+        if said or (tmp_path / "half.svg").exists():
+            break
+    bench.drawer.discard()
+    saving.join(10)
+    assert not saving.is_alive()
+    assert said == ["the map was discarded"] or (tmp_path / "half.svg").exists()
+
+
+def test_while_it_is_paused_the_wheels_tell_the_way_and_the_map_stays_straight():
+    """Half of the lap is driven with a pause: nothing of it is seen, and nothing is bent."""
+    bench = MappingBench()
+    bench.drawer.begin()
+    bench.drive(6.0)
+    bench.drawer.pause()
+    assert bench.drawer.drawing.paused
+    edges = len(bench.drawer.drawing.sketch.edges)
+    bench.drive(5.0)
+    bench.drawer.pause()
+    assert not bench.drawer.drawing.paused
+    assert len(bench.drawer.drawing.sketch.edges) <= edges + 400
+    bench.drive(LAP_S)
+    bench.finish()
+    drawn = bench.drawer.drawing.result
+    assert drawn.fits
+    assert drawn.moved_at is None
+    looked = np.isfinite(drawn.seen.polygons[0]).all()
+    assert looked
+    for stroke in drawn.tidy.strokes:
+        assert np.abs(stroke.points).max(axis=1) == pytest.approx(0.5, abs=0.003)
+    bench.close()
+
+
+def test_without_a_map_nothing_is_paused(bench):
+    with pytest.raises(NoMapError, match="no map is drawn now"):
+        bench.drawer.pause()
+
+
 def test_a_map_that_grows_shows_tape_path_and_pose(bench):
     bench.drawer.begin()
     bench.drive(4.0)
@@ -180,7 +231,7 @@ def test_a_robot_that_stands_is_no_map_and_says_why(bench):
 
 
 def test_long_without_tape_in_sight_it_says_so():
-    bench = Bench(map="square")
+    bench = MappingBench(map="square")
     bench.drawer.begin()
     bench.drive(3.0)
     away = DriveCommand(type="drive", v=0.25, omega=0.0)
@@ -188,4 +239,4 @@ def test_long_without_tape_in_sight_it_says_so():
     while "no tape has been in sight" not in (bench.drawer.drawing.words or ""):
         bench.drawer._follower.wait(0.05)
         run(bench.program, 0.1, away)
-    bench.drawer.close()
+    bench.close()

@@ -1,5 +1,6 @@
 """Which topics there are, and how each is offered."""
 
+from engine_runs import kinematic, run
 from ros_messages import topic
 
 from app.ros2.topic import UNCHANGING
@@ -13,4 +14,8 @@ def test_only_what_others_publish_is_not_live():
 def test_who_comes_late_gets_what_stays():
     latched = {one.name for one in TOPICS if one.quality.latched}
     assert latched == {"map", "tf_static", "amcl_pose", "robot_description"}
-    assert topic("map").stamp(None) == UNCHANGING  # type: ignore[arg-type]
+
+
+def test_the_fields_map_never_changes():
+    before, last = run(kinematic(), 0.04)
+    assert topic("map").stamp(before) == topic("map").stamp(last) == UNCHANGING

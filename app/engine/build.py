@@ -99,7 +99,9 @@ def build_program(
     return Program(engine, robot, field, config, path, own.choice)
 
 
-def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
+def build_on_map(
+    program: Program, name: str, place: Hypothesis, *, stopped: bool = False
+) -> Program:
     """Build a program on another map, with the robot of one that has ended but handed it over.
 
     The robot's calibration and the filter's parameters go on as they are.
@@ -108,6 +110,7 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
         program: the one that has ended.
         name: of the map, as ``Config.map``.
         place: where the robot is in it.
+        stopped: whether a stop holds that was given before.
 
     Raises:
         FieldError: there is no such map, or the robot is off it.
@@ -127,7 +130,7 @@ def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
     engine = build_engine(config, robot, field, scanner, own, begin, parameters)
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    return Program(engine, robot, field, config, path, own.choice)
+    return Program(engine, robot, field, config, path, own.choice, stopped=stopped)
 
 
 def robot_spec(config: Config) -> RobotSpec:

@@ -29,6 +29,7 @@ from app.messages.commands import (
     FinishCalibrationCommand,
     FinishMapCommand,
     PauseCommand,
+    PauseMapCommand,
     PingCommand,
     PlaceCommand,
     RecordCommand,
@@ -93,6 +94,8 @@ class Rule:
     ask it of recorded commands as well."""
     drives: bool = False
     """Whether the robot has to stop when everybody has left who sent such commands."""
+    slow: bool = False
+    """Whether it may take more than some milliseconds; an event loop leaves it to a thread."""
 
 
 def check(command: Command, program: Program) -> None:
@@ -279,12 +282,13 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         ),
         FinishCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         UndoCalibrationCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
-        StartMapCommand: Rule(_nothing, Repeat.NEVER, _check_drawn),
+        StartMapCommand: Rule(_nothing, Repeat.NEVER, _check_drawn, slow=True),
+        PauseMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         ExploreCommand: Rule(_explore, Repeat.NEVER, _check_driving, drives=True),
         FinishMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
-        DeleteStrokeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
-        DiscardMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
-        SaveMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
+        DeleteStrokeCommand: Rule(_nothing, Repeat.NEVER, _check_driving, slow=True),
+        DiscardMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving, slow=True),
+        SaveMapCommand: Rule(_nothing, Repeat.NEVER, _check_driving, slow=True),
         StopCommand: Rule(_stop, Repeat.NEVER),
         TakeCommand: Rule(_nothing, Repeat.NEVER, _check_driving),
         SetPoseCommand: Rule(_set_pose, Repeat.MOMENT, check_field=_check_pose),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -16,6 +17,8 @@ from robot.errors import CommandError
 
 SILENCE = 1.0
 """After this time without a drive command [s], a client has let go."""
+RETURN_S = 5.0
+"""Who drives within this time after a stop was handed over [s] may go on as before it."""
 
 OWN = ("127.0.0.1", "::1")
 """Addresses that tell nobody anything."""
@@ -69,6 +72,8 @@ class Drivers:
         commands: Backlog[Command],
         timeout: float,
         clock: Callable[[], float] = time.monotonic,
+        *,
+        stopped: bool = False,
     ) -> None:
         """Start with nobody driving.
 
@@ -76,6 +81,7 @@ class Drivers:
             commands: the engine's queue.
             timeout: how long a drive command holds [s].
             clock: the computer's time [s].
+            stopped: whether a stop holds that was given to the program before.
         """
         self._commands = commands
         self._timeout = timeout
@@ -83,14 +89,17 @@ class Drivers:
         self._driver: Driver | None = None
         self._gestures: dict[Driver, _Gesture] = {}
         """The last drive commands of each client, refused ones too."""
-        self._stopped: float | None = None
+        self._stopped = clock() if stopped else None
         """When the stop was given that holds [s]."""
+        self._returning_until = clock() + RETURN_S if stopped else -math.inf
+        """Clients that are heard for the first time until then may have driven before the stop."""
         self._lock = threading.Lock()
 
     @classmethod
     def of(cls, program: Program) -> Drivers:
         """Return the drivers of a program."""
-        return cls(program.engine.commands, program.config.drive.cmd_vel_timeout)
+        timeout = program.config.drive.cmd_vel_timeout
+        return cls(program.engine.commands, timeout, stopped=program.stopped)
 
     @property
     def state(self) -> DriveState:
@@ -113,6 +122,15 @@ class Drivers:
             elif RULES[type(command)].drives:
                 self._drive(driver)
             self._commands.put(command)
+
+    def require_free(self, driver: Driver) -> None:
+        """Refuse what would stop another client who drives.
+
+        Raises:
+            CommandError: another one drives; the message says what to do.
+        """
+        with self._lock:
+            self._require_free(driver)
 
     def refuse(self, driver: Driver) -> None:
         """Stop the robot, as a client's drive command cannot be read, unless another one drives."""
@@ -140,17 +158,22 @@ class Drivers:
     def _drive(self, driver: Driver) -> None:
         stamp = self._clock()
         gesture = self._gestures.get(driver)
-        if gesture is None or stamp - gesture.last >= SILENCE:
+        if gesture is None and stamp < self._returning_until:
+            self._gestures[driver] = gesture = _Gesture(-math.inf, stamp)
+        elif gesture is None or stamp - gesture.last >= SILENCE:
             self._gestures[driver] = gesture = _Gesture(stamp, stamp)
         gesture.last = stamp
-        current = self._current()
-        if current not in (None, driver):
-            raise CommandError(f"{current.name} drives; take the drive to drive yourself")
+        self._require_free(driver)
         if self._stopped is not None:
             if gesture.begun < self._stopped or stamp - self._stopped < SILENCE:
                 raise CommandError("a stop holds; take the drive, or let go for a second")
             self._stopped = None
         self._driver = driver
+
+    def _require_free(self, driver: Driver) -> None:
+        current = self._current()
+        if current is not None and current is not driver:
+            raise CommandError(f"{current.name} drives; take the drive to drive yourself")
 
     def _current(self) -> Driver | None:
         driver = self._driver

@@ -29,3 +29,5 @@ class Program:
     loop: Callable[[threading.Event], None] | None = None
     """The loop of a replay, which runs until the event is set; None uses the engine's own loop. A
     replay cannot be driven."""
+    stopped: bool = False
+    """Whether a stop holds that was given to the program before this one."""

@@ -78,6 +78,21 @@ class StartMapCommand(CommandMessage):
     """Draw a map of the floor from now on, however the robot is driven."""
 
     type: Literal["start_map"]
+    discard: bool = False
+    """Whether a map that is drawn already is forgotten; else it is kept, and none begins."""
+    paused: bool = False
+    """Whether no pictures are taken into it until ``pause_map`` says so."""
+
+
+class PauseMapCommand(CommandMessage):
+    """Take no pictures into the map that is drawn, or take them again.
+
+    The wheels tell the robot's way meanwhile.
+    """
+
+    type: Literal["pause_map"]
+    paused: bool | None = None
+    """Null is the other way than now."""
 
 
 class ExploreCommand(CommandMessage):
@@ -114,12 +129,16 @@ class DiscardMapCommand(CommandMessage):
 
 
 class SaveMapCommand(CommandMessage):
-    """Save the finished map under a new name; the dashboard's maps have a folder."""
+    """Save the map under a new name; the dashboard's maps have a folder.
+
+    While it is drawn, it is saved as it is, and drawn on.
+    """
 
     type: Literal["save_map"]
     name: Annotated[str, Field(max_length=200)]
     use: bool = False
-    """Whether to go on in the new map at once. The robot stands meanwhile, and a recording ends."""
+    """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
+    recording ends."""
 
 
 class TakeCommand(CommandMessage):
@@ -269,6 +288,7 @@ Command = Annotated[
     | UndoCalibrationCommand
     | StartMapCommand
     | ExploreCommand
+    | PauseMapCommand
     | FinishMapCommand
     | DeleteStrokeCommand
     | DiscardMapCommand

@@ -4,34 +4,26 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
+from functools import partial
 from typing import Any
 
 import anyio
+from anyio.abc import TaskGroup
 from starlette.websockets import WebSocket
 
-from app.engine.commands import check
+from app.engine.commands import RULES, check
 from app.engine.drivers import Driver
+from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.messages.commands import (
     AckMessage,
-    CalibrateCommand,
     Command,
-    DeleteStrokeCommand,
-    DiscardMapCommand,
     ErrorMessage,
-    FinishCalibrationCommand,
-    FinishMapCommand,
     PingCommand,
-    RecordCommand,
     ReplayCommand,
-    SaveMapCommand,
-    StartMapCommand,
-    UndoCalibrationCommand,
     parse,
 )
 from app.page.outlets import Outlets
@@ -45,23 +37,6 @@ NOT_MINE, MINE = '"mine":false', '"mine":true'
 """The only places where telemetry differs between viewers."""
 WATCHES = "This link only watches; ask for the link to drive."
 """Answer to commands of a viewer who only watches."""
-
-OUTLETS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
-    {
-        RecordCommand: lambda outlets, _, command: outlets.record(command.on),
-        CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
-        FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),
-        UndoCalibrationCommand: lambda outlets, *_: outlets.calibrator.undo(),
-        StartMapCommand: lambda outlets, *_: outlets.mapping.begin(),
-        FinishMapCommand: lambda outlets, *_: outlets.mapping.finish(),
-        DeleteStrokeCommand: lambda outlets, _, command: outlets.mapping.delete_stroke(
-            command.stroke, command.version
-        ),
-        DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
-        SaveMapCommand: lambda outlets, _, command: outlets.save_map(command),
-    }
-)
-"""What carries out the commands that are not the engine's."""
 
 
 class Live:
@@ -92,7 +67,7 @@ class Live:
         try:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(viewer.send_telemetry)
-                await viewer.take_commands()
+                await viewer.take_commands(tasks)
                 tasks.cancel_scope.cancel()
         finally:
             self.outlets.drivers.leave(viewer.driver)
@@ -115,6 +90,7 @@ class _Viewer:
         self._role = role_in(socket.scope)
         self.driver = Driver.numbered("page", socket.client and socket.client.host)
         self._outgoing = WebsocketWriter(socket)
+        self._slow_lane = SlowLane()
 
     async def send_telemetry(self) -> None:
         """Send the newest snapshot as soon as the last one is sent."""
@@ -124,50 +100,69 @@ class _Viewer:
             ):
                 pass
 
-    async def take_commands(self) -> None:
-        """Answer each command until the viewer is gone."""
+    async def take_commands(self, tasks: TaskGroup) -> None:
+        """Answer each command until the viewer is gone; slow ones when they are done."""
         while True:
             message = await self._socket.receive()
             if message["type"] == "websocket.disconnect":
                 return
             # A binary message has no text; an empty text is refused, as it is not JSON.
-            if not await self._outgoing.send(self._answer(message.get("text") or "")):
+            text = message.get("text") or ""
+            try:
+                command = self._checked(text)
+            except BrickPoseError as error:
+                answer = _refused(_id_of(text), error)
+            else:
+                if RULES[type(command)].slow:
+                    answer_it = partial(self._answer, command)
+                    await self._slow_lane.begin(tasks, answer_it, self._outgoing.send)
+                    continue
+                answer = self._answer(command)
+            if not await self._outgoing.send(answer):
                 return
 
-    def _answer(self, text: str) -> str:
+    def _checked(self, text: str) -> Command:
+        """Return the command in a text.
+
+        Raises:
+            BrickPoseError: it is none, or it is not allowed; the message says why.
+        """
+        command = parse(text)
+        if self._role is Role.WATCH and not isinstance(command, PingCommand):
+            raise CommandError(WATCHES)
+        check(command, self._live.program)
+        return command
+
+    def _answer(self, command: Command) -> str:
         try:
-            command = parse(text)
-            if self._role is Role.WATCH and not isinstance(command, PingCommand):
-                raise CommandError(WATCHES)
-            check(command, self._live.program)
-            self._take(command)
+            self._carry_out(command)
         except BrickPoseError as error:
-            return ErrorMessage(id=_id_of(text), message=str(error)).model_dump_json()
+            return _refused(command.id, error)
         return AckMessage(id=command.id, stamp=self._robot_time()).model_dump_json()
 
-    def _take(self, command: Command) -> None:
+    def _carry_out(self, command: Command) -> None:
         """Pass a command to replay, outlets or engine.
 
         Raises:
             BrickPoseError: the command cannot be carried out; the message says why.
         """
-        outlets = self._live.outlets
-        carry_out = OUTLETS.get(type(command))
         if isinstance(command, ReplayCommand):
             program = self._live.program
             assert isinstance(program, ReplayProgram)  # ``check`` made sure of it
             program.replay.asked.ask(
                 command.paused, command.speed, command.position_s, command.step
             )
-        elif carry_out is not None:
-            carry_out(outlets, self.driver, command)
         elif not isinstance(command, PingCommand):
-            outlets.drivers.put(self.driver, command)
+            self._live.outlets.carry_out(self.driver, command)
 
     def _robot_time(self) -> float | None:
         """Return the robot's clock now: the newest stamp plus the time since its publication."""
         latest = self._engine.latest.get()
         return None if latest is None else latest.stamp + time.monotonic() - latest.published
+
+
+def _refused(command_id: int | str | None, error: BrickPoseError) -> str:
+    return ErrorMessage(id=command_id, message=str(error)).model_dump_json()
 
 
 def _id_of(text: str) -> int | str | None:

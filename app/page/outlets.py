@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
-from typing import Protocol
+from types import MappingProxyType
+from typing import Any, Protocol
 
 from app.console import say
 from app.engine.drive_calibrator import DriveCalibrator
 from app.engine.drivers import Driver, Drivers
 from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
-from app.messages.commands import CalibrateCommand, SaveMapCommand
+from app.messages.commands import (
+    CalibrateCommand,
+    Command,
+    DeleteStrokeCommand,
+    DiscardMapCommand,
+    FinishCalibrationCommand,
+    FinishMapCommand,
+    PauseMapCommand,
+    RecordCommand,
+    SaveMapCommand,
+    StartMapCommand,
+    UndoCalibrationCommand,
+)
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
 from app.ros2.foxglove.foxglove import Foxglove
@@ -59,7 +72,7 @@ class Outlets:
         self.calibrator = DriveCalibrator(program, lambda: datetime.now(UTC))
         self.mapping = MapDrawer(program)
         self.publisher = TopicPublisher(TopicSource.of(program), program.engine.every)
-        self.inbox = Inbox(program, self.publisher.source, self.drivers)
+        self.inbox = Inbox(program, self.publisher.source, self.drivers, self.carry_out)
         self.recorder = Recorder(
             self.publisher, config.recording, lambda: contents_of(program), datetime.now
         )
@@ -90,6 +103,18 @@ class Outlets:
             self.close()
             raise
 
+    def carry_out(self, driver: Driver, command: Command) -> None:
+        """Carry out a command that was checked, or pass it on to the engine.
+
+        Raises:
+            BrickPoseError: that is not possible; the message says why.
+        """
+        act = ACTS.get(type(command))
+        if act is None:
+            self.drivers.put(driver, command)
+        else:
+            act(self, driver, command)
+
     def record(self, enabled: bool) -> None:
         """Start a recording, or end the running one.
 
@@ -113,15 +138,18 @@ class Outlets:
         if command.start:
             self.calibrator.begin()
 
-    def save_map(self, command: SaveMapCommand) -> None:
+    def save_map(self, driver: Driver, command: SaveMapCommand) -> None:
         """Save the map that was drawn, and go on in it if that is wanted.
 
         Raises:
-            CommandError: there is none, or it cannot be saved.
+            CommandError: there is none, it cannot be saved, or another client drives.
         """
         newest = self._engine.latest.get()
         if command.use and (newest is None or self._change_map is None):
             raise CommandError("this program cannot go on in another map; save it, and start anew")
+        if command.use:
+            self.drivers.require_free(driver)
+            self.mapping.require_done()
         path = self.mapping.save(command.name, self._maps)
         say(f"The map is {path}")
         if command.use:
@@ -147,3 +175,24 @@ class Outlets:
         for route in self._routes:
             route.close()
         self.publisher.close()
+
+
+ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
+    {
+        RecordCommand: lambda outlets, _, command: outlets.record(command.on),
+        CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
+        FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),
+        UndoCalibrationCommand: lambda outlets, *_: outlets.calibrator.undo(),
+        StartMapCommand: lambda outlets, _, command: outlets.mapping.begin(
+            discard=command.discard, paused=command.paused
+        ),
+        PauseMapCommand: lambda outlets, _, command: outlets.mapping.pause(command.paused),
+        FinishMapCommand: lambda outlets, *_: outlets.mapping.finish(),
+        DeleteStrokeCommand: lambda outlets, _, command: outlets.mapping.delete_stroke(
+            command.stroke, command.version
+        ),
+        DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
+        SaveMapCommand: lambda outlets, driver, command: outlets.save_map(driver, command),
+    }
+)
+"""What carries out the commands that are not the engine's."""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
 
 import uvicorn
+from anyio import from_thread
 
 from app.engine.build import build_on_map
 from app.engine.engine_thread import EngineThread
@@ -76,10 +77,19 @@ class Server:
             self._outlets.close()
 
     def _change_map(self, name: str, place: Hypothesis) -> None:
+        """Go on in another map soon; from a thread of the event loop's."""
         self.successor = name, place
         self._engine.handed_over = True
+        from_thread.run_sync(self._stop_soon)
+
+    def _stop_soon(self) -> None:
         # The page's command has to be answered before.
         asyncio.get_running_loop().call_later(ANSWERED_S, self.stop)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether a stop holds."""
+        return self._outlets.drivers.state.stopped
 
     def stop(self) -> None:
         """Ask the server to end, from any thread or from a signal handler.
@@ -114,7 +124,7 @@ def serve(
             announce()
             server.run(listening)
             if server.successor is not None and not asked():
-                following = build_on_map(program, *server.successor)
+                following = build_on_map(program, *server.successor, stopped=server.stopped)
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from pydantic import ValidationError
 
 from app.engine.commands import check
 from app.engine.drivers import Driver, Drivers
+from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
 from app.messages.commands import Command, in_words
 from app.ros2.incoming import (
@@ -13,20 +16,38 @@ from app.ros2.incoming import (
     SERVICES,
     STAMPED_TWIST,
     TWIST,
+    Answer,
     IncomingTopic,
     Service,
 )
 from app.ros2.message_types import Message, MessageError, from_cdr
 from app.ros2.source import TopicSource
+from robot.errors import CommandError
 
 
 class Inbox:
     """Takes messages from any thread, and puts their commands into the engine's queue."""
 
-    def __init__(self, program: Program, source: TopicSource, drivers: Drivers) -> None:
+    def __init__(
+        self,
+        program: Program,
+        source: TopicSource,
+        drivers: Drivers,
+        carry_out: Callable[[Driver, Command], None] | None = None,
+    ) -> None:
+        """Make the entry of a program.
+
+        Args:
+            program: what is commanded.
+            source: what commands are converted with.
+            drivers: the clients that may drive.
+            carry_out: takes checked commands, also those that are not the engine's; by default
+                the engine takes all.
+        """
         self.source = source
         self.drivers = drivers
         self._program = program
+        self._carry_out = carry_out or drivers.put
 
     def incoming(self) -> tuple[IncomingTopic, ...]:
         """The topics that the robot subscribes to; a setting chooses the type of cmd_vel."""
@@ -70,16 +91,28 @@ class Inbox:
         if name == "cmd_vel":
             self.drivers.refuse(driver)
 
-    def call(self, name: str, request: Message, driver: Driver) -> Command:
-        """Carry out a request to a service, and return its command.
+    def call(self, name: str, request: Message, driver: Driver) -> Answer:
+        """Carry out a request to a service, and return the fields of its answer.
+
+        A slow service may take seconds.
 
         Raises:
             MessageError: there is no such service, or the request is invalid; says why.
-            CommandError: the command is not allowed; says why.
+            CommandError: the command is not allowed, and the answer has no field to tell that.
         """
+        service = self._service(name)
+        try:
+            self._do(service, request, driver)
+        except CommandError as refusal:
+            answer = service.answer(refusal)
+            CLIENTS_LOG.warning("%s refuses what %s asks: %s", name, driver.name, refusal)
+            return answer
+        return service.answer(None)
+
+    def _service(self, name: str) -> Service:
         for service in self.services():
             if service.name == name:
-                return self._do(service, request, driver)
+                return service
         valid = ", ".join(service.name for service in self.services())
         raise MessageError(f"{name} is no service; valid are {valid}")
 
@@ -97,5 +130,5 @@ class Inbox:
         except ValidationError as error:
             raise MessageError(f"{wanted.name}: {in_words(error)}") from error
         check(command, self._program)
-        self.drivers.put(driver, command)
+        self._carry_out(driver, command)
         return command

@@ -3,26 +3,35 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from app.engine.mapping.map_drawer import NoMapError
 from app.messages.commands import (
     Command,
     DriveCommand,
+    PauseMapCommand,
+    SaveMapCommand,
     ScatterCommand,
     SetPoseCommand,
+    StartMapCommand,
     UpdateCommand,
 )
 from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import Message, MessageError
 from app.ros2.source import TopicSource
+from robot.errors import CommandError
 
 TWIST = "geometry_msgs/msg/Twist"
 STAMPED_TWIST = "geometry_msgs/msg/TwistStamped"
 POSE = "geometry_msgs/msg/PoseWithCovarianceStamped"
 
+NO_MAP, FAILURE = 1, 255
+"""Results of slam_toolbox's SaveMap."""
 LEVEL = 0.1
 """Largest tilt of a pose on the floor [rad]."""
 
@@ -42,15 +51,30 @@ class IncomingTopic:
     """
 
 
+Answer = dict[str, Any]
+"""The fields of a service's answer."""
+
+
+def no_fields(refusal: CommandError | None) -> Answer:
+    """Answer with nothing; a refusal is an error of the call."""
+    if refusal is not None:
+        raise refusal
+    return {}
+
+
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service that the robot offers; its answer is empty."""
+    """A service that the robot offers."""
 
     name: str
     type: str
     """As ``std_srvs/srv/Empty``."""
     command: Callable[[TopicSource, Message], Command]
     """Converts a request to a command; raises the same errors as that of a topic."""
+    answer: Callable[[CommandError | None], Answer] = no_fields
+    """Returns the answer, by why the command was refused; or raises that."""
+    slow: bool = False
+    """Whether it may take more than some milliseconds: the answer then comes from a thread."""
 
 
 def drive(source: TopicSource, message: Message) -> DriveCommand:
@@ -129,6 +153,26 @@ def _told_pose(source: TopicSource, request: Message) -> SetPoseCommand:
     return set_pose(source, request.pose)
 
 
+def _save_map(source: TopicSource, request: Message) -> SaveMapCommand:
+    # As nav2's map saver names maps.
+    return SaveMapCommand(type="save_map", name=request.name.data or f"map_{int(time.time())}")
+
+
+def _saved(refusal: CommandError | None) -> Answer:
+    if refusal is None:
+        return {"result": 0}
+    return {"result": NO_MAP if isinstance(refusal, NoMapError) else FAILURE}
+
+
+def _pause_map(source: TopicSource, request: Message) -> PauseMapCommand:
+    return PauseMapCommand(type="pause_map")
+
+
+def _reset_map(source: TopicSource, request: Message) -> StartMapCommand:
+    paused = bool(request.pause_new_measurements)
+    return StartMapCommand(type="start_map", discard=True, paused=paused)
+
+
 INCOMING: tuple[IncomingTopic, ...] = (
     IncomingTopic("cmd_vel", STAMPED_TWIST, drive_stamped),
     IncomingTopic("cmd_vel", TWIST, drive),
@@ -140,4 +184,18 @@ SERVICES: tuple[Service, ...] = (
     Service("reinitialize_global_localization", "std_srvs/srv/Empty", _scatter),
     Service("request_nomotion_update", "std_srvs/srv/Empty", _update),
     Service("set_initial_pose", "nav2_msgs/srv/SetInitialPose", _told_pose),
+    Service("slam_toolbox/save_map", "slam_toolbox/srv/SaveMap", _save_map, _saved, slow=True),
+    Service(
+        "slam_toolbox/pause_new_measurements",
+        "slam_toolbox/srv/Pause",
+        _pause_map,
+        lambda refusal: {"status": refusal is None},
+    ),
+    Service(
+        "slam_toolbox/reset",
+        "slam_toolbox/srv/Reset",
+        _reset_map,
+        lambda refusal: {**no_fields(refusal), "result": 0},
+        slow=True,
+    ),
 )

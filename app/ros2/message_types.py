@@ -25,7 +25,16 @@ MORE = {
 MORE_SERVICES = {
     "std_srvs/srv/Empty": "---\n",
     "nav2_msgs/srv/SetInitialPose": "geometry_msgs/PoseWithCovarianceStamped pose\n---\n",
+    "slam_toolbox/srv/SaveMap": (
+        "std_msgs/String name\n---\nuint8 RESULT_SUCCESS=0\nuint8 RESULT_NO_MAP_RECEIEVD=1\n"
+        "uint8 RESULT_UNDEFINED_FAILURE=255\nuint8 result\n"
+    ),
+    "slam_toolbox/srv/Pause": "---\nbool status\n",
+    "slam_toolbox/srv/Reset": (
+        "bool pause_new_measurements\n---\nuint8 RESULT_SUCCESS=0\nuint8 result\n"
+    ),
 }
+"""Services of ROS 2, nav2 and slam_toolbox; their names are spelt as there."""
 
 
 class MessageError(BrickPoseError, ValueError):

@@ -40,7 +40,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "map",
         "nav_msgs/msg/OccupancyGrid",
-        motion.never_changes,
+        sensors.map_stamp,
         sensors.occupancy_grid,
         quality=LATCHED,
     ),

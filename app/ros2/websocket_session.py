@@ -6,13 +6,17 @@ from collections.abc import Callable, Sequence
 from typing import Generic, Protocol, TypeVar
 
 import anyio
+from anyio.abc import TaskGroup
 from starlette import status
 from starlette.websockets import WebSocket
 
+from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.wakeup import Wakeup
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 
 Data = str | bytes
+Later = Callable[[], Data]
+"""An answer that takes time; a thread calls it."""
 
 Shared = TypeVar("Shared")
 
@@ -23,7 +27,7 @@ MOST_CLIENTS = 50
 class Session(Protocol):
     """One client, without its socket; used by the event loop."""
 
-    def receive(self, data: Data) -> Sequence[Data]:
+    def receive(self, data: Data) -> Sequence[Data | Later]:
         """Carry out a message; return the answers to send. An invalid message raises nothing."""
         ...
 
@@ -87,6 +91,7 @@ class Clients(Generic[Shared]):
 class _Talk:
     def __init__(self, socket: WebSocket, begin: Callable[[Wakeup], Session]) -> None:
         self._socket = socket
+        self._slow_lane = SlowLane()
         self._waiting = Wakeup()
         self._outgoing = WebsocketWriter(socket)
         self._session = begin(self._waiting)
@@ -97,7 +102,7 @@ class _Talk:
                 for greeting in greetings:
                     await self._outgoing.send(greeting)
                 tasks.start_soon(self._send_messages)
-                await self._take_requests()
+                await self._take_requests(tasks)
                 tasks.cancel_scope.cancel()
         finally:
             self._session.close()
@@ -109,7 +114,7 @@ class _Talk:
                 if not await self._outgoing.send(data):
                     return
 
-    async def _take_requests(self) -> None:
+    async def _take_requests(self, tasks: TaskGroup) -> None:
         """Answer each message, until the client is gone."""
         while True:
             message = await self._socket.receive()
@@ -117,6 +122,9 @@ class _Talk:
                 return
             data = message.get("text") or message.get("bytes") or ""
             for answer in self._session.receive(data):
+                if callable(answer):
+                    await self._slow_lane.begin(tasks, answer, self._outgoing.send)
+                    continue
                 # While a client does not read its answers, its messages are not read either.
                 if not await self._outgoing.send(answer):
                     return

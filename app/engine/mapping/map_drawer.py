@@ -120,6 +120,14 @@ class MapDrawer:
             self.close()
             self._shown.begin(None)
 
+    def require_done(self) -> None:
+        """Refuse what needs a finished map.
+
+        Raises:
+            NoMapError: there is none.
+        """
+        self._done()
+
     def delete_stroke(self, number: int, version: int) -> None:
         """Delete a stroke from the finished map.
 

@@ -15,8 +15,7 @@ from app.ros2.encoding.frames import (
 )
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
-from app.ros2.topic import UNCHANGING
-from robot.geometry import Array, Twist2
+from robot.geometry import Array, Pose2, Twist2
 
 POSE_VARIANCE = (1e-3, 1e-3, 1e-2)
 """Variances of the pose in odom [m^2, m^2, rad^2]. They are constant, as in diff_drive_controller,
@@ -51,13 +50,20 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
     stamp, settings = snapshot.stamp, source.settings
     odom, base = settings.odom_frame_id, settings.base_frame_id
     result = [transform(source, stamp, odom, base, snapshot.odom_from_robot)]
-    if snapshot.pose is not None and settings.tf_broadcast:
-        map_from_odom = snapshot.pose @ snapshot.odom_from_robot.inverse()
+    map_from_odom = _map_from_odom(snapshot)
+    if map_from_odom is not None and settings.tf_broadcast:
         result.append(transform(source, stamp, settings.global_frame_id, odom, map_from_odom))
     angles: Array = snapshot.reading.positions
     for wheel, angle in zip(source.robot(snapshot).links.wheels, angles.tolist(), strict=True):
         result.append(link_transform(source, stamp, wheel, wheel.turned(angle)))
     return new("tf2_msgs/msg/TFMessage", transforms=result)
+
+
+def _map_from_odom(snapshot: Snapshot) -> Pose2 | None:
+    """Where odometry began in the map that is told: the one that is drawn, else the field's."""
+    if snapshot.drawn is not None:
+        return snapshot.drawn.map_from_odom
+    return None if snapshot.pose is None else snapshot.pose @ snapshot.odom_from_robot.inverse()
 
 
 def static_transforms(source: TopicSource, snapshot: Snapshot) -> Message:
@@ -107,8 +113,3 @@ def each_second(snapshot: Snapshot) -> float:
 def calibration_stamp(snapshot: Snapshot) -> float:
     """The stamp of content that only a calibration changes."""
     return snapshot.calibrated  # UNCHANGING before the first calibration
-
-
-def never_changes(snapshot: Snapshot) -> float:
-    """The stamp of content that never changes."""
-    return UNCHANGING

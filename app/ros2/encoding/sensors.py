@@ -9,6 +9,7 @@ from app.engine.snapshot import Snapshot
 from app.ros2.encoding.frames import header, pose, time
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
+from app.ros2.topic import UNCHANGING
 
 
 def scan_stamp(snapshot: Snapshot) -> float | None:
@@ -36,9 +37,20 @@ def laser_scan(source: TopicSource, snapshot: Snapshot) -> Message:
     )
 
 
+def map_stamp(snapshot: Snapshot) -> float:
+    """When the map was drawn that is drawn by driving; the field's never changes."""
+    return UNCHANGING if snapshot.drawn is None else snapshot.drawn.stamp
+
+
 def occupancy_grid(source: TopicSource, snapshot: Snapshot) -> Message:
-    """The field as nav_msgs/OccupancyGrid: tape is occupied."""
-    grid = source.field.grid or source.field.occupancy(source.settings.map_resolution)
+    """The map that is drawn by driving, else the field, as nav_msgs/OccupancyGrid.
+
+    Tape is occupied; of a map that is drawn, floor that nobody looked at is unknown.
+    """
+    if snapshot.drawn is not None:
+        grid = snapshot.drawn.grid
+    else:
+        grid = source.field.grid or source.field.occupancy(source.settings.map_resolution)
     height, width = grid.data.shape
     return new(
         "nav_msgs/msg/OccupancyGrid",

@@ -7,8 +7,9 @@ import json
 from app.engine.drivers import Driver
 from app.ros2.foxglove.protocol import ClientChannel, ClientMessage, ServiceCall
 from app.ros2.inbox import Inbox
-from app.ros2.message_types import Message, MessageError, from_cdr, message_class, to_cdr
-from app.ros2.rosbridge.fields import FILLER, fields
+from app.ros2.incoming import Answer
+from app.ros2.message_types import Message, MessageError, from_cdr, to_cdr
+from app.ros2.rosbridge.fields import fields
 from app.ros2.rosbridge.names import Names
 from app.ros2.rosbridge.reading import message_of
 
@@ -71,8 +72,13 @@ class Commands:
             raise MessageError(f"service {request.service} is not among those advertised")
         service = services[request.service]
         message = _decoded(request.data, f"{service.type}_Request", request.encoding)
-        self._inbox.call(service.name, message, self._driver)
-        return _empty(f"{service.type}_Response", request.encoding)
+        answer = self._inbox.call(service.name, message, self._driver)
+        return _encoded(answer, f"{service.type}_Response", request.encoding)
+
+    def is_slow(self, request: ServiceCall) -> bool:
+        """Whether a request may take more than some milliseconds."""
+        services = self._inbox.services()
+        return request.service < len(services) and services[request.service].slow
 
 
 def _decoded(data: bytes, type_name: str, encoding: str) -> Message:
@@ -89,8 +95,7 @@ def _decoded(data: bytes, type_name: str, encoding: str) -> Message:
     return message_of(values, type_name)
 
 
-def _empty(type_name: str, encoding: str) -> bytes:
-    """The answer of every service: an empty message, as in nav2."""
+def _encoded(answer: Answer, type_name: str, encoding: str) -> bytes:
     if encoding == "json":
-        return b"{}"
-    return to_cdr(message_class(type_name)(**{FILLER: 0}), type_name)
+        return json.dumps(answer).encode()
+    return to_cdr(message_of(answer, type_name), type_name)

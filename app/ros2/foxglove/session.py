@@ -27,12 +27,11 @@ from app.ros2.foxglove.protocol import (
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route
 from app.ros2.topic import Published, Topic
+from app.ros2.websocket_session import Data, Later
 from robot.errors import BrickPoseError
 
 MOST_BYTES = 16_000_000
 """Most bytes that wait for one viewer; beyond it, older messages of a topic are dropped."""
-
-Data = str | bytes
 
 
 class Session(Route):
@@ -63,7 +62,7 @@ class Session(Route):
         self._subscriptions: dict[str, tuple[int, Pace]] = {}
         """Number and pace by topic; replaced when it changes, as other threads read it."""
 
-    def receive(self, data: Data) -> list[Data]:
+    def receive(self, data: Data) -> list[Data | Later]:
         """Carry out a message; return the answers to send. An invalid message raises nothing.
 
         What is invalid in a list does not keep the rest of it from being carried out.
@@ -71,7 +70,8 @@ class Session(Route):
         try:
             request = parse(data)
             if isinstance(request, ServiceCall):
-                return [self._answer(request)]
+                slow = self._commands.is_slow(request)
+                return [partial(self._answer, request) if slow else self._answer(request)]
             steps = self._steps(request)
         except BrickPoseError as error:
             return [_complaint(error)]

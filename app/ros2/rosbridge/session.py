@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from app.engine.drivers import Driver
@@ -24,12 +25,14 @@ from app.ros2.rosbridge.requests import (
 )
 from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.topic import Published, Topic
+from app.ros2.websocket_session import Data, Later
 from robot.errors import BrickPoseError
 
 MOST_BYTES = 16_000_000
 """Most bytes that wait for one client; beyond it, older messages of a name are dropped."""
 
-Data = str | bytes
+Answers = Sequence[Request | Callable[[], Request]]
+"""Answers, or what makes them in a thread."""
 
 LEVELS = ("none", "error", "warning", "info")
 """Levels of status messages, of which a client chooses one.
@@ -77,7 +80,7 @@ class Session(Route):
         self._by_topic: dict[str, tuple[Subscription, ...]] = {}
         self._due: list[Subscription] = []
         self._holds = False
-        self._operations: dict[str, Callable[[Request], list[Request]]] = {
+        self._operations: dict[str, Callable[[Request], Answers]] = {
             "advertise": self._advertise,
             "unadvertise": self._nothing,
             "publish": self._publish,
@@ -91,15 +94,16 @@ class Session(Route):
             "status": self._nothing,
         }
 
-    def receive(self, data: Data) -> list[str]:
+    def receive(self, data: Data) -> list[Data | Later]:
         """Carry out a message; return the answers to send. An invalid message raises nothing."""
         request: Request = {}
+        answers: Answers
         try:
             request = parse(data)
             answers = self._do(request)
         except BrickPoseError as error:
             answers = self._status(request, str(error))
-        return [json.dumps(answer, separators=(",", ":"), allow_nan=False) for answer in answers]
+        return [_later(answer) if callable(answer) else _in_json(answer) for answer in answers]
 
     def next(self) -> Data | None:
         """The next message for the client; None if nothing waits."""
@@ -126,7 +130,7 @@ class Session(Route):
             self._outbox.put(item.name, data, item.queue, len(data))
         self._wake()
 
-    def _do(self, request: Request) -> list[Request]:
+    def _do(self, request: Request) -> Answers:
         operation = self._operations.get(request["op"])
         if operation is None:
             valid = ", ".join(self._operations)
@@ -211,14 +215,20 @@ class Session(Route):
             clock.release()
         self._holds = wanted
 
-    def _call_service(self, request: Request) -> list[Request]:
+    def _call_service(self, request: Request) -> Answers:
         name = text(request, "service")
+        service = self._bridge.names.service(name)
+        if service is not None and service.slow:
+            return [partial(self._service_answer, name, request)]
+        return [self._service_answer(name, request)]
+
+    def _service_answer(self, name: str, request: Request) -> Request:
         answer: Request = {"op": "service_response", "service": name}
         try:
             answer |= {"values": self._called(name, request), "result": True}
         except BrickPoseError as error:
             answer |= {"values": str(error), "result": False}
-        return [_with_id(request, answer)]
+        return _with_id(request, answer)
 
     def _called(self, name: str, request: Request) -> Any:
         arguments = request.get("args")
@@ -230,8 +240,7 @@ class Session(Route):
         self._refuse_watchers()
         check_type(service, maybe_text(request, "type"))
         message = self._bridge.request_of(service, arguments)
-        self._bridge.inbox.call(service.name, message, self._driver)
-        return {}
+        return self._bridge.inbox.call(service.name, message, self._driver)
 
     def _set_level(self, request: Request) -> list[Request]:
         level = text(request, "level")
@@ -240,7 +249,7 @@ class Session(Route):
         self._level = level
         return []
 
-    def _fragment(self, request: Request) -> list[Request]:
+    def _fragment(self, request: Request) -> Answers:
         whole = self._pieces.add(request)
         if whole is None:
             return []
@@ -248,6 +257,14 @@ class Session(Route):
         if request["op"] == "fragment":
             raise MessageError("a fragment's message is no fragment itself")
         return self._do(request)
+
+
+def _in_json(answer: Request) -> str:
+    return json.dumps(answer, separators=(",", ":"), allow_nan=False)
+
+
+def _later(answer: Callable[[], Request]) -> Later:
+    return lambda: _in_json(answer())
 
 
 def _with_id(request: Request, answer: Request) -> Request:

@@ -1,0 +1,40 @@
+"""A program that is stepped by hand while a map is drawn of its floor."""
+
+from __future__ import annotations
+
+from engine_runs import EIGHT, kinematic, run
+
+from app.engine.snapshot import Snapshot
+from app.page.outlets import Outlets
+
+LAP_S = 17.0
+LONGEST_S = 60.0
+
+
+class MappingBench:
+    """A program with all that is around it, and its drawer."""
+
+    def __init__(self, **settings) -> None:
+        self.program = kinematic(**settings)
+        self.outlets = Outlets(self.program)
+        self.drawer = self.outlets.mapping
+        run(self.program, 0.2)
+
+    def wait(self) -> None:
+        """Wait for the end of the drawer's thread."""
+        self.drawer._follower.wait(LONGEST_S)
+
+    def drive(self, seconds: float) -> Snapshot:
+        """Drive the eight, and wait until something is drawn."""
+        snapshot = run(self.program, seconds, EIGHT)[-1]
+        while self.drawer.drawing is not None and self.drawer.drawing.version == 0:
+            self.drawer._follower.wait(0.05)
+        return snapshot
+
+    def finish(self) -> None:
+        """Finish the map."""
+        self.drawer.finish()
+        self.wait()
+
+    def close(self) -> None:
+        self.outlets.close()
