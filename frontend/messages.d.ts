@@ -9,6 +9,8 @@ export type Command =
   | FigureEightCommand
   | FinishCalibrationCommand
   | FinishMapCommand
+  | JoinStrokesCommand
+  | MoveEndCommand
   | PauseCommand
   | PauseMapCommand
   | PingCommand
@@ -292,6 +294,18 @@ export interface IntegrityMessage {
   alerts: string[];
 }
 
+/** Join two strokes of the finished map where their ends are nearest, before it is saved. */
+export interface JoinStrokesCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "join_strokes";
+  stroke: number;
+  /** Their numbers, from 0 on, in ``/api/mapping``. */
+  other: number;
+  /** Of that drawing. */
+  version: number;
+}
+
 /** How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing. */
 export interface LensBarsMessage {
   x: number;
@@ -425,6 +439,22 @@ export interface MappingMessage {
   pose: PoseMessage | null;
   /** What is wrong or missing, or why it failed; null when all is well. */
   message: string | null;
+}
+
+/** Move an end of a stroke of the finished map, before it is saved. */
+export interface MoveEndCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "move_end";
+  /** Its number, from 0 on, in ``/api/mapping``. */
+  stroke: number;
+  /** Whether it is the end of its last point, or that of its first. */
+  last: boolean;
+  x: number;
+  /** In the new map. */
+  y: number;
+  /** Of that drawing. */
+  version: number;
 }
 
 /** One parameter of the filter, with its meaning. */

@@ -108,7 +108,8 @@ def test_its_cells_are_tape_seen_floor_and_unknown(bench, lap):
     assert at(message, 0.5 + 0.06, 0.5 + 0.06) == -1
     known = told(bench, lap[0], "map")
     tape = [(cells(grid) == 100).sum() * grid.info.resolution**2 for grid in (message, known)]
-    assert tape[0] == pytest.approx(tape[1], rel=0.05)
+    # Strokes that grow end before the corners.
+    assert 0.85 * tape[1] < tape[0] < 1.02 * tape[1]
 
 
 def test_a_route_gets_each_of_them_and_the_fields_again_at_the_end(lap):

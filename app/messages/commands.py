@@ -122,6 +122,32 @@ class DeleteStrokeCommand(CommandMessage):
     """Of that drawing: in another one, the stroke may have another number."""
 
 
+class MoveEndCommand(CommandMessage):
+    """Move an end of a stroke of the finished map, before it is saved."""
+
+    type: Literal["move_end"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    """Its number, from 0 on, in ``/api/mapping``."""
+    last: bool
+    """Whether it is the end of its last point, or that of its first."""
+    x: Metres
+    y: Metres
+    """In the new map."""
+    version: int
+    """Of that drawing."""
+
+
+class JoinStrokesCommand(CommandMessage):
+    """Join two strokes of the finished map where their ends are nearest, before it is saved."""
+
+    type: Literal["join_strokes"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    other: Annotated[int, Field(ge=0, le=100_000)]
+    """Their numbers, from 0 on, in ``/api/mapping``."""
+    version: int
+    """Of that drawing."""
+
+
 class DiscardMapCommand(CommandMessage):
     """Forget the map that is drawn, or was."""
 
@@ -291,6 +317,8 @@ Command = Annotated[
     | PauseMapCommand
     | FinishMapCommand
     | DeleteStrokeCommand
+    | MoveEndCommand
+    | JoinStrokesCommand
     | DiscardMapCommand
     | SaveMapCommand
     | SetPoseCommand

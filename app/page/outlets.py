@@ -17,8 +17,11 @@ from app.messages.commands import (
     Command,
     DeleteStrokeCommand,
     DiscardMapCommand,
+    ExploreCommand,
     FinishCalibrationCommand,
     FinishMapCommand,
+    JoinStrokesCommand,
+    MoveEndCommand,
     PauseMapCommand,
     RecordCommand,
     SaveMapCommand,
@@ -138,6 +141,17 @@ class Outlets:
         if command.start:
             self.calibrator.begin()
 
+    def explore(self, driver: Driver, command: ExploreCommand) -> None:
+        """Let the robot drive to see what the map lacks; without a map, begin one.
+
+        Raises:
+            CommandError: somebody else drives, or the map is finished.
+        """
+        if command.start:
+            self.drivers.require_free(driver)
+            self.mapping.explore()
+        self.drivers.put(driver, command)
+
     def save_map(self, driver: Driver, command: SaveMapCommand) -> None:
         """Save the map that was drawn, and go on in it if that is wanted.
 
@@ -191,6 +205,13 @@ ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingPr
         DeleteStrokeCommand: lambda outlets, _, command: outlets.mapping.delete_stroke(
             command.stroke, command.version
         ),
+        MoveEndCommand: lambda outlets, _, command: outlets.mapping.move_end(
+            command.stroke, command.last, (command.x, command.y), command.version
+        ),
+        JoinStrokesCommand: lambda outlets, _, command: outlets.mapping.join_strokes(
+            command.stroke, command.other, command.version
+        ),
+        ExploreCommand: lambda outlets, driver, command: outlets.explore(driver, command),
         DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
         SaveMapCommand: lambda outlets, driver, command: outlets.save_map(driver, command),
     }

@@ -14,7 +14,13 @@ from robot.mapping.tidying import EndName, TidyStrokes, join, renumbered
 
 
 def without_stroke(tidy: TidyStrokes, number: int) -> TidyStrokes:
-    """Return strokes without one of them; what met it in a corner ends there as it is."""
+    """Return strokes without one of them; what met it in a corner ends there as it is.
+
+    Raises:
+        ValueError: there is no other.
+    """
+    if len(tidy.strokes) == 1:
+        raise ValueError("a map has a stroke at least; discard it instead")
     strokes = tidy.strokes[:number] + tidy.strokes[number + 1 :]
     kept = [k for k in range(len(tidy.strokes)) if k != number]
     return TidyStrokes(strokes, *renumbered(kept, tidy.corners, tidy.ends))

@@ -10,8 +10,10 @@ from app.engine.drive_follower import FollowedTicks
 from app.engine.followed_drive import FollowingError, result_of, ticks_until
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.mapping.drawing import ShownDrawing
+from app.engine.mapping.exploration import Exploration
 from app.engine.mapping.mapped_drive import Drawn, MappedDrive, Whole
 from app.engine.program import Program
+from app.engine.snapshot import Snapshot
 from robot.calibration.adjustment import CalibrationError
 from robot.geometry import Pose2
 from robot.mapping.pushed import push_remark
@@ -21,6 +23,8 @@ STEP_S = 0.5
 """After so much more of the drive its map is drawn again [s]."""
 UNSEEN_S = 4.0
 """Without tape in sight for longer than this [s], the map depends on the wheels."""
+EXPLORED = "all of the floor between the tape was seen: finish the map"
+NOTHING_SEEN = "no tape is in sight from here: drive to where the robot sees some"
 MOST_ASKED = 10
 """So many may wait for the map as it is while it is drawn."""
 
@@ -36,6 +40,8 @@ class DrawingWork:
         """Set to end the drive."""
         self.asked = Backlog[Future[TapeMap]](MOST_ASKED)
         """Gets the map of the drive so far, while it is drawn."""
+        self.exploration: Exploration | None = None
+        """Gives routes to the robot; None if it does not explore."""
 
     def draw(self, ticks: FollowedTicks) -> None:
         """Draw a map tick by tick, until ``finish`` is set; then adjust all of it.
@@ -72,6 +78,7 @@ class DrawingWork:
                     drive = MappedDrive(self._program, snapshot, ticks.process)
                     self._shown.change(began=drive.began)
                 drive.add(snapshot, look=not self._paused)
+                self._explore(snapshot)
             if drive is None:
                 continue
             if len(self.asked):
@@ -85,6 +92,11 @@ class DrawingWork:
         assert drive is not None  # without a sketch, it is not finished
         return drive
 
+    def _explore(self, snapshot: Snapshot) -> None:
+        drawing, exploration = self._shown.now, self.exploration
+        if exploration is not None and drawing is not None:
+            exploration.follow(snapshot, drawing.sketch, drawing.map_from_odom)
+
     def _answer(self, job: Future[Whole]) -> None:
         """Pass a map on to those who asked, when it is there."""
         for wanted in self.asked.take():
@@ -95,7 +107,7 @@ class DrawingWork:
             drawn = job.result()
         except (MappingError, CalibrationError) as error:
             # More of the drive may show what is missing.
-            self._shown.change(words=str(error))
+            self._shown.change(words=self._end_of_exploring or str(error))
             return
         if drawn is not None:
             sketch = drawn.sketch
@@ -112,6 +124,8 @@ class DrawingWork:
         sketch = None if self._shown.now is None else self._shown.now.sketch
         if sketch is not None and sketch.moved_at is not None:
             return push_remark(sketch.moved_at)
+        if self._end_of_exploring is not None:
+            return self._end_of_exploring
         unseen = drive.began + drive.seconds - drive.seen
         if unseen <= UNSEEN_S:
             return None
@@ -119,6 +133,14 @@ class DrawingWork:
             f"no tape has been in sight for {unseen:.0f} s: meanwhile only the wheels tell where "
             "the robot is"
         )
+
+    @property
+    def _end_of_exploring(self) -> str | None:
+        """Why the robot explores no more; None while it does, or did not."""
+        drawing, exploration = self._shown.now, self.exploration
+        if exploration is None or not exploration.done or drawing is None:
+            return None
+        return NOTHING_SEEN if drawing.sketch is None else EXPLORED
 
     @property
     def _paused(self) -> bool:

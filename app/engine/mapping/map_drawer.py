@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 import threading
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import replace
 from pathlib import Path
@@ -18,6 +19,7 @@ import numpy as np
 from app.engine.drive_follower import DriveFollower
 from app.engine.mapping.drawing import Drawing, ShownDrawing
 from app.engine.mapping.drawing_work import DrawingWork
+from app.engine.mapping.exploration import Exploration
 from app.engine.mapping.map_files import write_map
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
@@ -25,8 +27,9 @@ from robot.errors import BrickPoseError, CommandError
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
-from robot.mapping.editing import without_stroke
+from robot.mapping.editing import with_joined, with_moved_end, without_stroke
 from robot.mapping.tape_map import TapeMap
+from robot.mapping.tidying import TidyStrokes
 
 MOST_WAITING = 3000
 """Most ticks that wait for the thread: a minute of them."""
@@ -51,6 +54,7 @@ class MapDrawer:
 
     def __init__(self, program: Program) -> None:
         """Prepare for a program."""
+        self._program = program
         self._side = program.config.ros2.map_resolution
         self._shown = shown = ShownDrawing(program.engine)
         self._work = DrawingWork(program, shown)
@@ -85,8 +89,21 @@ class MapDrawer:
             self.close()
             self._work.finish.clear()
             self._work.asked.take()
+            self._work.exploration = None
             self._shown.begin(Drawing(paused=paused))
             self._follower.begin()
+
+    def explore(self) -> None:
+        """Give routes to a robot that explores from now on; without a map, begin one.
+
+        Raises:
+            CommandError: the last map is finished, and neither saved nor discarded.
+        """
+        if not self._follower.running:
+            if self.drawing is not None and self.drawing.state == "done":
+                raise CommandError("the map is finished; save or discard it first")
+            self.begin()
+        self._work.exploration = Exploration(self._program)
 
     def pause(self, paused: bool | None = None) -> None:
         """Take no pictures into the map, or take them again; None is the other way than now.
@@ -138,17 +155,47 @@ class MapDrawer:
         Raises:
             CommandError: there is no such stroke, or the map is another one by now.
         """
+        self._edit(version, (number,), lambda tidy: without_stroke(tidy, number))
+
+    def move_end(self, number: int, last: bool, place: tuple[float, float], version: int) -> None:
+        """Move the first or last end of a stroke of the finished map to a place [m].
+
+        Raises:
+            CommandError: there is no such end, or the map is another one by now.
+        """
+        point = np.array(place)
+        self._edit(version, (number,), lambda tidy: with_moved_end(tidy, (number, last), point))
+
+    def join_strokes(self, number: int, other: int, version: int) -> None:
+        """Join two strokes of the finished map where their ends are nearest.
+
+        Raises:
+            CommandError: there are no such strokes, or the map is another one by now.
+        """
+        self._edit(version, (number, other), lambda tidy: with_joined(tidy, number, other))
+
+    def _edit(
+        self,
+        version: int,
+        numbers: tuple[int, ...],
+        change: Callable[[TidyStrokes], TidyStrokes],
+    ) -> None:
+        """Change the strokes of the finished map; the numbers have to be of some."""
         with self._lock:
             drawn, drawing = self._done(), self.drawing
             assert drawing is not None  # it is done
             strokes = drawn.tidy.strokes
             if version != drawing.version:
                 raise CommandError("the map has changed meanwhile; look again")
-            if not 0 <= number < len(strokes):
-                raise CommandError(f"there is no stroke {number}; valid is 0 to {len(strokes) - 1}")
-            if len(strokes) == 1:
-                raise CommandError("a map has a stroke at least; discard it instead")
-            changed = replace(drawn, tidy=without_stroke(drawn.tidy, number))
+            for number in numbers:
+                if not 0 <= number < len(strokes):
+                    raise CommandError(
+                        f"there is no stroke {number}; valid is 0 to {len(strokes) - 1}"
+                    )
+            try:
+                changed = replace(drawn, tidy=change(drawn.tidy))
+            except ValueError as error:
+                raise CommandError(str(error)) from error
             self._shown.change(changed.cells(self._side), result=changed, version=version + 1)
 
     def save(self, name: str, folder: Path) -> Path:
