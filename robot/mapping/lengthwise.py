@@ -23,8 +23,9 @@ from robot.mapping.crossings import is_tape
 from robot.mapping.ends import RaysOnFloor
 from robot.mapping.strokes import Stroke
 
-BEYOND = 0.012
-"""What is farther from known tape than this is not of it [m]."""
+BEYOND, NEAR = 0.012, 0.3
+"""What is farther from known tape than this is not of it [m], if it is seen from this near [m]; in
+proportion more if from farther away, where a pixel is longer."""
 LINK = 0.06
 """Points nearer to each other than this are of one thing [m]: so are both sides."""
 FEWEST, FEWEST_PICTURES = 8, 3
@@ -50,10 +51,10 @@ class Lengthwise:
 def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor) -> Lengthwise:
     """Return tape of a width [m] that is not among the known strokes."""
     met = np.isfinite(rays.first[:, 0])
-    met[met] = _from_tape(rays.first[met], strokes, width) > BEYOND
+    met[met] = _is_beyond(rays.first[met], rays.begin[met], strokes, width)
     # Tape that crosses known tape is left by its own sides.
     left = np.isfinite(rays.until[:, 0])
-    left[left] = _from_tape(rays.until[left], strokes, width) > BEYOND
+    left[left] = _is_beyond(rays.until[left], rays.begin[left], strokes, width)
     # Rays that begin in the dark meet no edge there.
     met &= np.hypot(*(rays.first - rays.begin).T) > 1e-3
     points = np.vstack([rays.first[met], rays.until[left]])
@@ -67,6 +68,17 @@ def find_lengthwise(strokes: tuple[Stroke, ...], width: float, rays: RaysOnFloor
         else:
             tape.append(stroke)
     return Lengthwise(tuple(tape), np.array(others).reshape(-1, 2))
+
+
+def _is_beyond(
+    points: Array, begin: Array, strokes: tuple[Stroke, ...], width: float
+) -> NDArray[np.bool_]:
+    """Return which points (n, 2) [m], seen from others, are of no known tape."""
+    seen_from = np.hypot(*(points - begin).T)
+    beyond: NDArray[np.bool_] = _from_tape(points, strokes, width) > BEYOND * np.maximum(
+        1.0, seen_from / NEAR
+    )
+    return beyond
 
 
 def _from_tape(points: Array, strokes: tuple[Stroke, ...], width: float) -> Array:
