@@ -7,6 +7,7 @@ import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./mapping/panel.js";
 import { DrawLoop } from "./page/draw_loop.js";
 import { find, findButton } from "./page/elements.js";
+import { offerLanguages } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
@@ -39,6 +40,7 @@ const PICTURES = 15;
 
 refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
+offerLanguages(find("language", HTMLSelectElement));
 const loop = new DrawLoop();
 const connection = new Connection("/api/live");
 const toasts = new Toasts(find("toasts", HTMLElement));

@@ -306,6 +306,18 @@ export interface JoinStrokesCommand {
   version: number;
 }
 
+/** The texts of one language. */
+export interface LanguageMessage {
+  /** Its code, as ``de``. */
+  language: string;
+  /** Which form a number n takes: an expression in C, as gettext has it. */
+  plural: string;
+  /** Between a number's whole part and its decimals. */
+  point: string;
+  /** By English text: one form, or each plural's; places for values are ``{names}``. */
+  texts: Record<string, string[]>;
+}
+
 /** How much there is of each kind of picture, 0 to 1; all are 1 when nothing is missing. */
 export interface LensBarsMessage {
   x: number;

@@ -84,7 +84,7 @@ class TestDriving:
 
 
 def test_keys_do_not_drive_while_a_number_is_typed(page, live):
-    page.get_by_role("button", name="numbers").click()
+    page.get_by_role("button", name="type a pose").click()
     page.locator("#pose-x").click()
     page.keyboard.down("ArrowUp")
     page.wait_for_timeout(300)
@@ -95,7 +95,7 @@ def test_keys_do_not_drive_while_a_number_is_typed(page, live):
 def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
     ask(live, type="place", x=-0.25, y=0.2, theta=0)
     ask(live, type="set_pose", x=-0.25, y=0.2, theta=0)
-    page.get_by_role("button", name="numbers").click()
+    page.get_by_role("button", name="type a pose").click()
     page.locator("#pose-x").fill("150")
     page.locator("#pose-y").fill("-100")
     page.locator("#pose-heading").fill("90")

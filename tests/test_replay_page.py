@@ -47,7 +47,7 @@ def until(socket, condition):
 def test_a_bar_tells_the_time_and_nothing_can_be_driven(page, live):
     expect(page.locator("#replay")).to_be_visible()
     expect(page.locator("#replay-time")).to_have_text("0:02.0 / 0:05.9")
-    expect(page.locator("#drive")).to_contain_text("A recording drives as it drove then.")
+    expect(page.locator("#drive")).to_contain_text("A replay cannot be driven.")
     for gone in ("#stop", "#joystick", "#figure-eight", "button[data-tool=place]"):
         expect(page.locator(gone)).to_be_hidden()
     expect(page.locator("#map .legend")).to_contain_text("estimated then")

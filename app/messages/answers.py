@@ -24,6 +24,19 @@ class AccessMessage(Message):
     role: Literal["drive", "watch"]
 
 
+class LanguageMessage(Message):
+    """The texts of one language."""
+
+    language: str
+    """Its code, as ``de``."""
+    plural: str
+    """Which form a number n takes: an expression in C, as gettext has it."""
+    point: str
+    """Between a number's whole part and its decimals."""
+    texts: dict[str, list[str]]
+    """By English text: one form, or each plural's; places for values are ``{names}``."""
+
+
 class FieldMessage(Message):
     """The field, the robot on it, and limits: what a page needs once, and after a calibration."""
 

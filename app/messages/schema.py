@@ -10,6 +10,7 @@ from app.messages.answers import (
     AccessMessage,
     FieldMessage,
     HealthMessage,
+    LanguageMessage,
     ParameterMessage,
     ProblemsMessage,
     ProfileMessage,
@@ -25,7 +26,7 @@ def schema() -> dict[str, Any]:
     adapters: list[Any] = [
         TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, AccessMessage,
         HealthMessage, FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
-        FloorGridMessage, LensStatusMessage, LensRequest, LensMessage,
+        FloorGridMessage, LanguageMessage, LensStatusMessage, LensRequest, LensMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

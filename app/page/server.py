@@ -37,6 +37,7 @@ from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
 from app.page.floor_grid import floor_grid_router
+from app.page.language import language_router, page
 from app.page.lens.routes import lens_router
 from app.page.live import Live
 from app.page.mapping import mapping_router, sketch_of
@@ -105,6 +106,7 @@ def create_app(
     _add_rosbridge(app, outlets.rosbridge)
     if config.ros2.foxglove:
         _add_foxglove(app, outlets.foxglove)
+    app.include_router(language_router())
     app.include_router(floor_grid_router(program))
     app.include_router(lens_router(program))
     app.include_router(calibration_router(program, outlets.calibrator))
@@ -116,8 +118,8 @@ def create_app(
 
 def _add_page(app: FastAPI) -> None:
     @app.get("/", include_in_schema=False)
-    def index() -> FileResponse:
-        return FileResponse(FRONTEND / "index.html", headers={"Cache-Control": "no-cache"})
+    def index(request: Request) -> HTMLResponse:
+        return page(FRONTEND / "index.html", request)
 
     @app.get("/api/access")
     def access(request: Request) -> AccessMessage:

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 
 from starlette.datastructures import MutableHeaders
 from starlette.requests import HTTPConnection
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import PlainTextResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from app.page.access import is_guest
+from app.page.language import page
 from app.page.token_guesses import Guessing
 from app.page.tokens import Role, Tokens
 from app.settings.config import FRONTEND
@@ -136,7 +137,7 @@ def _cookie(request: HTTPConnection, token: str) -> str:
 def _no_token(request: HTTPConnection) -> Response:
     headers = {"WWW-Authenticate": 'Bearer realm="BrickPose"', "Cache-Control": "no-store"}
     if request.url.path in PAGES and "text/html" in request.headers.get("accept", ""):
-        return FileResponse(FRONTEND / "token.html", 401, headers)
+        return page(FRONTEND / "token.html", request, 401, headers)
     return PlainTextResponse(NO_TOKEN, 401, headers)
 
 

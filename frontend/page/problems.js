@@ -56,7 +56,7 @@ export class Problems {
     if (telemetry.error_count === this.#known) return;
     this.#known = telemetry.error_count;
     setText(this.#count, String(this.#known));
-    this.#button.setAttribute("aria-label", `Record of problems: ${this.#known}`);
+    this.#button.setAttribute("aria-label", `Problem log: ${this.#known}`);
     this.#button.dataset.some = String(this.#known > 0);
     if (!this.#record.hidden) this.#load();
   }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, HTTPException, Response, WebSocket
-from fastapi.responses import FileResponse
+from fastapi import APIRouter, HTTPException, Request, Response, WebSocket
+from fastapi.responses import HTMLResponse
 
 from app.engine.program import Program
 from app.messages.answers import content, refusal
 from app.messages.lens import BoardMessage, LensMessage
+from app.page.language import page
 from app.page.lens.calibrated import CalibratedLens
 from app.page.lens.desk import LensDesk
 from app.settings.config import FRONTEND
@@ -31,8 +32,8 @@ def lens_router(program: Program) -> APIRouter:
     router, desk = APIRouter(), LensDesk(program)
 
     @router.get("/lens", include_in_schema=False)
-    def page() -> FileResponse:
-        return FileResponse(FRONTEND / "lens" / "lens.html", headers={"Cache-Control": "no-cache"})
+    def lens_page(request: Request) -> HTMLResponse:
+        return page(FRONTEND / "lens" / "lens.html", request)
 
     @router.websocket("/api/lens")
     async def follow(socket: WebSocket) -> None:

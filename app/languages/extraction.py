@@ -1,0 +1,61 @@
+"""Finds every text for people in the code: in Python, JavaScript and HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from babel.messages.extract import extract
+
+from app.languages.markup import texts_of_page
+from app.languages.python_texts import texts_of_module
+
+ROOT = Path(__file__).parents[2]
+Text = str | tuple[str, str]
+"""A text, or its singular and plural."""
+
+TELLING = (
+    "app/course", "app/engine", "app/messages/commands.py", "app/page", "app/recordings",
+    "robot/calibration", "robot/cameras", "robot/fields", "robot/hat", "robot/interface.py",
+    "robot/localization", "robot/mapping", "robot/settings.py", "robot/toml_file.py",
+)  # fmt: skip
+"""Where errors come from that the page shows: their messages are texts."""
+SPEAKING = (
+    "app/engine/mapping/drawing_work.py", "app/engine/own_models/own_models.py",
+    "app/page/profile.py", "app/recordings/recorder.py", "robot/calibration/calibrate.py",
+    "robot/calibration/lens/coverage.py", "robot/calibration/lens/guide.py",
+    "robot/calibration/model_check.py", "robot/calibration/tracker.py",
+    "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
+    "robot/localization/integrity.py", "robot/localization/monitoring/causes.py",
+    "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
+)  # fmt: skip
+"""Modules in which every sentence is a text, but their documentation."""
+SILENT = ("app/page/access_options.py", "app/page/docs_page.py", "app/page/listening.py",
+    "app/recordings/remote.py", "app/recordings/remote_robot.py", "app/recordings/options.py",
+)  # fmt: skip
+"""Modules that speak to whoever starts the program, not to the page."""
+
+
+def texts(root: Path = ROOT) -> set[Text]:
+    """Return all of them."""
+    return {*_in_pages(root), *_in_scripts(root), *_in_python(root)}
+
+
+def _in_pages(root: Path) -> Iterator[Text]:
+    for path in sorted((root / "frontend").rglob("*.html")):
+        yield from texts_of_page(path.read_text(encoding="utf-8"))
+
+
+def _in_scripts(root: Path) -> Iterator[Text]:
+    for path in sorted((root / "frontend").rglob("*.js")):
+        with path.open("rb") as file:
+            for _, message, _, _ in extract("javascript", file, {"t": None, "tn": (1, 2)}):
+                yield message if isinstance(message, str) else (message[0], message[1])
+
+
+def _in_python(root: Path) -> Iterator[Text]:
+    for room in ("app", "robot"):
+        for path in sorted((root / room).rglob("*.py")):
+            way = path.relative_to(root).as_posix()
+            if way not in SILENT and not way.startswith("app/languages/"):
+                yield from texts_of_module(path, way.startswith(TELLING), way in SPEAKING)

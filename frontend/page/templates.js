@@ -1,0 +1,100 @@
+// @ts-check
+/** Translates finished texts, as `app/languages/templates.py` does: the same steps, the same names. */
+
+/** @typedef {import("../messages").LanguageMessage} LanguageMessage */
+/**
+ * @typedef {object} Template
+ * @property {RegExp} pattern
+ * @property {string} longest of its fixed parts: quickly tells most texts apart
+ * @property {number} certainty how many characters of it are fixed
+ * @property {string[]} names
+ * @property {string} translation
+ */
+
+/** Where a value stands in a text. */
+export const PLACE = /\{(\w+)\}/g;
+const NUMBER = /^-?\d+\.\d+$/;
+/** What joins texts that are made apart. */
+const BETWEEN = ["; ", ": ", ". ", ", "];
+/** So many texts in each other are looked for: an error quotes an error. */
+const DEEPEST = 6;
+/** Texts with numbers in them, as of alerts, are ever new ones. */
+const MOST_KEPT = 500;
+
+/** All texts of a language, ready to be found again in finished ones. */
+export class Templates {
+  /** @type {Map<string, string>} */
+  #known = new Map();
+  /** @type {Template[]} the most certain first; made when one is asked for */
+  #templates = [];
+
+  /** @param {LanguageMessage} catalogue */
+  constructor({ texts, point }) {
+    this.texts = texts;
+    this.point = point;
+  }
+
+  /** @param {string} text */
+  translated(text) {
+    let result = this.#known.get(text);
+    if (result === undefined) {
+      result = this.#found(text, 0);
+      if (this.#known.size >= MOST_KEPT) this.#known.clear();
+      this.#known.set(text, result);
+    }
+    return result;
+  }
+
+  /** @param {string} text @param {number} depth @returns {string} */
+  #found(text, depth) {
+    if (Object.hasOwn(this.texts, text)) return this.texts[text][0];
+    if (NUMBER.test(text)) return text.replace(".", this.point);
+    if (depth > DEEPEST || !/\p{L}/u.test(text)) return text;
+    if (this.#templates.length === 0) this.#templates = templates(this.texts);
+    for (const each of this.#templates) {
+      const found = text.includes(each.longest) ? each.pattern.exec(text) : null;
+      if (found) return this.#filled(each, found, depth);
+    }
+    return this.#byParts(text, depth);
+  }
+
+  /** @param {Template} template @param {RegExpExecArray} found @param {number} depth */
+  #filled({ names, translation }, found, depth) {
+    return translation.replaceAll(PLACE, (_, name) =>
+      this.#found(found[names.indexOf(name) + 1], depth + 1),
+    );
+  }
+
+  /** @param {string} text @param {number} depth */
+  #byParts(text, depth) {
+    for (const mark of BETWEEN) {
+      const at = text.indexOf(mark);
+      if (at < 0) continue;
+      const rest = text.slice(at + mark.length);
+      return `${this.#found(text.slice(0, at), depth + 1)}${mark}${this.#found(rest, depth + 1)}`;
+    }
+    return text;
+  }
+}
+
+/** @param {Record<string, string[]>} texts @returns {Template[]} */
+function templates(texts) {
+  return Object.entries(texts)
+    .filter(([text]) => text.search(PLACE) >= 0)
+    .map(([text, forms]) => template(text, forms[0]))
+    .sort((a, b) => b.certainty - a.certainty);
+}
+
+/** @param {string} text @param {string} translation @returns {Template} */
+function template(text, translation) {
+  const pieces = text.split(PLACE);
+  const fixed = pieces.filter((_, i) => i % 2 === 0);
+  const escaped = fixed.map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
+  return {
+    pattern: new RegExp(`^${escaped.join("(.*?)")}$`, "s"),
+    longest: fixed.reduce((a, b) => (b.length > a.length ? b : a)),
+    certainty: fixed.reduce((sum, part) => sum + part.trim().length, 0),
+    names: pieces.filter((_, i) => i % 2 === 1),
+    translation,
+  };
+}
