@@ -32,8 +32,8 @@ from benchmarks.trials import (
     wrong_first_claim,
 )
 from robot.geometry import Pose2
+from robot.localization.filter import Setup
 from robot.localization.parameters import FilterParameters, LocalizationParameters
-from robot.localization.setup import Setup
 from sim.floor_camera import CameraSettings
 from sim.simulated import SimSettings
 

@@ -22,9 +22,8 @@ from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.motion_parameters import MOTION_MODELS, MotionParameters
-from robot.localization.models.sensor_models import sensor_model
-from robot.localization.models.sensor_parameters import SENSOR_MODELS, SensorParameters
+from robot.localization.models.motion_models import MOTION_MODELS, MotionParameters
+from robot.localization.models.sensor_models import SENSOR_MODELS, SensorParameters, sensor_model
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 from robot.scan import Scan

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.scan import Scan
 
 VERSION = "0.1.2"

@@ -14,13 +14,13 @@ from app.lab.evaluation.drives import Drive
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.filter import Setup
 from robot.localization.filters import make_filter
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
-from robot.localization.setup import Setup
 
 LOADING = 150
 """Number of ticks that use every part of a filter at least once."""

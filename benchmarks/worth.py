@@ -17,11 +17,10 @@ from benchmarks.trials import setup_of, try_filter
 from robot.description.spec import RobotSpec
 from robot.geometry import Twist2
 from robot.interface import Frame
+from robot.localization.filter import Setup
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.sensor_models import sensor_model
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.sensor_models import SensorParameters, sensor_model
 from robot.localization.parameters import LocalizationParameters
-from robot.localization.setup import Setup
 from robot.scanning.line_scanner import LineScan, LineScanner
 
 SEEDS = range(6)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from app.lab.evaluation.integrity.claims import Claims
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 PERIOD = 0.1
 

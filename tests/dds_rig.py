@@ -17,7 +17,7 @@ from app.ros2.message_types import definition, new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.settings.config import Config
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from sim.real_time import RealTime
 from sim.simulated import PERIOD
 

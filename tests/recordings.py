@@ -13,7 +13,7 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.topic import LATCHED, Quality
 from app.ros2.topics import TOPICS
-from app.settings.recording import RecordingSettings
+from app.settings.groups import RecordingSettings
 from sim.simulated import PERIOD
 
 BEGIN_NS = 1_800_000_000_000_000_000

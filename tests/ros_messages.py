@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from app.ros2.message_types import message_class
-from app.ros2.rosbridge.fields import FILLER, NUMBERS, fields
+from app.ros2.rosbridge.names import FILLER, NUMBERS, fields
 from app.ros2.topics import TOPICS
 
 TEXTS = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=5)

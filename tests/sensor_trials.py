@@ -16,8 +16,7 @@ from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, heading_vectors
 from robot.localization.models.beam import Beam
 from robot.localization.models.entry_field import EntryField
-from robot.localization.models.sensor_models import SensorModel, sensor_model
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.sensor_models import SensorModel, SensorParameters, sensor_model
 from robot.scan import Scan
 
 FIELD = load_field("stub", Path(__file__).parent.parent / "maps")

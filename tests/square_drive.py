@@ -11,9 +11,9 @@ from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Setup
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
-from robot.localization.setup import Setup
 
 SQUARE = load_field("square", MAPS)
 MOTION = DEFAULTS.motion.model()

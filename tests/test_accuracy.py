@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from app.lab.evaluation.convergence import errors
 from app.lab.evaluation.drives import record
+from app.lab.evaluation.experiment import in_world
 from app.lab.evaluation.integrity.oracle import field_decides
 from app.lab.evaluation.runs import follow
-from app.lab.evaluation.worlds import in_world
+from app.lab.evaluation.scores import errors
 from app.settings.config import Config
 from benchmarks.accuracy import (
     CARRIED_FOR,

@@ -9,9 +9,9 @@ from calibrations import SPEC, SQUARE
 
 from app.engine.build import build_program
 from app.messages.commands import FigureEightCommand, SetCalibrationCommand
-from app.settings.calibration import CalibrationSettings
 from app.settings.conditions import apply_condition
 from app.settings.config import Config, with_settings
+from app.settings.groups import CalibrationSettings
 from robot.calibration.drift import Finding, Known
 from robot.calibration.tracker import CalibrationTracker, camera_remark
 from robot.calibration.unknowns import COUNT, NAMES, PRIORS

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robot.localization.integrity import Cause
+from robot.localization.estimate import Cause
 from robot.localization.monitoring.causes import CLEARED, FLAT_RAYS, RAISED, Causes, Findings
 from robot.localization.monitoring.mounting_check import MountingError
 from robot.localization.monitoring.odometry_check import ERRORS, OdometryErrors

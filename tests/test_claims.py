@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from robot.geometry import Pose2
-from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.integrity import Alert, Cause, State
+from robot.localization.estimate import Alert, Cause, Hypothesis, Standing, State
 from robot.localization.monitoring.claims import (
     HEADING_QUANTILE,
     LEAST_HEADING,

@@ -18,7 +18,7 @@ from robot.geometry import Array, Pose2, wrap_angle
 from robot.localization.hypotheses import coarse_grid
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
 from robot.localization.models.entry_field import DIRECTIONS, EntryField
-from robot.localization.rays import rays_of
+from robot.scan import rays_of
 
 BLUR = 0.03
 

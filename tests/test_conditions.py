@@ -8,7 +8,7 @@ import pytest
 from floor_looks import grey_at
 
 from app.command_line import _parser, main
-from app.lab.evaluation.worlds import WORLDS, in_world
+from app.lab.evaluation.experiment import WORLDS, in_world
 from app.lab.sweep.points import points_of
 from app.lab.sweep.sweep_file import load_sweep
 from app.options import config_from

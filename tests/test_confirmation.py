@@ -7,14 +7,13 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
-from robot.localization.hypotheses.candidate_weights import FoundPlace, has_rival
+from robot.localization.filter import Setup
+from robot.localization.hypotheses.candidate_weights import EQUAL, FoundPlace, has_rival
 from robot.localization.hypotheses.confirmation import LEADING, Confirmation
-from robot.localization.hypotheses.images import EQUAL
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.track import Track
 from robot.localization.parameters import HypothesisParameters
 from robot.localization.particles.particle_filter import ParticleFilter
-from robot.localization.setup import Setup
 
 P = HypothesisParameters(map_scans=6)
 SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)

@@ -10,7 +10,7 @@ from mcap_ros2._dynamic import generate_dynamic
 from ros_messages import topic
 
 from app.messages.commands import DriveCommand, SetPoseCommand, StopCommand
-from app.ros2.encoding import belief, sensors
+from app.ros2.encoding import motion, sensors
 from app.ros2.encoding.frames import header, pose_with_covariance
 from app.ros2.message_types import new, to_cdr, type_hash
 from app.ros2.topics import TOPICS
@@ -105,7 +105,7 @@ def test_odometry_truth_and_estimate_are_those_of_their_ticks(rig, peer):
     at = tick(rig, truth.header).truth
     assert xy(truth.pose) == [at.x, at.y]
     pose = arrived(peer, "amcl_pose")
-    estimate = tick(rig, pose.header, belief.estimate_stamp).estimate
+    estimate = tick(rig, pose.header, motion.estimate_stamp).estimate
     assert xy(pose.pose.pose) == [estimate.pose.x, estimate.pose.y]
     assert pose.pose.covariance[0] == estimate.covariance[0, 0]
 

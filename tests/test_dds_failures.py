@@ -22,7 +22,7 @@ from app.ros2.dds.child import Child, ChildError
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsRoute
 from app.settings.config import ROOT
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from benchmarks.topics.fastdds import Peer, missing
 from robot.errors import PackageError
 
@@ -183,7 +183,7 @@ PROGRAM = """
 from app.ros2.dds.child import Child
 from app.ros2.dds.configuration import plan
 from app.ros2.dds.route import DdsRoute
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 child = Child(plan(Ros2Settings(domain_id={}), "127.0.0.1", ()))
 child.wait_until_ready()
 print(child.process.pid, flush=True)

@@ -19,7 +19,7 @@ from app.ros2.message_types import to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
 from app.settings.config import ROOT
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 
 needs_cyclone = pytest.mark.skipif(find_spec("cyclonedds") is None, reason="no cyclonedds")
 LIVE = [one for one in TOPICS if one.live]
@@ -139,7 +139,7 @@ def test_cyclones_own_reading_of_the_types_gives_the_same_bytes(made, one):
 
 LISTENING = """
 import json, os, socket, sys
-from app.ros2.dds.loopback import _udp_sockets
+from app.ros2.dds.participant import _udp_sockets
 from app.ros2.dds.participant import Participant
 from app.ros2.dds.protocol import Plan
 participant = Participant(Plan.from_json(sys.stdin.buffer.read()))

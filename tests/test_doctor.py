@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.tools.doctor import pi, serial_check
-from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, ok, problem
-from app.tools.doctor.machine import Machine, output_of
+from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, Machine, ok, output_of, problem
 
 PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
 PI_5 = "Raspberry Pi 5 Model B Rev 1.0\0"

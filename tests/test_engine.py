@@ -28,7 +28,7 @@ from robot.driving.odometry import OdometrySettings
 from robot.errors import CommandError
 from robot.geometry import Pose2
 from robot.interface import RobotError
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 from sim.floor_camera import CameraSettings
 from sim.simulated import PERIOD, SimSettings
 

@@ -9,8 +9,8 @@ import pytest
 from app.engine.build import build_program
 from app.messages.commands import DriveCommand
 from app.settings.config import Config
+from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
-from robot.cameras.settings import CameraSourceSettings
 from sim.hat.bricks import Bricks
 
 DRIVE = DriveCommand(type="drive", v=0.15, omega=0.0)

@@ -11,7 +11,7 @@ from app.lab.replay_robot import ReplayRobot
 from app.settings.config import Config
 from robot.geometry import Pose2
 from robot.interface import Reading
-from robot.localization.integrity import SEARCHING
+from robot.localization.estimate import SEARCHING
 
 
 def test_a_drive_without_a_filter_has_odometry_and_no_estimate():

@@ -11,12 +11,11 @@ from in_process import Here
 from app.engine.build import build_program
 from app.files import atomic_folder
 from app.lab.evaluation.command import evaluate
-from app.lab.evaluation.convergence import settled, time_to_converge
 from app.lab.evaluation.drives import EvaluationError, record
-from app.lab.evaluation.experiment import Experiment
+from app.lab.evaluation.experiment import Experiment, in_world
 from app.lab.evaluation.results import METHODS, condition_table, spread
 from app.lab.evaluation.runs import Run, follow
-from app.lab.evaluation.worlds import in_world
+from app.lab.evaluation.scores import settled, time_to_converge
 from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.workers import LocalWorkers
 from app.messages.commands import FigureEightCommand, SetPoseCommand

@@ -11,7 +11,7 @@ from app.lab.evaluation.integrity.measures import longest, misleading, right
 from app.messages.commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 STOOD = 3.0
 

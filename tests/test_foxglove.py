@@ -27,7 +27,7 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
 from app.settings.config import Config
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from sim.real_time import RealTime
 
 MOST_TICKS = 3000

@@ -5,7 +5,6 @@ from bring_up_rig import IMAGE, PROGRAM, Rig
 from hypothesis import given
 from hypothesis import strategies as st
 
-from robot.hat.protocol import bootloader_events as boot
 from robot.hat.protocol import events as ev
 from robot.hat.start.bring_up import BringUp
 from robot.hat.start.firmware_image import EXPECTED_VERSION
@@ -150,12 +149,12 @@ EVENTS = [
     ev.Echo("clear"),
     *(ev.NoDevice(port) for port in range(4)),
     ev.Connected(0, 0x30, False),
-    boot.BootloaderVersion(1, "x"),
-    boot.BootloaderPrompt(),
-    boot.ChecksumOk(),
-    boot.SignatureReceived(),
-    boot.UploadTimeout(),
-    boot.VerificationFailed(),
+    ev.BootloaderVersion(1, "x"),
+    ev.BootloaderPrompt(),
+    ev.ChecksumOk(),
+    ev.SignatureReceived(),
+    ev.UploadTimeout(),
+    ev.VerificationFailed(),
 ]
 
 

@@ -16,9 +16,9 @@ from robot.localization.hypotheses.multi_hypothesis import (
     PRIOR_MAP_LENGTHS,
     MultiHypothesisFilter,
 )
-from robot.localization.hypotheses.prior import log_prior
+from robot.localization.hypotheses.start_poses import log_prior
 from robot.localization.hypotheses.track import INDIFFERENT, STEADY, Track
-from robot.localization.rays import rays_of
+from robot.scan import rays_of
 
 
 def poses(f: MultiHypothesisFilter) -> list[Pose2]:

@@ -16,7 +16,7 @@ from app.ros2.encoding.frames import time as ros_time
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError, new, to_cdr
 from app.ros2.source import TopicSource
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from robot.errors import CommandError
 from robot.geometry import Pose2
 

@@ -11,7 +11,7 @@ from app.lab.evaluation.integrity.measures import longest, measures
 from app.lab.evaluation.integrity.oracle import decision_measures
 from app.lab.evaluation.integrity.stanford import PLACE_BINS, counted, trade
 from app.lab.evaluation.integrity.summary import EXPECTED, causes_of, group_summary, summary_of
-from robot.localization.integrity import Cause, State
+from robot.localization.estimate import Cause, State
 
 CERTAIN, LOST, APPROXIMATE = State.CERTAIN, State.LOST, State.APPROXIMATE
 

@@ -9,8 +9,8 @@ from stub_drive import ENTRIES, STUB, Drive
 
 from robot.geometry import Pose2
 from robot.localization.filters import make_filter
-from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
-from robot.localization.rays import rays_of
+from robot.localization.hypotheses.confirmation import FRESH, Kidnapping
+from robot.scan import rays_of
 
 
 @pytest.mark.parametrize("fit_sd", [0.003, 0.1])

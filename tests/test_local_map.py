@@ -13,8 +13,7 @@ from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive
 from robot.fields.edges import sample
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.hypotheses.local_map import LocalMap
-from robot.localization.rays import rays_of
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 MOTION = DEFAULTS.motion.model()
 

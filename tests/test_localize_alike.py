@@ -12,7 +12,7 @@ from app.lab.localize.settings import LocalizeSettings
 from benchmarks.lasers.laser_robot import Laser, measurements, wander
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 LASER = Laser(beams=180, reach=3.5, place=Pose2())
 LENGTH, WIDTH, THICK = 240, 60, 4

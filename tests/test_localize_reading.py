@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from app.lab.localize.reading.bag import Bag, BagError
 from app.lab.localize.reading.laser_scan import ScanReader
-from app.lab.localize.reading.mounting import find_layout
+from app.lab.localize.reading.layout import choose, find_layout
 from app.lab.localize.reading.pairing import Pairing, PoseTrack
-from app.lab.localize.reading.topics import choose
 from app.lab.localize.reading.transforms import Frames, Rigid3, frame_name
 from benchmarks.lasers.laser_bags import LaserBag
 from robot.geometry import Pose2

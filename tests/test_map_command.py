@@ -16,7 +16,7 @@ from robot.calibration.profile import load_profile
 from robot.calibration.unknowns import NAMES
 from robot.fields.field_loading import load_field
 from robot.interface import RobotError
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import pytest
 
 from benchmarks.models import track
 from robot.fields.field_loading import load_field
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import LocalizationParameters
 
 SQUARE = load_field("square", Path(__file__).parent.parent / "maps")

@@ -12,7 +12,7 @@ from app.lab.evaluation.integrity.drives import lap_drive
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.driving.figure_eight import FigureEight
-from robot.localization.integrity import Cause, State
+from robot.localization.estimate import Cause, State
 
 PLAIN = Config(robot="sim", map="stub", figure_eight=FigureEight(speed=0.25))
 BROUGHT_IN = 1.0

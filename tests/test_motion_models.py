@@ -11,15 +11,16 @@ from hypothesis import strategies as st
 
 from robot.geometry import Array, Pose2, Twist2, wrap_angle
 from robot.localization.models.motion_models import (
+    MOTION_MODELS,
     STANDING_M,
     DifferentialMotion,
     MotionModel,
+    MotionParameters,
     OmniMotion,
     StationaryMotion,
     VelocityMotion,
     sampled_moments,
 )
-from robot.localization.models.motion_parameters import MOTION_MODELS, MotionParameters
 
 EXACT = DifferentialMotion(0, 0, 0, 0)
 MANY = 100_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robot.description.motor_kinds import KINDS, MotorKind
+from robot.description.wiring import KINDS, MotorKind
 from sim.hat.motor_figures import MOTOR_FIGURES, RAIL_V, MotorFigures
 
 BOTH = [pytest.param(KINDS[one], MOTOR_FIGURES[one], id=f"{one:02X}") for one in KINDS]

@@ -21,9 +21,8 @@ from robot.localization.monitoring.mounting import LASER, Mounting
 from robot.localization.monitoring.mounting_check import MountingCheck, MountingError
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.ray_evidence import RayEvidence
-from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 FROM_CAMERA = RobotSpec.load().floor_view.robot_from_camera
 CAMERA = Mounting(float(FROM_CAMERA[0, 3]), float(FROM_CAMERA[2, 3]))

@@ -10,8 +10,8 @@ from numba import njit
 from scipy.stats import kstest, norm
 
 from robot.geometry import Array, wrap_angle
-from robot.localization.kernels.headings import heading_vector, wrapped
 from robot.localization.kernels.noise import noise_key, normal_rows
+from robot.localization.kernels.steps import heading_vector, wrapped
 
 
 def normal_noise(rng: np.random.Generator, rows: int, count: int) -> Array:

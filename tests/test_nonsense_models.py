@@ -10,7 +10,7 @@ from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import TrialDrive, lap_drive
 from app.lab.evaluation.integrity.measures import misleading
 from app.settings.config import Config
-from robot.localization.integrity import Cause
+from robot.localization.estimate import Cause
 
 CONFIG = Config(robot="sim", map="stub", seed=1003)
 DOUBTED = 5.0

@@ -10,7 +10,7 @@ from playwright.sync_api import expect
 from serving import ask, serving, until
 
 from app.page.belief import alike
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 pytestmark = pytest.mark.browser
 

@@ -12,7 +12,7 @@ from stub_drive import BEARINGS, DEFAULTS, PERIOD, STUB, Drive
 
 from robot.geometry import Array, Pose2, Twist2
 from robot.localization.filter import Cloud
-from robot.localization.models.sensor_parameters import SENSOR_MODELS
+from robot.localization.models.sensor_models import SENSOR_MODELS
 from robot.localization.parameters import FilterParameters
 from robot.scan import Scan
 

@@ -13,6 +13,7 @@ from stub_drive import DEFAULTS, ENTRIES, MAPS, SENSOR, STUB, Drive, near
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
+from robot.localization.filter import Setup
 from robot.localization.hypotheses import place_search
 from robot.localization.hypotheses.coarse_grid import CoarseGrid
 from robot.localization.hypotheses.local_map import LocalMap
@@ -29,7 +30,6 @@ from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.parameters import HypothesisParameters
 from robot.localization.scan_matching import Match
-from robot.localization.setup import Setup
 
 SQUARE = load_field("square", MAPS)
 SETUPS = {STUB.name: Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)}

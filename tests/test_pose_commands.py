@@ -12,8 +12,8 @@ from app.engine.pose_commands import cloud_of, covariance_of
 from app.messages.commands import MOST_POSES, SetParticlesCommand, SetPoseCommand
 from app.page.belief import MOST_PARTICLES, alike, integrity_message, packed
 from robot.errors import CommandError
+from robot.localization.estimate import Alert, Cause, Integrity, State
 from robot.localization.filter import Cloud
-from robot.localization.integrity import Alert, Cause, Integrity, State
 
 
 def told(**more):

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.geometry import Pose2
-from robot.localization.hypotheses.prior import LEAST_VARIANCE, Prior
+from robot.localization.hypotheses.start_poses import LEAST_VARIANCE, Prior
 from robot.localization.models.motion_models import DifferentialMotion
 
 TOLD = Prior(Pose2(0.1, 0.2, 3.1), np.diag(np.square([0.1, 0.05, 0.3])))

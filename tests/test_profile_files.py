@@ -9,10 +9,16 @@ import pytest
 from app.command_line import main
 from app.engine.build import robot_spec
 from app.settings.config import Config
-from app.settings.kept_profile import undo, write_calibration, write_profile
-from app.settings.profiles import before, own_profile, profile_file
+from app.settings.profiles import (
+    before,
+    own_profile,
+    profile_file,
+    undo,
+    write_calibration,
+    write_profile,
+)
 from app.tools.doctor.finding import OK, PROBLEM, WARNING
-from app.tools.doctor.profile_check import check_profile
+from app.tools.doctor.robot_check import check_profile
 from robot.calibration.lens.lens_table import MeasuredLens
 from robot.calibration.profile import Profile, load_profile
 from robot.description.spec import RobotSpec

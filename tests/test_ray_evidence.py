@@ -25,7 +25,7 @@ from robot.localization.ray_evidence import (
     UNEXPECTED_SHARE,
     RayEvidence,
 )
-from robot.localization.rays import rays_of
+from robot.scan import rays_of
 
 SQUARE, TOWN = load_field("square", MAPS), load_field("town", MAPS)
 SD = 0.01

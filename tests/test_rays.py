@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.geometry import Array, Pose2
-from robot.localization.rays import rays_of
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 BEARINGS = np.linspace(-0.5, 0.5, 11)
 RANGES = np.linspace(0.2, 1.2, 11)

@@ -14,7 +14,7 @@ from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import RecordingFile
 from app.ros2.publisher import TopicPublisher
-from app.settings.recording import RecordingSettings
+from app.settings.groups import RecordingSettings
 from robot.settings import SettingError
 from sim.simulated import PERIOD
 

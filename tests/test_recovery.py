@@ -7,9 +7,8 @@ import pytest
 from particle_robot import sensor_named, tracker_of
 
 from robot.geometry import Array, Pose2
-from robot.localization.models.sensor_models import SensorModel
-from robot.localization.models.sensor_parameters import SENSOR_MODELS
-from robot.localization.particles.recovery import Recovery
+from robot.localization.models.sensor_models import SENSOR_MODELS, SensorModel
+from robot.localization.particles.resampling import Recovery
 from robot.scan import Scan
 
 EVEN = np.full(10, 0.1)

@@ -11,6 +11,7 @@ from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive, noisy_scan
 
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Setup
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import (
     DRAWN,
@@ -23,7 +24,6 @@ from robot.localization.refinement import (
     WIDEST,
     Refinement,
 )
-from robot.localization.setup import Setup
 
 SD = DEFAULTS.sensor.sigma_hit
 NARROW = np.diag(np.square([0.002, 0.002, 0.008]))

@@ -9,6 +9,7 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, PERIOD, SENSOR, STUB, Drive, near
 
 from robot.geometry import Array, Pose2, Twist2, compose, pose_covariance
+from robot.localization.filter import Setup
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.rescoring import (
     START_INFORMATION,
@@ -17,7 +18,6 @@ from robot.localization.hypotheses.rescoring import (
     _moved,
     rescore,
 )
-from robot.localization.setup import Setup
 
 SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
 GOOD = 0.5

@@ -6,8 +6,8 @@ import pytest
 
 from app.engine.build import build_program
 from app.settings.config import Config
+from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
-from robot.cameras.settings import CameraSourceSettings
 from robot.geometry import Pose2
 from robot.interface import RepositionableRobot, Robot
 from sim.hat.bricks import Bricks

@@ -13,7 +13,7 @@ from ros_messages import messages
 
 from app.ros2.message_types import MessageError, new, to_cdr
 from app.ros2.rosbridge.encoding import TAGS, cbor_values, json_values
-from app.ros2.rosbridge.fields import full_type
+from app.ros2.rosbridge.names import full_type
 from app.ros2.rosbridge.reading import message_of
 
 TYPES = [

@@ -9,9 +9,8 @@ from engine_runs import run
 from rosbridge_sessions import deliver
 
 from app.engine.drivers import Driver
-from app.ros2.rosbridge.requests import LONGEST
+from app.ros2.rosbridge.requests import LONGEST, MOST_REQUESTS
 from app.ros2.rosbridge.session import Session
-from app.ros2.rosbridge.subscription import MOST_REQUESTS
 
 SCAN = "sensor_msgs/msg/LaserScan"
 

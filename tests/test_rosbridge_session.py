@@ -12,7 +12,7 @@ from rosbridge_sessions import Client, bridge_of, deliver
 
 from app.messages.commands import StopCommand
 from app.ros2.message_types import from_cdr
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 
 SCAN = "sensor_msgs/msg/LaserScan"
 

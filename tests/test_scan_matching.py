@@ -15,8 +15,8 @@ from robot.fields.edge_index import index_edges
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
 from robot.geometry import Array, Pose2
-from robot.localization.rays import rays_of
 from robot.localization.scan_matching import TAIL, ScanMatcher
+from robot.scan import rays_of
 
 SQUARE = load_field("square", MAPS)
 SD = 0.01

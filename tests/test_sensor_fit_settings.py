@@ -10,7 +10,7 @@ from sensor_draws import draw_ranges
 
 from app.lab.model_fits.beam_fit import SensorFit, SensorValues, fit_sensor
 from app.lab.model_fits.fitted_file import fitted_sensor
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.sensor_models import SensorParameters
 
 FIELD = SensorParameters()
 BEAM = SensorParameters(laser_model_type="beam")

@@ -22,8 +22,12 @@ from sensor_trials import (
 from robot.geometry import Pose2
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
-from robot.localization.models.sensor_models import SensorModel, count_rays, sensor_model
-from robot.localization.models.sensor_parameters import SENSOR_MODELS
+from robot.localization.models.sensor_models import (
+    SENSOR_MODELS,
+    SensorModel,
+    count_rays,
+    sensor_model,
+)
 from robot.scan import Scan
 
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.odometry import OdometrySettings
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import FilterParameters
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.settings import SettingError, check_names, check_settings, describe, setting

@@ -2,7 +2,7 @@
 
 import pytest
 
-from robot.description.motor_kinds import KINDS
+from robot.description.wiring import KINDS
 from robot.hat.joint_track import JointTrack
 from robot.hat.speed_loop import HELD_S, HELD_TRAVEL, SpeedLoop
 

@@ -16,7 +16,7 @@ from app.engine.start_pose.start import start
 from app.messages.commands import DriveCommand, PauseCommand, ResetCommand, SetParticlesCommand
 from app.options import config_from
 from app.settings.config import Config, load_config
-from app.settings.start_pose import InitialPose, StartPoseSettings
+from app.settings.groups import InitialPose, StartPoseSettings
 from robot.fields.field import FieldError
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis

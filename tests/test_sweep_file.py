@@ -17,8 +17,8 @@ from app.lab.sweep.points import (
     points_of,
     points_per_job,
 )
+from app.lab.sweep.report import TableError, require_format, write_table
 from app.lab.sweep.sweep_file import load_sweep
-from app.lab.sweep.table import TableError, require_format, write_table
 from app.settings.config import Config, with_settings
 from robot.settings import SettingError
 

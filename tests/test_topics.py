@@ -19,7 +19,7 @@ from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
 from app.ros2.source import TopicSource
 from app.ros2.topic import Published
 from app.ros2.topics import TOPICS
-from robot.localization.integrity import Alert, Cause, Integrity, State
+from robot.localization.estimate import Alert, Cause, Integrity, State
 
 
 @pytest.fixture(scope="module")

@@ -9,11 +9,11 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, Drive
 
 from robot.geometry import Pose2
+from robot.localization.filter import Setup
 from robot.localization.hypotheses.track import ONE_THING, STUCK, Track
 from robot.localization.parameters import HypothesisParameters
 from robot.localization.particles.particle_filter import ParticleFilter
-from robot.localization.rays import rays_of
-from robot.localization.setup import Setup
+from robot.scan import rays_of
 
 SETUP = Setup.of(STUB, ENTRIES, DEFAULTS.motion.model(), SENSOR, DEFAULTS)
 TRUE = Pose2(-0.1, 0.1, 2.3)

@@ -15,7 +15,7 @@ from app.messages.commands import (
     SetPoseCommand,
     UndoCommand,
 )
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 ELSEWHERE = SetPoseCommand(type="set_pose", x=0.2, y=-0.3, theta=1.0)
 CHANGES = (

@@ -19,7 +19,7 @@ from robot.fields.visibility import STEP, Visibility, visibility
 from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.ray_evidence import RayEvidence
-from robot.localization.rays import rays_of
+from robot.scan import rays_of
 from robot.scanning.line_scanner import LineScannerSettings
 from robot.scanning.tape import Tape
 

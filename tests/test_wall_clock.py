@@ -21,12 +21,12 @@ WALL_CLOCK = re.compile(
 READERS = {
     "app/lab/calibrate/calibrated_robot.py",  # the date of a profile
     "app/lab/mapping/command.py",
-    "app/settings/kept_profile.py",
+    "app/settings/profiles.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
     "app/ros2/source.py",  # ROS time
-    "app/ros2/rosbridge/rosapi.py",
-    "app/tools/doctor/profile_check.py",  # the age of a profile
+    "app/ros2/rosbridge/bridge.py",
+    "app/tools/doctor/robot_check.py",  # the age of a profile
     "robot/compiled_code.py",  # the age of files
 }
 """Who needs the date; everything else counts time that passes."""

@@ -10,10 +10,9 @@ from square_drive import ON_STUB
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.filter import Cloud
+from robot.localization.filter import Cloud, Setup
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.hypotheses.track import Track
-from robot.localization.setup import Setup
 from robot.scan import Scan
 
 NARROW = np.diag(np.square([0.001, 0.001, 0.005]))

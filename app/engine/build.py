@@ -20,8 +20,8 @@ from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.settings.config import MAPS, Config
+from app.settings.groups import InitialPose
 from app.settings.profiles import profile_file
-from app.settings.start_pose import InitialPose
 from robot.calibration.profile import Profile, load_profile
 from robot.calibration.tracker import CalibrationTracker
 from robot.description.spec import RobotSpec

@@ -13,7 +13,7 @@ from robot.calibration.drift import Finding
 from robot.calibration.tracker import CalibrationTracker, Update
 from robot.geometry import Pose2
 from robot.interface import Reading
-from robot.localization.integrity import Alert, Cause, State
+from robot.localization.estimate import Alert, Cause, State
 
 PATIENCE_S = 0.5
 """A result is taken so long after its work began [s], on the robot's clock: drives repeat exactly,

@@ -14,7 +14,7 @@ from app.engine.snapshot import Snapshot
 from app.worker_process import WorkerProcess
 from robot.errors import BrickPoseError
 from robot.geometry import Pose2
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 T = TypeVar("T")
 

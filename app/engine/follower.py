@@ -10,9 +10,8 @@ from app.engine.own_models.own_models import OwnChoice
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame
-from robot.localization.estimate import Belief
+from robot.localization.estimate import SEARCHING, Belief, Integrity
 from robot.localization.filter import Cloud
-from robot.localization.integrity import SEARCHING, Integrity
 from robot.localization.parameters import LocalizationParameters
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScan, LineScanner

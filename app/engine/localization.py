@@ -16,10 +16,9 @@ from robot.driving.odometry import OdometryState
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Frame
-from robot.localization.estimate import Belief, Estimate, Hypothesis
-from robot.localization.filter import Cloud
+from robot.localization.estimate import Alert, Belief, Estimate, Hypothesis, Integrity
+from robot.localization.filter import Cloud, Setup
 from robot.localization.filters import make_filter, transfer_belief
-from robot.localization.integrity import Alert, Integrity
 from robot.localization.localizer import Localizer
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
@@ -30,7 +29,6 @@ from robot.localization.monitoring.mounting import Mounting
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement
-from robot.localization.setup import Setup
 from robot.scan import Scan
 from robot.scanning.line_scanner import LineScanner
 

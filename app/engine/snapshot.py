@@ -15,9 +15,8 @@ from robot.description.spec import RobotSpec
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
-from robot.localization.estimate import Estimate
+from robot.localization.estimate import Estimate, Integrity
 from robot.localization.filter import Cloud
-from robot.localization.integrity import Integrity
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan, LineScanner
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from app.messages.message import Layer, Message
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 
 class PoseMessage(Message):

@@ -19,8 +19,8 @@ from app.messages.telemetry import (
 from app.page.thresholds import ALIKE, LIKELY
 from robot.covariance import by_rows
 from robot.fields.floor_picture import Extent
+from robot.localization.estimate import Integrity, State
 from robot.localization.filter import Cloud
-from robot.localization.integrity import Integrity, State
 
 MOST_PARTICLES = 2000
 """Most particles that are sent: more make no difference in a map view."""

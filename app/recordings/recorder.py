@@ -17,7 +17,7 @@ from app.recordings.files.reserved_stream import FULL
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route, TopicPublisher
 from app.ros2.topic import Published, Topic
-from app.settings.recording import RecordingSettings
+from app.settings.groups import RecordingSettings
 from robot.worker_thread import WorkerThread
 
 MOST_WAITING = 2000

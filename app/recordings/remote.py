@@ -19,7 +19,7 @@ from app.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.ros2.message_types import MessageError, message_class
 from app.ros2.topic import Quality
 from app.ros2.topics import TOPICS
-from app.settings.recording import RecordingSettings
+from app.settings.groups import RecordingSettings
 from robot.settings import SettingError
 
 LOOK_S = 0.2

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from scipy.spatial.transform import Rotation
 
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from robot.description.robot_model import Joint, read_model
 from robot.description.spec import RobotSpec
 from robot.description.urdf import parse_xml

@@ -12,7 +12,7 @@ import numpy as np
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.ros2.links import Links
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field

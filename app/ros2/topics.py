@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ros2.encoding import belief, motion, robot_state, sensors
+from app.ros2.encoding import motion, robot_state, sensors
 from app.ros2.topic import LATCHED, Topic
 
 TOPICS: tuple[Topic, ...] = (
@@ -19,22 +19,22 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "amcl_pose",
         "geometry_msgs/msg/PoseWithCovarianceStamped",
-        belief.estimate_stamp,
-        belief.amcl_pose,
+        motion.estimate_stamp,
+        motion.amcl_pose,
         quality=LATCHED,
     ),
     Topic(
         "particle_cloud",
         "nav2_msgs/msg/ParticleCloud",
         motion.tick_stamp,
-        belief.particle_cloud,
+        motion.particle_cloud,
         "cloud_rate",
     ),
     Topic(
         "particlecloud",
         "geometry_msgs/msg/PoseArray",
         motion.tick_stamp,
-        belief.pose_array,
+        motion.pose_array,
         "cloud_rate",
     ),
     Topic(
@@ -87,8 +87,8 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "truth",
         "geometry_msgs/msg/PoseStamped",
-        belief.truth_stamp,
-        belief.true_pose,
+        motion.truth_stamp,
+        motion.true_pose,
         "publish_rate",
     ),
     Topic(

@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar, get_args, get_type_hin
 
 from pydantic import TypeAdapter, ValidationError
 
-from app.settings.calibration import CalibrationSettings
-from app.settings.mapping import MappingSettings
-from app.settings.recording import RecordingSettings
-from app.settings.ros2 import Ros2Settings
-from app.settings.start_pose import StartPoseSettings
-from robot.cameras.settings import CameraSourceSettings
+from app.settings.groups import (
+    CalibrationSettings,
+    MappingSettings,
+    RecordingSettings,
+    Ros2Settings,
+    StartPoseSettings,
+)
+from robot.cameras.camera import CameraSourceSettings
 from robot.driving.drive_controller import DriveSettings
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometrySettings

@@ -21,9 +21,8 @@ from benchmarks.nav2_amcl import LIBRARY, VERSION, Nav2Amcl
 from benchmarks.result import Result
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_models import SensorModel
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorModel, SensorParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 
 SIDE, CELL = 2048, 0.05

@@ -10,7 +10,7 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from app.ros2.topics import TOPICS
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 
 FOXGLOVE = Subprotocol("foxglove.sdk.v1")
 

@@ -29,7 +29,7 @@ from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.settings.config import Config
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
 from robot.localization.parameters import FilterParameters, LocalizationParameters

@@ -22,8 +22,7 @@ from app.messages.commands import FigureEightCommand
 from app.page.listening import listen
 from app.page.serving import Server
 from app.settings.config import MAPS, ROOT, Config
-from app.settings.recording import RecordingSettings
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import RecordingSettings, Ros2Settings
 from benchmarks.result import Result
 from benchmarks.topics.fastdds import Peer, missing
 from robot.description.spec import RobotSpec

@@ -1,7 +1,9 @@
-"""The interface that every camera implements; check and rotation of its pictures."""
+"""What all cameras have in common: the interface, settings, time stamps, checks of pictures."""
 
 from __future__ import annotations
 
+import time
+from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import cv2
@@ -11,6 +13,79 @@ from numpy.typing import NDArray
 from robot.camera import Lens
 from robot.errors import BrickPoseError
 from robot.interface import Frame
+from robot.settings import SettingError, check_settings, setting
+
+
+@dataclass(frozen=True)
+class CameraSourceSettings:
+    """The real robot's camera, and how it takes pictures; their size is the lens's."""
+
+    source: str = setting(
+        "auto", "Where pictures are from: auto, pi, /dev/video0, a folder of pictures, a video file"
+    )
+    frame_rate: float = setting(30.0, "Pictures a second", unit="1/s", low=1, high=120)
+    rotation: int = setting(
+        0, "How far pictures are turned, for a camera mounted upside down: 0 or 180", unit="deg",
+        low=0, high=180,
+    )  # fmt: skip
+    focus_distance: float = setting(
+        0.3, "What a Pi camera with a movable lens is focused on", unit="m", low=0.05, high=10
+    )
+    exposure: float = setting(
+        0.010, "Exposure time of a camera that does not tell its own", unit="s", low=0, high=0.1
+    )
+    exposure_delay: float = setting(
+        0.040,
+        "How long before its arrival a picture was taken, for cameras without time stamps",
+        unit="s",
+        low=0,
+        high=1,
+    )
+
+    def __post_init__(self) -> None:
+        check_settings(self)
+        if self.rotation not in (0, 180):
+            raise SettingError(f"rotation is {self.rotation} deg; valid are 0 and 180 deg")
+
+
+LONGEST_WAY_S = 1.0
+"""Largest age of a picture on arrival [s]; a stamp that is older is of another clock."""
+
+
+def middle_of_exposure(readout_start: float, exposure: float, readout: float) -> float:
+    """Return the middle of the exposure of the middle row [s].
+
+    Args:
+        readout_start: when the readout of the first row began [s]. Its exposure ended then: a
+            rolling shutter reads each row at the end of its exposure.
+        exposure: how long each row was exposed [s].
+        readout: time from the first row to the last [s].
+    """
+    return readout_start - exposure / 2 + readout / 2
+
+
+def on_monotonic(stamp: float, current: float, asleep: float) -> float | None:
+    """Convert a driver's stamp [s] to the clock of ``time.monotonic``; None if no clock fits.
+
+    Drivers stamp by CLOCK_MONOTONIC or by CLOCK_BOOTTIME. CLOCK_BOOTTIME also counts the time for
+    which the machine was suspended. libcamera documents CLOCK_BOOTTIME, but passes on the kernel's
+    stamp, which is by CLOCK_MONOTONIC. Only one of the two interpretations lies in the last second,
+    unless both clocks agree.
+
+    Args:
+        stamp: the driver's stamp [s].
+        current: when the picture arrived, by CLOCK_MONOTONIC [s].
+        asleep: how far CLOCK_BOOTTIME is ahead of CLOCK_MONOTONIC [s].
+    """
+    for candidate in (stamp, stamp - asleep):
+        if 0 <= current - candidate <= LONGEST_WAY_S:
+            return candidate
+    return None
+
+
+def suspend_time() -> float:
+    """Return how long the machine has been suspended since its start [s]."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - time.monotonic()
 
 
 class PictureError(BrickPoseError, RuntimeError):

@@ -13,9 +13,15 @@ from typing import Any
 import numpy as np
 
 from robot.camera import Lens
-from robot.cameras.camera import Picture, PictureError, check_size
-from robot.cameras.settings import CameraSourceSettings
-from robot.cameras.stamps import middle_of_exposure, on_monotonic, suspend_time
+from robot.cameras.camera import (
+    CameraSourceSettings,
+    Picture,
+    PictureError,
+    check_size,
+    middle_of_exposure,
+    on_monotonic,
+    suspend_time,
+)
 from robot.interface import Frame
 
 BUFFERS = 4

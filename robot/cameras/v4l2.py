@@ -10,9 +10,14 @@ from pathlib import Path
 import cv2
 
 from robot.camera import Lens
-from robot.cameras.camera import PictureError, check_size, upright
-from robot.cameras.settings import CameraSourceSettings
-from robot.cameras.stamps import middle_of_exposure, on_monotonic
+from robot.cameras.camera import (
+    CameraSourceSettings,
+    PictureError,
+    check_size,
+    middle_of_exposure,
+    on_monotonic,
+    upright,
+)
 from robot.interface import Frame
 
 SELECT_TIMEOUT_S = 2

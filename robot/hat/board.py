@@ -18,7 +18,7 @@ import numpy as np
 from robot.description.wiring import Wiring
 from robot.geometry import Array
 from robot.hat.motor import LINE_TIME, Motor
-from robot.hat.protocol import bootloader_events, commands, events
+from robot.hat.protocol import commands, events
 from robot.hat.protocol.decoder import Decoder
 from robot.hat.settings import BuildHatSettings
 from robot.hat.start.bring_up import BringUp
@@ -295,5 +295,5 @@ class Board:
 
 
 def _is_restart(event: events.Event) -> bool:
-    prompts = bootloader_events.BootloaderPrompt | bootloader_events.BootloaderVersion
+    prompts = events.BootloaderPrompt | events.BootloaderVersion
     return isinstance(event, prompts | events.InitDone)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robot.description.motor_kinds import KINDS, described
-from robot.description.wiring import PORTS, Wiring
+from robot.description.wiring import KINDS, PORTS, Wiring, described
 from robot.hat.joint_track import JointTrack
 from robot.hat.protocol import commands
 from robot.hat.settings import BuildHatSettings

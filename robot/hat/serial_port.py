@@ -1,4 +1,4 @@
-"""The serial port of a Build HAT: finds it, opens it, and moves bytes without blocking."""
+"""The serial port that a Build HAT is on; and how the motors are stopped that nobody drives."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pathlib import Path
 import serial  # type: ignore[import-untyped, unused-ignore]
 
 from robot.errors import PortError
+from robot.hat.protocol import commands
 
 BAUD = 115_200
 TOGETHER_S = 0.003
@@ -154,3 +155,27 @@ def _reason(device: str, error: OSError | ValueError) -> str:
                 f"{RASPI_CONFIG}; then reboot"
             )
     return f"{device} cannot be opened as a serial port: {error}"
+
+
+PATIENCE_S = 1.0
+"""Longest time for sending the stop [s]; a line of 63 bytes takes 5 ms."""
+
+
+def stop_motors(device: str) -> None:
+    """Tell all four ports to brake.
+
+    Use it when a program ended without stopping the motors. If it was this program, the pulses in
+    the firmware have ended by then. Motors started by another program keep turning.
+
+    Raises:
+        PortError: the port cannot be opened, or takes no bytes; the message says why, and the
+            cure.
+    """
+    port = SerialPort(device)
+    try:
+        # A killed program may have left half a line: CR ends it, so that the stop is a line of its
+        # own. Sent twice: if a byte of the first is lost, a motor can stay at the old set-point.
+        if not port.finish(b"\r" + 2 * commands.stop(), PATIENCE_S):
+            raise PortError(f"{device} takes no bytes; is what is behind it stopped?")
+    finally:
+        port.close()

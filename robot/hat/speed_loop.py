@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections import deque
 
-from robot.description.motor_kinds import MotorKind
+from robot.description.wiring import MotorKind
 from robot.hat.joint_track import JointTrack
 
 WIRE_DELAY = 0.012

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot.localization.filter import Filter
+from robot.localization.filter import Filter, Setup
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.particles.particle_filter import ParticleFilter
-from robot.localization.setup import Setup
 
 
 @dataclass(frozen=True, slots=True)

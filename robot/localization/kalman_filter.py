@@ -17,12 +17,10 @@ from robot.geometry import (
     wrap_angle,
 )
 from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.filter import Cloud
+from robot.localization.filter import Cloud, Setup
 from robot.localization.models.motion_models import MotionModel, loosened
-from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
-from robot.localization.setup import Setup
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 SHOWN = 200
 """Number of poses drawn from the belief for display."""

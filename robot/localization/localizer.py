@@ -6,9 +6,8 @@ import math
 from dataclasses import replace
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Estimate, Hypothesis
+from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Filter
-from robot.localization.integrity import SEARCHING, Integrity
 from robot.localization.monitoring.claims import claim, propagate_claim
 from robot.localization.monitoring.monitor import NO_DOUBT, Monitor
 from robot.localization.parameters import FilterParameters

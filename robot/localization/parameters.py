@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot.geometry import Array, Pose2
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.settings import check_settings, setting
 
 

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from robot.localization.estimate import Hypothesis
+from robot.localization.filter import Setup
 from robot.localization.kernels.matrices import inverse
-from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
-from robot.localization.setup import Setup
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 FEWEST_BEAMS = 100
 """At least this many rays of a scan are used, if it has them: they cost little here, and each one

@@ -14,7 +14,7 @@ import numpy as np
 from robot.fields.edge_index import EdgeIndex
 from robot.fields.ray_casting import cast_rays
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.scan import Scan
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from app.engine.start_pose.pose_file import PoseFileError, read
 from app.messages.telemetry import PoseMessage
-from app.settings.start_pose import StartPoseSettings
+from app.settings.groups import StartPoseSettings
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis

@@ -23,8 +23,7 @@ from app.messages.commands import DriveCommand, PauseCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config
-from app.settings.kept_profile import profile_before, write_profile
-from app.settings.profiles import NONE, own_profile
+from app.settings.profiles import NONE, own_profile, profile_before, write_profile
 from robot.calibration.adjustment import CalibrationError, Solution
 from robot.calibration.calibrate import SHORTEST_S, START_COVARIANCE, Calibration, calibrate
 from robot.calibration.drive_log import DriveRecorder

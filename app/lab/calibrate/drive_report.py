@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from app.lab.calibrate.calibrated_robot import CalibratedRobot
-from app.lab.figure_style import svg_figure
-from app.lab.report_page import embedded, page
+from app.lab.report_page import embedded, page, svg_figure
 from robot.calibration.calibrate import LEARNT
 from robot.calibration.unknowns import ROBOT, UNKNOWNS
 from robot.geometry import Array

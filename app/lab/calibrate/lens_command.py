@@ -10,7 +10,7 @@ from app.console import say
 from app.files import atomic_file
 from app.lab.calibrate.lens_report import lens_report
 from app.lab.calibrate.pictures import board_of, find_in, picture_files
-from app.settings.kept_profile import profile_before, with_lens, write_profile
+from app.settings.profiles import profile_before, with_lens, write_profile
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import parameters
 from robot.calibration.lens.coverage import missing

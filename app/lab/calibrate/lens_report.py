@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from scipy.spatial import ConvexHull
 
-from app.lab.figure_style import svg_figure
-from app.lab.report_page import embedded, page
+from app.lab.report_page import embedded, page, svg_figure
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import parameters
 from robot.calibration.lens.coverage import COLUMNS, LEAST_CORNERS, ROWS, missing, parts_seen, tilt

@@ -15,7 +15,7 @@ from app.files import atomic_file
 from app.lab.calibrate.floor_grid import draw_floor
 from app.lab.calibrate.pictures import board_of, find_in, read_grey
 from app.settings.config import MAPS, Config
-from app.settings.kept_profile import (
+from app.settings.profiles import (
     profile_before,
     with_lens,
     with_mounting,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.console import say
-from app.settings.kept_profile import undo
-from app.settings.profiles import own_profile
+from app.settings.profiles import own_profile, undo
 from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 

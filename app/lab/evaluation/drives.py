@@ -18,7 +18,7 @@ from app.engine.snapshot import Snapshot
 from app.lab.replay_robot import ReplayRobot
 from app.messages.commands import FigureEightCommand, PauseCommand
 from app.settings.config import MAPS, Config
-from app.settings.start_pose import StartPoseSettings
+from app.settings.groups import StartPoseSettings
 from robot.description.spec import RobotSpec
 from robot.driving.figure_eight import FigureEight
 from robot.errors import BrickPoseError

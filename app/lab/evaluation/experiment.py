@@ -1,8 +1,4 @@
-"""The paper's experiment: the open-loop figure-eight, with a known and with a wrong start pose.
-
-Each robot drives once in each world. The start pose that the filter is given does not change how
-the robot drives, so the filter follows one recorded drive twice.
-"""
+"""The worlds of the experiment: each is a kind of robot in a condition."""
 
 from __future__ import annotations
 
@@ -18,8 +14,8 @@ from tqdm import tqdm
 from app.lab.calibrate.command import calibrate_by_driving
 from app.lab.evaluation.drives import Drive, EvaluationError, record
 from app.lab.evaluation.runs import Run, follow
-from app.lab.evaluation.worlds import in_world, require_world
 from app.lab.workers import Workers
+from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config
 from robot.calibration.adjustment import CalibrationError
 from robot.calibration.calibrate import SHORTEST_S
@@ -27,6 +23,36 @@ from robot.calibration.profile import Profile
 from robot.fields.field_loading import load_field
 from robot.geometry import Pose2
 from robot.settings import SettingError
+
+WORLDS = {
+    "sim": ("sim", "default"),
+    "as-real": ("sim", "as-real"),
+    "hand-built": ("sim", "hand-built"),
+    "kinematic": ("kinematic", "default"),
+}
+"""Robot and condition by the world's name; the robot ``kinematic`` has perfect wheels."""
+
+
+def require_world(name: str) -> None:
+    """Refuse a name that is not a world.
+
+    Raises:
+        SettingError: there is no such world; lists the valid names.
+    """
+    if name not in WORLDS:
+        raise SettingError(f"no world {name!r}; valid are {', '.join(WORLDS)}")
+
+
+def in_world(config: Config, name: str) -> Config:
+    """Return the configuration with the robot and the condition of a world.
+
+    Raises:
+        SettingError: there is no such world; lists the valid names.
+    """
+    require_world(name)
+    robot, condition = WORLDS[name]
+    return apply_condition(replace(config, robot=robot), condition)
+
 
 KNOWN = np.diag(np.square([0.01, 0.01, 0.03]))
 """Covariance of a known start pose [m², m², rad²]. A wrong start pose has the configuration's

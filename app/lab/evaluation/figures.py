@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from matplotlib.axes import Axes
 
-from app.lab.evaluation.convergence import errors
 from app.lab.evaluation.results import METHODS, poses_of
 from app.lab.evaluation.runs import Run
-from app.lab.figure_style import STROKES, Stroke, svg_figure
+from app.lab.evaluation.scores import errors
+from app.lab.report_page import STROKES, Stroke, svg_figure
 from app.lab.trajectories.trajectory import Trajectory
 from robot.fields.field import Field
 from robot.geometry import Array

@@ -10,8 +10,7 @@ from app.lab.evaluation import figures
 from app.lab.evaluation.experiment import Experiment
 from app.lab.evaluation.results import METHODS
 from app.lab.evaluation.runs import Run
-from app.lab.figure_style import STROKES
-from app.lab.report_page import embedded, page
+from app.lab.report_page import STROKES, embedded, page
 from app.settings.provenance import settings_of
 from robot.fields.field import Field
 

@@ -10,16 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.lab.evaluation.convergence import (
+from app.lab.evaluation.runs import Run
+from app.lab.evaluation.scores import (
+    SHOWN,
+    Score,
     errors,
     in_place,
     lost_again,
     right_to_the_end,
+    score,
     steady_error,
     time_to_converge,
 )
-from app.lab.evaluation.runs import Run
-from app.lab.evaluation.scores import SHOWN, Score, score
 from app.lab.trajectories.consistency import ConsistencyError, anees_bounds, nees
 from app.lab.trajectories.trajectory import Trajectory
 from robot.geometry import Array, wrap_angle

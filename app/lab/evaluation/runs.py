@@ -11,7 +11,7 @@ from app.engine.localization import Localization
 from app.lab.evaluation.drives import Drive, EvaluationError, follow_drive
 from app.settings.config import Config
 from robot.geometry import Array, Pose2
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,14 @@
-"""The errors of a method in one run (Sturm et al. 2012)."""
+"""The errors of one run (Sturm et al. 2012), and when a wrong estimate becomes right."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from app.lab.evaluation.runs import Run
 from app.lab.trajectories.metrics import (
     Unit,
     ate_rmse,
@@ -14,6 +18,7 @@ from app.lab.trajectories.metrics import (
     rms,
 )
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
+from robot.geometry import Array, wrap_angle
 
 DELTAS: tuple[tuple[float, Unit], ...] = (
     (0.1, "s"), (0.5, "s"), (1.0, "s"), (0.1, "m"), (0.5, "m"), (1.0, "m"),
@@ -67,3 +72,86 @@ def _relative(
         return math.nan, math.nan
     translation, rotation = motion_errors(truth, estimate, i, j)
     return rms(translation), rms(rotation)
+
+
+RIGHT_XY, RIGHT_THETA = 0.02, 0.1
+"""An estimate closer than this to the truth is right [m], [rad]."""
+PLACE_XY, PLACE_THETA = 0.05, math.radians(10)
+"""An estimate farther than this from the truth is at another place [m], [rad]."""
+HOLD_SECONDS = 1.0
+"""A condition counts only if it holds for this long [s]."""
+
+Mask = NDArray[np.bool_]
+
+
+def errors(run: Run, poses: Array) -> tuple[Array, Array]:
+    """Return distances (n,) [m] and turns (n,) [rad] from the truth to poses (n, 3) of a run."""
+    offset = poses - run.truth
+    return np.linalg.norm(offset[:, :2], axis=1), wrap_angle(offset[:, 2])
+
+
+def time_to_converge(stamps: Array, distances: Array, turns: Array) -> float:
+    """Return the time [s] from the first stamp until the estimate becomes right for a second.
+
+    Args:
+        stamps: (n,) [s].
+        distances: from the truth (n,) [m].
+        turns: from the truth (n,) [rad].
+
+    Returns:
+        When that second begins; inf if the estimate is never right for a second.
+    """
+    right = (distances < RIGHT_XY) & (np.abs(turns) < RIGHT_THETA)
+    first = first_sustained(stamps, right)
+    return math.inf if first is None else float(stamps[first] - stamps[0])
+
+
+def first_sustained(stamps: Array, some: Mask) -> int | None:
+    """Return the index of the first picture from which a condition holds for a second.
+
+    Args:
+        stamps: (n,) [s].
+        some: (n,) whether the condition holds.
+
+    Returns:
+        None if the condition never holds for a second.
+    """
+    for first in np.flatnonzero(some & ~np.concatenate([[False], some[:-1]])):
+        until = int(np.searchsorted(stamps, stamps[first] + HOLD_SECONDS - 1e-9))
+        if until < len(stamps) and some[first : until + 1].all():
+            return int(first)
+    return None
+
+
+def in_place(distances: Array, turns: Array) -> Mask:
+    """Whether estimates (n,) are at the true place, by distance [m] and turn [rad]."""
+    near: Mask = (distances < PLACE_XY) & (np.abs(turns) < PLACE_THETA)
+    return near
+
+
+def right_to_the_end(stamps: Array, right: Mask) -> bool:
+    """Whether the estimate became right for a second and was right at all later pictures (n,)."""
+    first = first_sustained(stamps, right)
+    return first is not None and bool(right[first:].all())
+
+
+def lost_again(stamps: Array, right: Mask, certain: Mask) -> bool:
+    """Whether it was right and certain for a second, and wrong at a later picture (n,)."""
+    first = first_sustained(stamps, right & certain)
+    return first is not None and not right[first:].all()
+
+
+def steady_error(run: Run) -> float:
+    """Return the root mean square distance [m] after settling; nan if it never settles."""
+    late = settled(run)
+    return rms(errors(run, run.estimate)[0][late]) if late.any() else math.nan
+
+
+def settled(run: Run) -> Array:
+    """Return which pictures (n,) come a second or more after the estimate became right.
+
+    No picture does if the estimate never becomes right.
+    """
+    seconds = time_to_converge(run.stamps, *errors(run, run.estimate))
+    late: Array = run.stamps >= run.stamps[0] + seconds + HOLD_SECONDS
+    return late

@@ -17,9 +17,8 @@ from app.lab.localize.localized import Localized
 from app.lab.localize.pictures.command import localize_pictures
 from app.lab.localize.pictures.sequence import is_folder_of_pictures
 from app.lab.localize.reading.bag import Bag, BagError
-from app.lab.localize.reading.mounting import find_layout
+from app.lab.localize.reading.layout import choose, find_layout
 from app.lab.localize.reading.pairing import CLOCKS, Measurement, Pairing
-from app.lab.localize.reading.topics import choose
 from app.lab.localize.results import PATH, PICTURE, WITHDRAWN, LocalizeRequest, write_results
 from app.lab.localize.settings import LocalizeSettings, load_settings
 from robot.fields.field import FieldError

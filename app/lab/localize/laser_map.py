@@ -14,8 +14,7 @@ from robot.fields.grid_map import MapError, OccupancyGrid, load_map_yaml
 from robot.geometry import Array, Pose2, turned_covariance
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
-from robot.localization.models.sensor_models import SensorModel, sensor_model
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.sensor_models import SensorModel, SensorParameters, sensor_model
 from robot.localization.models.wall_field import FreeWay, free_field, wall_field
 
 

@@ -22,8 +22,7 @@ from app.settings.config import Config
 from robot.driving.odometry import OdometryState
 from robot.geometry import Pose2
 from robot.interface import Frame, Reading, RobotError
-from robot.localization.estimate import Belief, Estimate, Hypothesis
-from robot.localization.integrity import Integrity, State
+from robot.localization.estimate import Belief, Estimate, Hypothesis, Integrity, State
 from robot.scan import Scan
 
 

@@ -7,8 +7,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 from robot.geometry import Array
-from robot.localization.estimate import Estimate
-from robot.localization.integrity import State
+from robot.localization.estimate import Estimate, State
 
 LONGEST_GAP = 1.0
 """Poses farther apart than this were not reported in one stretch [s]."""

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from app.lab.figure_style import STROKES, STYLE
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import LONGEST_GAP, Localized, ReportedPose
+from app.lab.report_page import STROKES, STYLE
 from robot.geometry import Array, Pose2, compose
 
 INCHES, DPI = 9.0, 150

@@ -14,16 +14,14 @@ from app.files import RESULTS, atomic_folder, write_json
 from app.lab.localize.laser_map import LaserMap
 from app.lab.localize.localized import Localized, ReportedPose
 from app.lab.localize.picture import draw
-from app.lab.localize.reading.mounting import Layout
+from app.lab.localize.reading.layout import Chosen, Layout
 from app.lab.localize.reading.pairing import SkippedCounts
-from app.lab.localize.reading.topics import Chosen
 from app.lab.localize.settings import LocalizeSettings
-from app.lab.trajectories.files.tum import write_tum
+from app.lab.trajectories.files.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.provenance import settings_of, versions
 from robot.geometry import Pose2
-from robot.localization.estimate import Hypothesis
-from robot.localization.integrity import State
+from robot.localization.estimate import Hypothesis, State
 
 PATH, WITHDRAWN, PICTURE = "localized.tum", "localized_withdrawn.tum", "path.png"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from app.settings.config import by_path, with_settings
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import FilterParameters, LocalizationParameters
 from robot.settings import SettingError, check_settings, describe, setting
 from robot.toml_file import read_toml

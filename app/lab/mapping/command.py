@@ -15,7 +15,7 @@ from app.files import atomic_file
 from app.lab.mapping.map_report import map_report
 from app.lab.unknown_lines import unknown_lines
 from app.recordings.replay.opening import ReplayOptions, open_replay
-from app.settings.kept_profile import profile_before, write_profile
+from app.settings.profiles import profile_before, write_profile
 from robot.calibration.drive_log import DriveLog, DriveRecorder
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import ROBOT

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from app.lab.figure_style import svg_figure
-from app.lab.report_page import embedded, page
+from app.lab.report_page import embedded, page, svg_figure
 from robot.mapping.tape_map import TapeMap
 
 TEMPLATE = "map.html.jinja"

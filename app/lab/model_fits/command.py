@@ -14,10 +14,9 @@ from app.lab.evaluation.recorded import clock_of
 from app.lab.evaluation.results import condition_table
 from app.lab.model_fits.fitted_file import fitted_settings, toml_of
 from app.lab.model_fits.likelihood import FitError
-from app.lab.model_fits.models_report import models_report
+from app.lab.model_fits.models_report import Table, models_report, motion_table, sensor_table
 from app.lab.model_fits.motion_statistics import MotionStatistics, recorded_motion, repeated_motions
 from app.lab.model_fits.sensor_statistics import SensorStatistics, scanned_drives
-from app.lab.model_fits.tables import Table, motion_table, sensor_table
 from app.lab.report_page import millimetres
 from app.lab.trajectories.clock_offset import require_same_run
 from app.lab.trajectories.files.reading import read_trajectory

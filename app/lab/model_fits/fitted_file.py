@@ -24,8 +24,8 @@ from app.lab.model_fits.motion_statistics import MotionStatistics
 from app.lab.model_fits.sensor_statistics import SensorStatistics
 from app.settings.config import Config, with_settings
 from robot.driving.drive_controller import DriveSettings
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.settings import describe
 
 ALPHAS = ("alpha1", "alpha2", "alpha3", "alpha4")

@@ -9,7 +9,7 @@ import numpy as np
 from tqdm import tqdm
 
 from app.lab.evaluation.drives import EvaluationError
-from app.lab.evaluation.worlds import in_world
+from app.lab.evaluation.experiment import in_world
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import DriveFit, fit_drive
 from app.lab.model_fits.regions import Held, fit_region, held_by, usable_horizons

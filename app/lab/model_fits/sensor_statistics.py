@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.lab.evaluation.drives import EvaluationError, record
-from app.lab.evaluation.worlds import in_world
+from app.lab.evaluation.experiment import in_world
 from app.lab.model_fits.beam_correlation import BeamCorrelation, correlate_beams
 from app.lab.model_fits.beam_fit import SensorFit, fit_sensor
 from app.lab.model_fits.range_pairs import (

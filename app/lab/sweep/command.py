@@ -13,7 +13,6 @@ from tqdm import tqdm
 from app.console import say
 from app.files import atomic_file, make_folder
 from app.lab.evaluation.command import workers_from_options
-from app.lab.sweep.plots import plot_setting
 from app.lab.sweep.points import (
     Point,
     Row,
@@ -24,8 +23,8 @@ from app.lab.sweep.points import (
     points_of,
     points_per_job,
 )
+from app.lab.sweep.report import FORMATS, plot_setting, require_format, write_table
 from app.lab.sweep.sweep_file import SweepFile, load_sweep
-from app.lab.sweep.table import FORMATS, require_format, write_table
 from app.lab.sweep.work import MEASURES, Measured, follow_all
 from app.lab.workers import Workers
 from app.options import config_of

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from app.lab.evaluation.worlds import in_world
+from app.lab.evaluation.experiment import in_world
 from app.lab.sweep.sweep_file import Settings, SweepFile
 from app.settings.conditions import apply_condition
 from app.settings.config import MAPS, Config, with_settings

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from app.lab.evaluation.worlds import WORLDS
+from app.lab.evaluation.experiment import WORLDS
 from app.settings.conditions import condition_names, require_condition
 from app.settings.config import Config, from_table
 from app.settings.provenance import settings_of

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from app.lab.evaluation.convergence import errors, steady_error, time_to_converge
 from app.lab.evaluation.drives import Drive, record
 from app.lab.evaluation.experiment import KNOWN, follow_from_offset
 from app.lab.evaluation.results import trajectory
 from app.lab.evaluation.runs import follow
-from app.lab.evaluation.scores import SHOWN, score
+from app.lab.evaluation.scores import SHOWN, errors, score, steady_error, time_to_converge
 from app.lab.sweep.points import SweepJob
 from app.settings.config import Config
 

@@ -17,8 +17,13 @@ from app.messages.lens import (
     LensRefusalMessage,
     Pixels,
 )
-from app.settings.kept_profile import profile_before, with_lens, write_profile
-from app.settings.profiles import profile_file, written_file
+from app.settings.profiles import (
+    profile_before,
+    profile_file,
+    with_lens,
+    write_profile,
+    written_file,
+)
 from robot.calibration.lens.board import Board
 from robot.calibration.lens.camera_info import parameters
 from robot.calibration.lens.coverage import missing

@@ -13,7 +13,7 @@ from app.ros2.dds.protocol import Endpoint, Kind, Plan, Shapes
 from app.ros2.incoming import IncomingTopic
 from app.ros2.message_types import type_hash, typestore
 from app.ros2.topics import TOPICS
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 from robot.errors import BrickPoseError
 
 

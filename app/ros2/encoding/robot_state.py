@@ -14,7 +14,7 @@ from app.ros2.encoding.motion import each_second
 from app.ros2.message_types import Message, new
 from app.ros2.source import TopicSource
 from robot.geometry import Array, Pose2
-from robot.localization.integrity import Integrity, State
+from robot.localization.estimate import Integrity, State
 
 UNMEASURED = ("temperature", "current", "charge", "capacity", "design_capacity", "percentage")
 """Fields of sensor_msgs/BatteryState that are not measured: they are NaN."""

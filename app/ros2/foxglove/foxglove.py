@@ -14,7 +14,7 @@ from app.ros2.foxglove.session import Session
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.websocket_session import Clients
-from app.settings.ros2 import Ros2Settings
+from app.settings.groups import Ros2Settings
 
 WATCHES = "this token only watches; ask for the link to drive"
 SWITCHED_OFF = "Foxglove only watches; foxglove_commands = true in [ros2] lets it drive"

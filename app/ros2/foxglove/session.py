@@ -7,8 +7,7 @@ from functools import partial
 
 from app.engine.drivers import Driver
 from app.engine.mailboxes.outbox import Outbox
-from app.ros2.foxglove.commands import Commands
-from app.ros2.foxglove.offer import Offer
+from app.ros2.foxglove.offer import Commands, Offer
 from app.ros2.foxglove.protocol import (
     ERROR,
     Advertise,

@@ -15,7 +15,7 @@ import numpy as np
 from cbor2 import CBORTag
 
 from app.ros2.message_types import Message
-from app.ros2.rosbridge.fields import NUMBERS, Kind, fields
+from app.ros2.rosbridge.names import NUMBERS, Kind, fields
 from app.ros2.topic import Published
 
 SECOND_NS = 1_000_000_000

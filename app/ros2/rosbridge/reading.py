@@ -12,7 +12,7 @@ import numpy as np
 
 from app.ros2.message_types import Message, MessageError, message_class
 from app.ros2.rosbridge.encoding import BINARY
-from app.ros2.rosbridge.fields import FILLER, NUMBERS, Kind, fields
+from app.ros2.rosbridge.names import FILLER, NUMBERS, Kind, fields
 
 QUATERNION = "geometry_msgs/msg/Quaternion"
 

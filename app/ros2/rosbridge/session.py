@@ -18,12 +18,13 @@ from app.ros2.rosbridge.reading import message_of
 from app.ros2.rosbridge.requests import (
     Pieces,
     Request,
+    SubscribeOptions,
+    Subscription,
     maybe_text,
     parse,
     request_id,
     text,
 )
-from app.ros2.rosbridge.subscription import SubscribeOptions, Subscription
 from app.ros2.topic import Published, Topic
 from app.ros2.websocket_session import Data, Later
 from robot.errors import BrickPoseError

@@ -10,11 +10,9 @@ from app.settings.config import Config
 from app.settings.profiles import profile_file
 from app.tools.doctor import pi, serial_check
 from app.tools.doctor.board import check_board, firmware_image
-from app.tools.doctor.camera_check import check_camera
 from app.tools.doctor.computer import check_computer
-from app.tools.doctor.finding import PROBLEM, WARNING, Finding
-from app.tools.doctor.machine import Machine
-from app.tools.doctor.profile_check import check_profile
+from app.tools.doctor.finding import PROBLEM, WARNING, Finding, Machine
+from app.tools.doctor.robot_check import check_camera, check_profile
 from robot.description.spec import RobotSpec
 
 

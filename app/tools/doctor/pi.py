@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.tools.doctor.finding import Finding, ok, warning
-from app.tools.doctor.machine import Machine
+from app.tools.doctor.finding import Finding, Machine, ok, warning
 
 MODEL = "/proc/device-tree/model"
 

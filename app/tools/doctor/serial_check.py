@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from app.tools.doctor.finding import PROBLEM, Finding, ok, problem
-from app.tools.doctor.machine import Machine
+from app.tools.doctor.finding import PROBLEM, Finding, Machine, ok, problem
 from app.tools.doctor.pi import MODEL, model
 from robot.hat.serial_port import find_device
 

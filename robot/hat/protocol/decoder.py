@@ -11,49 +11,32 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-from robot.hat.protocol.bootloader_events import (
+from robot.hat.protocol.events import (
+    Answered,
     BootloaderPrompt,
     BootloaderVersion,
     ChecksumFailure,
     ChecksumOk,
-    ImageReceived,
-    Rebooting,
-    SignatureReceived,
-    UploadRefused,
-    UploadTimeout,
-    VerificationFailed,
-    Verified,
-)
-from robot.hat.protocol.events import (
-    Answered,
-    Banner,
-    BusFault,
-    Button,
     CombiData,
     CommandRefused,
     Connected,
-    Connecting,
     ConnectionFailed,
-    DescriptionLine,
     Disconnected,
     Echo,
     Established,
     Event,
-    FaultDump,
     FirmwareVersion,
     InitDone,
-    Late,
-    ModeData,
     MotorPowerFault,
     NoDevice,
+    Notice,
     PortPowerFault,
-    PulseDone,
-    QueueOverrun,
-    RampDone,
-    Signature,
+    SignatureReceived,
     Supply,
     Unknown,
-    Value,
+    UploadRefused,
+    UploadTimeout,
+    VerificationFailed,
 )
 
 INTEGER = rb"(?:[+-][1-9][0-9]{0,9}| 0)"
@@ -72,62 +55,43 @@ def _text(raw: bytes) -> str:
     return raw.decode("utf-8", "replace")
 
 
+PORT = rb"P([0-3])"
+
 MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
-    (rb"P([0-3])C([0-7]):" + VALUES, lambda f: CombiData(int(f[0]), int(f[1]), _values(f[2]))),
-    (rb"P([0-3])M([0-9]{1,2}):" + VALUES, lambda f: ModeData(int(f[0]), int(f[1]), _values(f[2]))),
-    (
-        rb"P([0-3])V: ( ?[+-]?[0-9]{6}|" + REAL + rb")",
-        lambda f: Value(int(f[0]), float(f[1])),
-    ),
+    (PORT + rb"C([0-7]):" + VALUES, lambda f: CombiData(int(f[0]), int(f[1]), _values(f[2]))),
     (rb"", lambda f: Answered()),
     (rb"Error", lambda f: CommandRefused()),
     (rb"([0-9]{1,2}\.[0-9]{2}) V", lambda f: Supply(float(f[0]))),
-    (rb"P([0-3]): pulse done", lambda f: PulseDone(int(f[0]))),
-    (rb"P([0-3]): ramp done", lambda f: RampDone(int(f[0]))),
-    (rb"P([0-3]): connecting to active device", lambda f: Connecting(int(f[0]))),
     (
-        rb"P([0-3]): connected to active ID ([0-9A-F]{2})",
+        PORT + rb": connected to active ID ([0-9A-F]{2})",
         lambda f: Connected(int(f[0]), int(f[1], 16), False),
     ),
     (
-        rb"P([0-3]): connected to passive ID ([0-9]{1,3})",
+        PORT + rb": connected to passive ID ([0-9]{1,3})",
         lambda f: Connected(int(f[0]), int(f[1]), True),
     ),
     (
-        rb"P([0-3]): established serial communication with active ID ([0-9A-F]{2})",
+        PORT + rb": established serial communication with active ID ([0-9A-F]{2})",
         lambda f: Established(int(f[0]), int(f[1], 16)),
     ),
-    (rb"P([0-3]): no device detected", lambda f: NoDevice(int(f[0]))),
-    (rb"P([0-3]): disconnected", lambda f: Disconnected(int(f[0]))),
+    (PORT + rb": no device detected", lambda f: NoDevice(int(f[0]))),
+    (PORT + rb": disconnected", lambda f: Disconnected(int(f[0]))),
     (
-        rb"P([0-3]): (timeout during (?:data|setup) phase|framing error|checksum error"
+        PORT + rb": (timeout during (?:data|setup) phase|framing error|checksum error"
         rb"|too many errors \([^()]*\)): disconnecting",
         lambda f: ConnectionFailed(int(f[0]), _text(f[1])),
-    ),
-    (
-        rb"P([0-3]): button (pressed|released)",
-        lambda f: Button(int(f[0]), f[1] == b"pressed"),
     ),
     (rb"Motor power fault", lambda f: MotorPowerFault()),
     (rb"Port power fault", lambda f: PortPowerFault()),
     (
-        rb"( Port(?: [0-9A-F]{2}){3}| {1,3}[0-9](?: {1,2}[0-9A-F]{2}){3})",
-        lambda f: FaultDump(_text(f[0])),
-    ),
-    (rb"deltat=([0-9A-Fa-f]{8})", lambda f: Late(int(f[0], 16))),
-    (rb"MQ overrun!", lambda f: QueueOverrun()),
-    (rb"(Attempting reset of I.{1,4}C bus)", lambda f: BusFault(_text(f[0]))),
-    (
         rb"Firmware version: ([0-9]{1,12}) (\S+)",
         lambda f: FirmwareVersion(int(f[0]), _text(f[1])),
     ),
-    (rb"Firmware signature:((?: [0-9A-F]{2}){64})", lambda f: Signature(_text(f[0]).strip())),
     (
         rb"BuildHAT bootloader version ([0-9]{1,12}) (\S+)",
         lambda f: BootloaderVersion(int(f[0]), _text(f[1])),
     ),
     (rb"Done initialising ports", lambda f: InitDone()),
-    (rb"Image received", lambda f: ImageReceived()),
     (rb"Checksum OK", lambda f: ChecksumOk()),
     (rb"Checksum failure", lambda f: ChecksumFailure()),
     (rb"Signature received", lambda f: SignatureReceived()),
@@ -136,23 +100,49 @@ MEANINGS: tuple[tuple[bytes, Callable[[Fields], Event]], ...] = (
         rb"(Image too large .*|Incorrect signature length .*|No image loaded)",
         lambda f: UploadRefused(_text(f[0])),
     ),
-    # The bootloader says "verifed"; a later version may spell it correctly.
-    (rb"Image verifi?ed OK", lambda f: Verified()),
     (rb"Image verification failed", lambda f: VerificationFailed()),
-    (rb"Rebooting\.\.\.", lambda f: Rebooting()),
-    (
-        rb"(type [0-9A-F]{1,2}|  (?:nmodes|nview|baud|hwver|swver) *=.*|  M[0-9]{1,2} .* SI = ?.*"
-        rb"|    (?:format|RAW:) ?.*|  C[0-7]: ?.*| +(?:speed|position) PID: .*)",
-        lambda f: DescriptionLine(_text(f[0])),
-    ),
-    (
-        rb"(Type help <RETURN> for help|Initialising ports|Resetting drivers: .*"
-        rb"|Reading driver dumps: .*|set baud rate to [0-9]+|Verifying image.*|SHA256:.*"
-        rb"|Public key:.*|" + HEX_LINE + rb")",
-        lambda f: Banner(_text(f[0])),
-    ),
 )
 PATTERNS = tuple((re.compile(pattern), meaning) for pattern, meaning in MEANINGS)
+
+NOTICES = re.compile(
+    rb"|".join(
+        [
+            # Of a port: values that were not asked for, and what it is doing.
+            PORT + rb"M[0-9]{1,2}:" + VALUES,
+            PORT + rb"V: (?: ?[+-]?[0-9]{6}|" + REAL + rb")",
+            PORT + rb": (?:pulse done|ramp done|connecting to active device|button pressed)",
+            PORT + rb": button released",
+            # Of a device: its description.
+            rb"type [0-9A-F]{1,2}",
+            rb"  (?:nmodes|nview|baud|hwver|swver) *=.*",
+            rb"  M[0-9]{1,2} .* SI = ?.*",
+            rb"    (?:format|RAW:) ?.*",
+            rb"  C[0-7]: ?.*",
+            rb" +(?:speed|position) PID: .*",
+            # Of the firmware: its registers after a fault, its trouble, its start.
+            rb" Port(?: [0-9A-F]{2}){3}",
+            rb" {1,3}[0-9](?: {1,2}[0-9A-F]{2}){3}",
+            rb"deltat=[0-9A-Fa-f]{8}",
+            rb"MQ overrun!",
+            rb"Attempting reset of I.{1,4}C bus",
+            rb"Firmware signature:(?: [0-9A-F]{2}){64}",
+            rb"Type help <RETURN> for help",
+            rb"Initialising ports",
+            rb"Resetting drivers: .*",
+            rb"Reading driver dumps: .*",
+            rb"set baud rate to [0-9]+",
+            # Of the bootloader; it says "verifed", a later version may spell it correctly.
+            rb"Image received",
+            rb"Image verifi?ed OK",
+            rb"Rebooting\.\.\.",
+            rb"Verifying image.*",
+            rb"SHA256:.*",
+            rb"Public key:.*",
+            HEX_LINE,
+        ]
+    )
+)
+"""Lines that change nothing here: still not ``Unknown``, which a stranger at the port would say."""
 
 
 def read_line(line: bytes) -> Event:
@@ -161,7 +151,7 @@ def read_line(line: bytes) -> Event:
         result = pattern.fullmatch(line)
         if result is not None:
             return meaning(result.groups())
-    return Unknown(line)
+    return Notice(_text(line)) if NOTICES.fullmatch(line) else Unknown(line)
 
 
 LONGEST = 512
@@ -234,7 +224,7 @@ class Decoder:
     def _unglued(self, line: bytes, events: list[Event]) -> bytes:
         """Return a line without bus errors and prompts, which have no line end of their own."""
         for error in GLUED_ERROR.findall(line):
-            events.append(BusFault(error.decode("utf-8", "replace")))
+            events.append(Notice(_text(error)))
         line = GLUED_ERROR.sub(b"", line)
         prompts = FIRMWARE_PROMPTS.match(line)
         if prompts is None:
@@ -248,5 +238,5 @@ class Decoder:
             return Echo("")
         event = read_line(line) if len(line) <= LONGEST else Unknown(line[:LONGEST])
         if self._echoes and isinstance(event, Unknown):
-            return Echo(line.decode("utf-8", "replace"))
+            return Echo(_text(line))
         return event

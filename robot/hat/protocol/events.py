@@ -1,4 +1,4 @@
-"""Messages of a Build HAT, one type for every kind of line.
+"""Messages of a Build HAT and of its bootloader, as events.
 
 Ports are 0 to 3 (A to D). A message without a port concerns the whole board.
 """
@@ -6,20 +6,6 @@ Ports are 0 to 3 (A to D). A message without a port concerns the whole board.
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-from robot.hat.protocol.bootloader_events import (
-    BootloaderPrompt,
-    BootloaderVersion,
-    ChecksumFailure,
-    ChecksumOk,
-    ImageReceived,
-    Rebooting,
-    SignatureReceived,
-    UploadRefused,
-    UploadTimeout,
-    VerificationFailed,
-    Verified,
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,22 +27,8 @@ class FirmwareVersion:
 
 
 @dataclass(frozen=True, slots=True)
-class Signature:
-    """The firmware's signature as hexadecimal text."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
 class InitDone:
     """The firmware has started and accepts commands; its devices connect seconds later."""
-
-
-@dataclass(frozen=True, slots=True)
-class Connecting:
-    """A device answers at a port; it can be used only seconds later."""
-
-    port: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,51 +74,12 @@ class ConnectionFailed:
 
 
 @dataclass(frozen=True, slots=True)
-class PulseDone:
-    """A pulse ended by itself: no program renewed it."""
-
-    port: int
-
-
-@dataclass(frozen=True, slots=True)
-class RampDone:
-    """A ramp reached its end."""
-
-    port: int
-
-
-@dataclass(frozen=True, slots=True)
-class Button:
-    """The button of a passive device."""
-
-    port: int
-    pressed: bool
-
-
-@dataclass(frozen=True, slots=True)
-class ModeData:
-    """A report of one mode, in the device's own units."""
-
-    port: int
-    mode: int
-    values: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class CombiData:
     """A report of a combination of modes, in the device's own units and the requested order."""
 
     port: int
     slot: int
     values: tuple[float, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Value:
-    """A report of one value from a device's data; it may be NaN or infinite."""
-
-    port: int
-    value: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,41 +100,53 @@ class PortPowerFault:
 
 
 @dataclass(frozen=True, slots=True)
-class FaultDump:
-    """The motor drivers' registers, after a motor power fault."""
+class BootloaderVersion:
+    """The bootloader's version: seconds since 1970, and the same as a date."""
+
+    version: int
+    date: str
+
+
+@dataclass(frozen=True, slots=True)
+class BootloaderPrompt:
+    """The bootloader waits for a command; its prompt has no end of line."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChecksumOk:
+    """The image's checksum is the announced one."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChecksumFailure:
+    """The image's checksum is not the announced one; an ``Error`` follows."""
+
+
+@dataclass(frozen=True, slots=True)
+class SignatureReceived:
+    """The signature has arrived; it is not checked before the reboot."""
+
+
+@dataclass(frozen=True, slots=True)
+class UploadTimeout:
+    """An expected byte did not come within a second; an ``Error`` follows."""
+
+
+@dataclass(frozen=True, slots=True)
+class UploadRefused:
+    """The announced data cannot be accepted: too large, of a wrong length, or missing."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class Late:
-    """Time that the firmware's main loop took [ms]; it is reported above 2 ms."""
-
-    ms: int
+class VerificationFailed:
+    """The signature does not match the image; an ``Error`` follows."""
 
 
 @dataclass(frozen=True, slots=True)
-class QueueOverrun:
-    """The firmware lost messages to a device."""
-
-
-@dataclass(frozen=True, slots=True)
-class BusFault:
-    """The bus between the board's own chips failed."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class Banner:
-    """Text for information only: at a start, at a connection and before a reboot."""
-
-    text: str
-
-
-@dataclass(frozen=True, slots=True)
-class DescriptionLine:
-    """One line of a device's description."""
+class Notice:
+    """A line that a Build HAT sends and that changes nothing here, as ``P0: pulse done``."""
 
     text: str
 
@@ -224,41 +169,26 @@ Event = (
     Answered
     | CommandRefused
     | FirmwareVersion
-    | BootloaderVersion
-    | BootloaderPrompt
-    | Connecting
+    | InitDone
     | Connected
     | Established
     | NoDevice
     | Disconnected
     | ConnectionFailed
-    | PulseDone
-    | RampDone
-    | Button
-    | ModeData
     | CombiData
-    | Value
     | Supply
     | MotorPowerFault
     | PortPowerFault
-    | FaultDump
-    | Late
-    | QueueOverrun
-    | BusFault
-    | InitDone
-    | Banner
-    | DescriptionLine
-    | Echo
-    | ImageReceived
+    | BootloaderVersion
+    | BootloaderPrompt
     | ChecksumOk
     | ChecksumFailure
     | SignatureReceived
     | UploadTimeout
     | UploadRefused
-    | Verified
     | VerificationFailed
-    | Rebooting
-    | Signature
+    | Notice
+    | Echo
     | Unknown
 )
 """Any message of a Build HAT."""

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from robot.hat.protocol import commands
-from robot.hat.protocol.bootloader_events import BootloaderPrompt, BootloaderVersion
 from robot.hat.protocol.events import (
     Answered,
+    BootloaderPrompt,
+    BootloaderVersion,
     Connected,
     Echo,
     Event,

@@ -5,16 +5,19 @@ from __future__ import annotations
 from enum import Enum
 
 from robot.hat.protocol import commands
-from robot.hat.protocol.bootloader_events import (
+from robot.hat.protocol.events import (
     BootloaderPrompt,
     ChecksumFailure,
     ChecksumOk,
+    CommandRefused,
+    Event,
+    FirmwareVersion,
+    InitDone,
     SignatureReceived,
     UploadRefused,
     UploadTimeout,
     VerificationFailed,
 )
-from robot.hat.protocol.events import CommandRefused, Event, FirmwareVersion, InitDone
 from robot.hat.start.firmware_image import FirmwareImage
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, compose, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.filter import Cloud
+from robot.localization.filter import Cloud, Setup
 from robot.localization.grid.grid_motion import moved_grid
 from robot.localization.grid.pose_grid import Boxes, PoseGrid, cloud_grid, even_grid, normal_grid
 from robot.localization.kalman_filter import follow
@@ -18,7 +18,6 @@ from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.particles.clusters import Cells, find_clusters
 from robot.localization.particles.resampling import effective_sample_size, low_variance
-from robot.localization.setup import Setup
 from robot.scan import Scan
 
 SHOWN = 4000

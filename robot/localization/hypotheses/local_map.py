@@ -12,8 +12,7 @@ from robot.geometry import Array, Pose2
 from robot.localization.hypotheses.rescoring import ScanHistory
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.parameters import HypothesisParameters
-from robot.localization.rays import rays_of
-from robot.scan import Scan, evenly
+from robot.scan import Scan, evenly, rays_of
 
 
 @dataclass(frozen=True, slots=True)

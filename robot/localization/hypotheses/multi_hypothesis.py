@@ -13,20 +13,25 @@ import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.filter import Cloud
-from robot.localization.hypotheses.candidate_weights import equal_tracks, has_rival, weigh_places
-from robot.localization.hypotheses.confirmation import Confirmation
-from robot.localization.hypotheses.images import missing_images
-from robot.localization.hypotheses.kidnapping import FRESH, Kidnapping
+from robot.localization.filter import Cloud, Setup
+from robot.localization.hypotheses.candidate_weights import (
+    equal_tracks,
+    has_rival,
+    missing_images,
+    weigh_places,
+)
+from robot.localization.hypotheses.confirmation import FRESH, Confirmation, Kidnapping
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
-from robot.localization.hypotheses.prior import Prior
-from robot.localization.hypotheses.start_poses import StartPose, find_start_clusters, start_tracks
+from robot.localization.hypotheses.start_poses import (
+    Prior,
+    StartPose,
+    find_start_clusters,
+    start_tracks,
+)
 from robot.localization.hypotheses.track import Track, TrackFilter, distinct
 from robot.localization.particles.resampling import effective_sample_size, joined_sample_size
-from robot.localization.rays import rays_of
-from robot.localization.setup import Setup
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 BEAMS = 60
 """Rays of a scan by which hypotheses are weighed."""

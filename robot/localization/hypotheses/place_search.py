@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot.geometry import Array, Pose2
+from robot.localization.filter import Setup
 from robot.localization.hypotheses.coarse_grid import Cheapest, CoarseGrid
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.rescoring import Rescored, ScanHistory, rescore
 from robot.localization.scan_matching import Match
-from robot.localization.setup import Setup
 
 COARSE_SCANS, COARSE_BEAMS = 12, 6
 """Scans, and rays of each, by which the grid is scored."""

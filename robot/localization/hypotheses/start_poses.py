@@ -1,19 +1,55 @@
-"""Turns given hypotheses or poses into the tracks and priors of a start."""
+"""Given hypotheses or poses: the tracks and priors of a start, and priors moved by odometry."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
-from robot.localization.filter import Cloud, Filter
-from robot.localization.hypotheses.prior import LEAST_VARIANCE, Prior
+from robot.localization.filter import Cloud, Filter, Setup
 from robot.localization.hypotheses.track import Track, TrackFilter
+from robot.localization.kalman_filter import follow
+from robot.localization.models.motion_models import MotionModel
 from robot.localization.particles.clusters import Cells, find_clusters
-from robot.localization.setup import Setup
+
+LEAST_VARIANCE = np.diag(np.square([0.005, 0.005, 0.02]))
+"""Least covariance of a given pose: nobody knows it better than this [m², m², rad²]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """A pose with its covariance."""
+
+    pose: Pose2
+    covariance: Array = field(repr=False)
+    """(3, 3) [m, m, rad]"""
+    log_weight: float = 0.0
+    """Relative to the likeliest given pose."""
+
+    def moved(self, step: Pose2, motion: MotionModel) -> Prior:
+        """Return the prior after a step of odometry."""
+        mean, noise = motion.moments(step)
+        return Prior(*follow(self.pose, self.covariance, mean, noise), self.log_weight)
+
+    def log_likelihood(self, pose: Pose2) -> float:
+        """Return the log-likelihood of a pose, relative to the likeliest given pose."""
+        offset = self.pose.offset_to(pose)
+        return self.log_weight - 0.5 * float(
+            offset @ np.linalg.solve(self.covariance + LEAST_VARIANCE, offset)
+        )
+
+
+def log_prior(priors: Sequence[Prior], pose: Pose2, log_kidnapped: float) -> float:
+    """Return the prior log-likelihood of a found pose, relative to the followed one."""
+    if not priors:
+        return log_kidnapped
+    likeliest = max(prior.log_likelihood(pose) for prior in priors)
+    return float(np.logaddexp(likeliest, log_kidnapped))
+
 
 ENOUGH = 50
 """Least number of poses to start a filter from; fewer are replaced by their mean and spread."""

@@ -12,10 +12,9 @@ from numba import njit
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
-from robot.localization.filter import Filter
+from robot.localization.filter import Filter, Setup
 from robot.localization.kernels.matrices import inverse, solved
 from robot.localization.parameters import HypothesisParameters
-from robot.localization.setup import Setup
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))
 """Covariance added to a hypothesis's own when it is moved to where a scan fits [m², m², rad²]: a

@@ -13,7 +13,7 @@ from numba import int64, njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.kernels.headings import wrapped
+from robot.localization.kernels.steps import wrapped
 
 Index = NDArray[np.int64]
 

@@ -24,7 +24,7 @@ from robot.localization.kernels.entry_planes import (
     VALUE_SHIFT,
     X_SHIFT,
 )
-from robot.localization.kernels.headings import heading_vector
+from robot.localization.kernels.steps import heading_vector
 
 Row = NDArray[np.float32]
 Words = NDArray[np.uint32]

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from robot.localization.integrity import Alert, Cause
+from robot.localization.estimate import Alert, Cause
 from robot.localization.monitoring.mounting_check import MountingError
 from robot.localization.monitoring.odometry_check import OdometryErrors
 

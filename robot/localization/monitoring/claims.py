@@ -6,8 +6,7 @@ import math
 from dataclasses import replace
 
 from robot.geometry import Array, Pose2
-from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.integrity import Integrity, State
+from robot.localization.estimate import Hypothesis, Integrity, Standing, State
 from robot.localization.kernels.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 

@@ -13,19 +13,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from robot.geometry import Array, Pose2, heading_angles, turned_covariance
-from robot.localization.estimate import Hypothesis
-from robot.localization.integrity import Alert, Cause
+from robot.localization.estimate import Alert, Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
 from robot.localization.monitoring.mounting import LASER, Mounting
 from robot.localization.monitoring.mounting_check import MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
-from robot.localization.monitoring.pose_errors import pose_errors
 from robot.localization.monitoring.scan_residuals import residual_sums
-from robot.localization.monitoring.steady_errors import SteadyErrors
+from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors
 from robot.localization.ray_evidence import RayEvidence
-from robot.localization.rays import rays_of
 from robot.localization.scan_matching import ScanMatcher
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 BEAMS = 91
 """Rays of a scan that are checked."""

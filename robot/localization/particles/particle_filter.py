@@ -9,14 +9,14 @@ import numpy as np
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, covariance_root, wrap_angle
 from robot.localization.estimate import Hypothesis, Standing
-from robot.localization.filter import Cloud
+from robot.localization.filter import Cloud, Setup
 from robot.localization.kernels.combs import count_cells
 from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.parameters import FilterParameters
 from robot.localization.particles.clusters import Cells, Clusters, find_clusters
-from robot.localization.particles.recovery import Recovery
 from robot.localization.particles.resampling import (
+    Recovery,
     coarseness,
     effective_sample_size,
     kld_sample_size,
@@ -24,7 +24,6 @@ from robot.localization.particles.resampling import (
     regularize,
     temper,
 )
-from robot.localization.setup import Setup
 from robot.scan import Scan
 
 FEWEST = 10

@@ -18,7 +18,7 @@ from app.lab.evaluation.integrity.drives import TrialDrive
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.localization.integrity import Cause, Integrity, State
+from robot.localization.estimate import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
 STARTS = ("known", "told-wrong", "scattered", "carried")

@@ -12,17 +12,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 
-from app.lab.evaluation.convergence import PLACE_XY, Mask
 from app.lab.evaluation.integrity.claims import STATE, read_numbers
 from app.lab.evaluation.integrity.drives import CARRY_STAMP
 from app.lab.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
 from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
 from app.lab.evaluation.integrity.summary import NO_ALERT, Row
-from app.lab.figure_style import svg_figure
-from app.lab.report_page import embedded, page
+from app.lab.evaluation.scores import PLACE_XY, Mask
+from app.lab.report_page import embedded, page, svg_figure
 from app.settings.provenance import settings_of
 from robot.geometry import Array
-from robot.localization.integrity import Cause, State
+from robot.localization.estimate import Cause, State
 from robot.localization.monitoring.claims import NARROW
 
 MISLEADING, NAVY, ORANGE = "#d55e00", "#0072b2", "#e69f00"

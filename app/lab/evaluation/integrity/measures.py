@@ -7,17 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from app.lab.evaluation.convergence import (
+from app.lab.evaluation.integrity.claims import Claims
+from app.lab.evaluation.scores import (
     Mask,
     first_sustained,
     in_place,
     lost_again,
     right_to_the_end,
 )
-from app.lab.evaluation.integrity.claims import Claims
 from app.lab.trajectories.metrics import rms
 from robot.geometry import Array
-from robot.localization.integrity import Cause, State
+from robot.localization.estimate import Cause, State
 
 FIRST = 1.0
 """For this time after the robot was carried off, nobody can know about it [s]."""

@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from app.lab.evaluation.convergence import PLACE_THETA, PLACE_XY, Mask
 from app.lab.evaluation.drives import Drive
 from app.lab.evaluation.integrity.claims import Claims
 from app.lab.evaluation.integrity.drives import TrialDrive
 from app.lab.evaluation.integrity.measures import certain, right
 from app.lab.evaluation.integrity.rivals import DriveSegment, field_rivals, rivals_of, setup_over
+from app.lab.evaluation.scores import PLACE_THETA, PLACE_XY, Mask
 from app.settings.config import Config
 from robot.geometry import Array, Pose2
+from robot.localization.filter import Setup
 from robot.localization.ray_evidence import RayEvidence
-from robot.localization.setup import Setup
 
 REACH, SD = 1.0, 0.01
 """The largest range of the oracle's sensor, and the standard deviation of its ranges [m]."""

@@ -14,12 +14,11 @@ from app.lab.evaluation.integrity.measures import right
 from app.settings.config import Config
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
+from robot.localization.filter import Setup
 from robot.localization.hypotheses.local_map import LocalMap
 from robot.localization.hypotheses.place_search import PlaceSearch
 from robot.localization.models.sensor_models import sensor_model
-from robot.localization.rays import rays_of
-from robot.localization.setup import Setup
-from robot.scan import Scan
+from robot.scan import Scan, rays_of
 
 BEAMS = 60
 """Number of rays used of each scan."""

@@ -9,7 +9,7 @@ import numpy as np
 from app.lab.evaluation.integrity.claims import Claims
 from app.lab.evaluation.integrity.measures import certain
 from robot.geometry import Array
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 
 PLACE_BINS: Array = np.geomspace(1e-4, 10.0, 61)
 """Bin borders of errors and of radii [m]."""

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from robot.localization.integrity import Cause
+from robot.localization.estimate import Cause
 
 Row = dict[str, Any]
 

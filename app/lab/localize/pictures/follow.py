@@ -11,9 +11,8 @@ import numpy as np
 from app.engine.build import Streams, connect
 from app.engine.localization import Localization
 from app.lab.localize.localize import Start
-from app.lab.localize.pictures.motion import GuessedStep, Motion, SteadyMotion, twist_at
+from app.lab.localize.pictures.motion import GuessedStep, Motion, SteadyMotion, is_stale, twist_at
 from app.lab.localize.pictures.sequence import StampedPicture
-from app.lab.localize.pictures.standstill import is_stale
 from app.lab.replay_robot import ReplayRobot
 from app.settings.config import Config
 from robot.cameras.camera import Picture
@@ -22,7 +21,7 @@ from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.interface import Frame, Reading, RobotError
-from robot.localization.integrity import State
+from robot.localization.estimate import State
 from robot.localization.models.motion_models import MotionModel
 from robot.scanning.line_scanner import LineScan, LineScanner
 

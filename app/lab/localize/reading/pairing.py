@@ -11,8 +11,7 @@ from typing import Any, NamedTuple
 
 from app.lab.localize.reading.bag import Bag, Message
 from app.lab.localize.reading.laser_scan import ScanReader
-from app.lab.localize.reading.mounting import Layout
-from app.lab.localize.reading.topics import Chosen
+from app.lab.localize.reading.layout import Chosen, Layout
 from app.lab.localize.reading.transforms import Rigid3, frame_name
 from robot.geometry import Pose2, interpolate
 from robot.scan import Scan

@@ -1,16 +1,20 @@
-"""Checks of the camera: whether pictures come, how often, and how old they are."""
+"""Checks of the robot: do pictures come, how often and how old; is it calibrated."""
 
 from __future__ import annotations
 
 import statistics
 import time
 from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
 
 from app.tools.doctor.finding import Finding, ok, problem, sentence, warning
+from robot.calibration.profile import load_profile
 from robot.camera import Lens
-from robot.cameras.camera import Camera, SourceError
+from robot.cameras.camera import Camera, CameraSourceSettings, SourceError
 from robot.cameras.choice import open_camera
-from robot.cameras.settings import CameraSourceSettings
+from robot.description.spec import RobotSpec
+from robot.description.urdf import SpecError
 
 START_S = 8.0
 """How long the first picture may take [s]: a search for a camera opens one after another."""
@@ -82,3 +86,31 @@ def age(seconds: float) -> Finding:
     if seconds > OLD_S:
         return warning(given, "end other programs; a camera with time stamps is quicker to know")
     return ok(given)
+
+
+OLD_DAYS = 180
+"""A profile older than this is told: tyres wear, and masts are bumped."""
+
+
+def check_profile(path: Path | None, spec: RobotSpec, today: datetime | None = None) -> Finding:
+    """Check that the robot was measured, not long ago, and that the profile is its own.
+
+    Args:
+        path: the profile; None if there is none.
+        spec: the robot as described.
+        today: the date; by default today's.
+    """
+    if path is None:
+        return warning("The robot was never calibrated", "run brickpose calibrate drive")
+    try:
+        profile = load_profile(path)
+        profile.applied_to(spec)
+    except SpecError as error:
+        return problem(f"The profile cannot be used: {error}", "run brickpose calibrate drive")
+    days = ((today or datetime.now(UTC)) - profile.made.astimezone(UTC)).days
+    words = f"profile of {profile.made:%Y-%m-%d}, by {profile.source or 'nobody knows what'}"
+    if days > OLD_DAYS:
+        return warning(f"The {words}, is {days} days old", "run brickpose calibrate drive")
+    if days < -1:
+        return warning(f"The {words}, is from the future", "set the clock")
+    return ok(f"P{words[1:]}")
