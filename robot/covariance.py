@@ -1,10 +1,12 @@
-"""Covariances from outside: from commands, the configuration and files."""
+"""Covariances that come from outside, and compiled operations on small matrices."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from numba import njit
 
 from robot.errors import BrickPoseError
 from robot.geometry import Array
@@ -51,3 +53,21 @@ def by_rows(covariance: Array) -> list[float]:
     """Return a covariance (3, 3) as nine numbers, by rows."""
     rows: list[float] = covariance.ravel().tolist()
     return rows
+
+
+@njit(cache=True, nogil=True)
+def inverse(matrix: Array) -> Array:
+    """Of a regular matrix (n, n)."""
+    return np.linalg.inv(matrix).astype(np.float64)
+
+
+@njit(cache=True, nogil=True)
+def solved(matrix: Array, right: Array) -> Array:
+    """x of matrix (n, n) @ x = right (n, m)."""
+    return np.linalg.solve(matrix, right).astype(np.float64)
+
+
+def widest(covariance: Array) -> float:
+    """Standard deviation along the longer axis of the place in a covariance (2 or more)."""
+    a, b, c = float(covariance[0, 0]), float(covariance[0, 1]), float(covariance[1, 1])
+    return math.sqrt(max(0.5 * (a + c) + math.hypot(0.5 * (a - c), b), 0.0))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.tools.doctor import pi, serial_check
+from app.tools.doctor import pi
 from app.tools.doctor.finding import OK, PROBLEM, WARNING, Finding, Machine, ok, output_of, problem
 
 PI_4 = "Raspberry Pi 4 Model B Rev 1.4\0"
@@ -49,7 +49,7 @@ class Pi:
         return [
             *pi.check_pi(machine),
             *pi.clock(machine),
-            *serial_check.check_wire(machine, setting),
+            *pi.check_wire(machine, setting),
         ]
 
     def amiss(self, setting: str = "auto") -> list[Finding]:
@@ -111,7 +111,7 @@ def test_a_console_on_the_port_is_a_problem(four: Pi, console: str) -> None:
     found = four.the_problem()
     assert "console" in found.message
     assert "do_serial_cons 1" in found.cure
-    assert serial_check.usable([found])
+    assert pi.usable([found])
 
 
 def test_a_console_on_the_header_of_a_pi_5_is_a_problem(five: Pi) -> None:
@@ -134,7 +134,7 @@ def test_without_the_port_the_serial_hardware_is_to_be_switched_on(four: Pi) -> 
     found = four.the_problem()
     assert "/dev/serial0" in found.message
     assert "do_serial_hw 0" in found.cure
-    assert not serial_check.usable([found])
+    assert not pi.usable([found])
 
 
 def test_another_name_than_the_right_one_is_answered_with_the_right_one(four: Pi) -> None:
@@ -146,7 +146,7 @@ def test_a_port_that_may_not_be_opened_is_a_problem_of_groups(four: Pi) -> None:
     found = four.the_problem()
     assert "sudo usermod -aG dialout $USER" in found.cure
     assert "log in again" in found.cure
-    assert not serial_check.usable([found])
+    assert not pi.usable([found])
 
 
 def test_who_has_the_port_open_is_named(four: Pi) -> None:
@@ -164,7 +164,7 @@ def test_our_own_process_is_not_in_the_way(four: Pi) -> None:
 
 
 @pytest.mark.parametrize("line", ["dtoverlay=w1-gpio", "dtoverlay=w1-gpio,gpiopin=4"])
-@pytest.mark.parametrize("file", serial_check.BOOT)
+@pytest.mark.parametrize("file", pi.BOOT)
 def test_one_wire_on_the_reset_pin_is_a_problem(four: Pi, file: str, line: str) -> None:
     four.write(file, f"enable_uart=1\n{line}\n")
     assert "do_onewire 1" in four.the_problem().cure
@@ -202,14 +202,14 @@ def test_another_computer_is_no_pi_and_has_no_port_of_its_own(tmp_path: Path) ->
     machine = Machine(tmp_path, run=lambda command: None)
     (found,) = pi.check_pi(machine)
     assert (found.level, "emulate-hat" in found.cure) == (WARNING, True)
-    (found,) = serial_check.check_wire(machine, "auto")
+    (found,) = pi.check_wire(machine, "auto")
     assert (found.level, "--serial-port" in found.cure) == (PROBLEM, True)
 
 
 def test_a_port_may_be_named_from_where_we_are(tmp_path: Path, monkeypatch) -> None:
     (tmp_path / "hat").touch()
     monkeypatch.chdir(tmp_path)
-    found = list(serial_check.check_wire(Machine(run=lambda command: None), "hat"))
+    found = list(pi.check_wire(Machine(run=lambda command: None), "hat"))
     assert found[0] == ok("Serial port hat")
 
 

@@ -12,7 +12,7 @@ from robot.geometry import Pose2, Twist2
 from robot.settings import SettingError, describe
 from sim.encoders import Encoders
 from sim.imperfections import LARGEST, Imperfections, draw
-from sim.kinematic import KinematicWorld
+from sim.world import KinematicWorld
 
 SPEC = RobotSpec.load()
 

@@ -17,8 +17,12 @@ from robot.fields.ray_casting import cast_toward
 from robot.geometry import Pose2, heading_angles
 from robot.localization.monitoring.causes import TILT_EXPLAINS
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.monitoring.mounting import LASER, Mounting
-from robot.localization.monitoring.mounting_check import MountingCheck, MountingError
+from robot.localization.monitoring.mounting_check import (
+    LASER,
+    Mounting,
+    MountingCheck,
+    MountingError,
+)
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.ray_evidence import RayEvidence
 from robot.localization.scan_matching import ScanMatcher

@@ -15,8 +15,8 @@ from robot.geometry import Pose2, Twist2
 from sim.encoders import Encoders
 from sim.floor_camera import CameraSettings, FloorCamera
 from sim.imperfections import Imperfections
-from sim.kinematic import KinematicWorld
 from sim.simulated import SimulatedRobot
+from sim.world import KinematicWorld
 
 SPEC = RobotSpec.load()
 FIELD = load_field("square", Path(__file__).parent.parent / "maps")

@@ -13,8 +13,7 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Pose2, Twist2
 from sim.bullet import BulletSettings, BulletWorld
-from sim.kinematic import KinematicWorld
-from sim.world import World, WorldError
+from sim.world import KinematicWorld, World, WorldError
 
 SPEC = RobotSpec.load()
 DRIVE = DifferentialDrive(SPEC)

@@ -41,8 +41,8 @@ from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletWorld, load_pybullet
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections, bumped, draw
-from sim.kinematic import KinematicWorld
 from sim.simulated import SimulatedRobot, no_wait
+from sim.world import KinematicWorld
 
 
 @dataclass(frozen=True, slots=True)

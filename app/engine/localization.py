@@ -25,7 +25,7 @@ from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model
 from robot.localization.monitoring.claims import propagate_claim
 from robot.localization.monitoring.monitor import Monitor
-from robot.localization.monitoring.mounting import Mounting
+from robot.localization.monitoring.mounting_check import Mounting
 from robot.localization.monitoring.steady_errors import SteadyErrors
 from robot.localization.parameters import LocalizationParameters
 from robot.localization.refinement import Refinement

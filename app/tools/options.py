@@ -52,10 +52,7 @@ def _doctor(parsed: argparse.Namespace) -> int:
 
 
 def _stop(parsed: argparse.Namespace) -> int:
-    from robot.hat.serial_port import (
-        find_device,  # noqa: PLC0415
-        stop_motors,  # noqa: PLC0415
-    )
+    from robot.hat.serial_port import find_device, stop_motors  # noqa: PLC0415
 
     stop_motors(vars(parsed).get("serial_port") or find_device())
     return 0

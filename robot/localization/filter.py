@@ -1,4 +1,4 @@
-"""Interface of all filters, a belief updated by odometry and scans; and what a filter is set up with."""
+"""Interface of all filters, a belief updated by odometry and scans; and the setup of a filter."""
 
 from __future__ import annotations
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from robot.covariance import inverse
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.kernels.matrices import inverse
 from robot.localization.scan_matching import ScanMatcher
 from robot.scan import Scan, rays_of
 

@@ -24,9 +24,8 @@ from robot.interface import Reading
 from sim.bullet import BulletSettings, BulletWorld
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections
-from sim.kinematic import KinematicWorld
 from sim.simulated import PERIOD
-from sim.world import World
+from sim.world import KinematicWorld, World
 
 SPEED, TURNING = 0.2, 1.0
 """Highest speed and turn rate of a leg [m/s], [rad/s]."""

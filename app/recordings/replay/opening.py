@@ -20,7 +20,7 @@ from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
 from app.recordings.replay.recorded.robot import RecordedRobot
 from app.recordings.replay.recorded.ticks import RecordedTopics
 from app.recordings.replay.replay import Replay
-from app.recordings.replay.settings import ReplaySettings
+from app.recordings.replay.requests import ReplaySettings
 from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config, by_path, with_settings
 from robot.calibration.profile import load_profile

@@ -19,7 +19,7 @@ from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.recorded.position import ReadPosition
 from app.recordings.replay.recorded.preview import Preview, picture_before, preview
 from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.settings import ReplaySettings, refused
+from app.recordings.replay.requests import ReplaySettings, refused
 from robot.fields.field import Field
 from robot.geometry import Pose2
 from robot.localization.models.entry_field import EntryField

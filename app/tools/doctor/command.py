@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from app.console import say
 from app.settings.config import Config
 from app.settings.profiles import profile_file
-from app.tools.doctor import pi, serial_check
+from app.tools.doctor import pi
 from app.tools.doctor.board import check_board, firmware_image
 from app.tools.doctor.computer import check_computer
 from app.tools.doctor.finding import PROBLEM, WARNING, Finding, Machine
@@ -33,11 +33,11 @@ def _findings(config: Config, machine: Machine) -> Iterator[Finding]:
     yield from pi.check_pi(machine)
     yield from pi.clock(machine)
     yield firmware_image()
-    of_wire = list(serial_check.check_wire(machine, config.build_hat.serial_port))
+    of_wire = list(pi.check_wire(machine, config.build_hat.serial_port))
     yield from of_wire
     spec = RobotSpec.load()
-    if serial_check.usable(of_wire):
-        device = serial_check.device_of(machine, config.build_hat.serial_port)
+    if pi.usable(of_wire):
+        device = pi.device_of(machine, config.build_hat.serial_port)
         yield from check_board(device, spec.joints, config.build_hat, _tell)
     yield check_profile(profile_file(config), spec)
     yield from check_camera(spec.lens, config.camera)

@@ -1,10 +1,13 @@
-"""Checks of the Raspberry Pi itself: its model, its power, its clock and the reset pin."""
+"""Checks of a Raspberry Pi: its power, clock and reset pin, and the port to the Build HAT."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
-from app.tools.doctor.finding import Finding, Machine, ok, warning
+from app.tools.doctor.finding import PROBLEM, Finding, Machine, ok, problem, warning
+from robot.hat.serial_port import find_device
 
 MODEL = "/proc/device-tree/model"
 
@@ -87,3 +90,134 @@ def _throttled(said: str | None) -> int | None:
         return int((said or "").strip().partition("=")[2], 16)
     except ValueError:
         return None
+
+
+ON = "sudo raspi-config nonint do_serial_hw 0; then sudo reboot"
+CONSOLE_OFF = "sudo raspi-config nonint do_serial_cons 1; then sudo reboot"
+ONE_WIRE_OFF = "sudo raspi-config nonint do_onewire 1; then sudo reboot"
+PERMISSION = "sudo usermod -aG dialout $USER; then log in again"
+
+BOOT = ("/boot/firmware/config.txt", "/boot/config.txt")
+"""Paths of the Pi's configuration: since Bookworm, and before."""
+
+RESET_GPIO = "4"
+"""The pin that resets the Build HAT; it is also the default pin of 1-Wire."""
+
+HEADER_PORTS = {"serial0", "ttyS0", "ttyAMA0"}
+"""Possible names of the header's serial port, used if the device does not exist."""
+
+
+def check_wire(machine: Machine, setting: str) -> Iterator[Finding]:
+    """Check that the port exists, and that only this program uses it.
+
+    Args:
+        machine: the machine to check.
+        setting: the requested device, or ``auto``.
+    """
+    device = device_of(machine, setting)
+    yield from _port(machine, device, device_of(machine, "auto"))
+    if model(machine):
+        yield console(machine, device)
+        yield one_wire(machine)
+
+
+def device_of(machine: Machine, setting: str) -> str:
+    """Return the device that a setting stands for."""
+    return find_device(machine.at(MODEL)) if setting == "auto" else setting
+
+
+def usable(findings: list[Finding]) -> bool:
+    """Whether it is worth opening the port."""
+    return all(finding.level != PROBLEM or finding.cure == CONSOLE_OFF for finding in findings)
+
+
+def _port(machine: Machine, device: str, right: str) -> Iterator[Finding]:
+    path = machine.at(device)
+    if not path.exists():
+        yield problem(f"There is no serial port {device}", _cure_of_no_port(machine, device, right))
+        return
+    if _leads_to_another(machine, device, right):
+        yield problem(
+            f"{device} is another connector of this {model(machine)}", f"use {right}, or none"
+        )
+        return
+    if not machine.may_use(path):
+        yield problem(f"No permission to open {device}", PERMISSION)
+        return
+    users = list(users_of(machine, path))
+    if users:
+        yield problem(
+            f"{device} is in use by {', '.join(users)}",
+            "end that program; if it is brickpose as a service: sudo systemctl stop brickpose",
+        )
+        return
+    yield ok(f"Serial port {device}")
+
+
+def _cure_of_no_port(machine: Machine, device: str, right: str) -> str:
+    if not model(machine):
+        return "on a Raspberry Pi it comes with the Build HAT; else --serial-port names it"
+    if device != right:
+        return f"use {right}, or none"
+    return ON
+
+
+def _leads_to_another(machine: Machine, device: str, right: str) -> bool:
+    """Whether the device is the debug connector of a Pi 5; there /dev/serial0 is a link to it."""
+    if not model(machine) or right != "/dev/ttyAMA0":
+        return False
+    return machine.at(device).resolve().name == "ttyAMA10"
+
+
+def users_of(machine: Machine, path: Path) -> Iterator[str]:
+    """Yield the names of other programs that have a device open, as far as this user may see."""
+    device = path.resolve()
+    for process in machine.processes():
+        try:
+            open_files = [link.resolve() for link in (process / "fd").iterdir()]
+        except OSError:
+            continue  # another user's process, or one that has just ended
+        # A process that also has the master end of a pseudo-terminal open is the emulator.
+        if device in open_files and not any(file.name == "ptmx" for file in open_files):
+            name = machine.text(f"/proc/{process.name}/comm") or "a program"
+            yield f"{name} (process {process.name})"
+
+
+def console(machine: Machine, device: str) -> Finding:
+    """Check that neither the kernel nor a login shell also uses the port."""
+    names = _names(machine, device)
+    given = set(re.findall(r"console=(\w+)", machine.text("/proc/cmdline")))
+    if given & names or _has_login_shell(machine, names):
+        return problem(f"A login console talks on {device}, into the Build HAT", CONSOLE_OFF)
+    return ok("No console on the serial port")
+
+
+def _names(machine: Machine, device: str) -> set[str]:
+    """Return all names of the port."""
+    path = machine.at(device)
+    if not path.exists():
+        return HEADER_PORTS
+    names = {Path(device).name, path.resolve().name}
+    main = machine.at("/dev/serial0")
+    if main.exists() and main.resolve() == path.resolve():
+        names.add("serial0")
+    return names
+
+
+def _has_login_shell(machine: Machine, names: set[str]) -> bool:
+    """Whether an agetty waits at the port; it is root's, so only its command line can be read."""
+    for process in machine.processes():
+        words = machine.text(f"/proc/{process.name}/cmdline").split("\0")
+        if words[0].endswith("agetty") and names & {word.removeprefix("/dev/") for word in words}:
+            return True
+    return False
+
+
+def one_wire(machine: Machine) -> Finding:
+    """Check that 1-Wire does not use the pin that resets the Build HAT."""
+    lines = "\n".join(machine.text(path) for path in BOOT)
+    for options in re.findall(r"^\s*dtoverlay=w1-gpio(?:-pullup|-pi5)?(\S*)", lines, re.MULTILINE):
+        pin = re.search(r"gpiopin=(\d+)", options)
+        if pin is None or pin[1] == RESET_GPIO:
+            return problem("1-Wire has taken the Build HAT's reset pin (GPIO 4)", ONE_WIRE_OFF)
+    return ok("1-Wire is off")

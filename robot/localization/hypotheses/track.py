@@ -10,10 +10,10 @@ from typing import Protocol
 import numpy as np
 from numba import njit
 
+from robot.covariance import inverse, solved
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter, Setup
-from robot.localization.kernels.matrices import inverse, solved
 from robot.localization.parameters import HypothesisParameters
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))

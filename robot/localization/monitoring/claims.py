@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from robot.covariance import widest
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Hypothesis, Integrity, Standing, State
-from robot.localization.kernels.matrices import widest
 from robot.localization.monitoring.monitor import Doubt
 
 PLACE_QUANTILE, HEADING_QUANTILE = 3.72, 3.29

@@ -15,8 +15,7 @@ import numpy as np
 from robot.geometry import Array, Pose2, heading_angles, turned_covariance
 from robot.localization.estimate import Alert, Cause, Hypothesis
 from robot.localization.monitoring.causes import Causes, Findings
-from robot.localization.monitoring.mounting import LASER, Mounting
-from robot.localization.monitoring.mounting_check import MountingCheck
+from robot.localization.monitoring.mounting_check import LASER, Mounting, MountingCheck
 from robot.localization.monitoring.odometry_check import OdometryCheck, OdometryErrors
 from robot.localization.monitoring.scan_residuals import residual_sums
 from robot.localization.monitoring.steady_errors import SteadyErrors, pose_errors

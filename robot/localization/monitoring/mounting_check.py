@@ -1,9 +1,4 @@
-"""Checks the camera's mounting and the map's scale by residuals of scans that no pose explains.
-
-The pose is projected out of the residuals, as receivers of satellite navigation do it (RAIM: Brown
-1992). The rest is compared with the residuals that a pitch or a roll of the camera, or another
-scale of the map, would leave.
-"""
+"""Position of the camera, which determines how its tilt changes scans."""
 
 from __future__ import annotations
 
@@ -13,9 +8,47 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 
+from robot.camera import FloorView
+from robot.covariance import inverse
 from robot.geometry import Array
-from robot.localization.kernels.matrices import inverse
 from robot.localization.monitoring.steady_errors import SteadyErrors
+
+
+@dataclass(frozen=True, slots=True)
+class Mounting:
+    """Position of the camera on the robot; how a tilt changes ranges depends on it."""
+
+    x: float
+    """Ahead of the robot's origin [m]."""
+    height: float
+    """Above the floor [m]."""
+
+    @classmethod
+    def of(cls, view: FloorView) -> Mounting:
+        """Return the position of a camera above the floor."""
+        x, _, height = view.robot_from_camera[:3, 3].tolist()
+        return cls(x, height)
+
+    def shifts(self, points: Array) -> Array:
+        """Return how pitch and roll move floor points (n, 2) in the robot frame (n, 2, 2) [m/rad].
+
+        The first index is the point, the second x or y, the third pitch or roll.
+        """
+        x, y = points[:, 0] - self.x, points[:, 1]
+        h = self.height
+        across = x * y / h
+        return np.stack(
+            [
+                np.column_stack([(x * x + h * h) / h, across]),
+                np.column_stack([across, (y * y + h * h) / h]),
+            ],
+            axis=1,
+        )
+
+
+LASER = Mounting(0.0, math.inf)
+"""A laser measures ranges directly, and not by points that it sees on the floor."""
+
 
 MEMORY = 20.0
 """Scans older than this hardly count [s]."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
+from robot.covariance import inverse
 from robot.geometry import Array
-from robot.localization.kernels.matrices import inverse
 
 MEMORY = 20.0
 """Steps older than this hardly count for steady errors [s]."""
