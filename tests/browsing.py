@@ -37,7 +37,7 @@ def opened(
     made.wait_for_function("window.brickpose?.connected && window.brickpose?.telemetry?.estimate")
     yield made
     context.close()
-    assert not complaints
+    assert not complaints, complaints
     elsewhere = [url for url in asked if server.address not in url and not url.startswith("data:")]
     assert not [url for url in elsewhere if not url.startswith("blob:")], "fetched from elsewhere"
     with server.live() as after:

@@ -40,7 +40,7 @@ def test_the_square_is_mapped_saved_and_used(page, server, folder):
     expect(state).to_contain_text("Drive along all of the tape")
     page.locator("#mapping-start").click()
     page.locator("#figure-eight").click()
-    page.wait_for_function(f"window.brickpose.telemetry.mapping.seconds > {SHORTEST_S}")
+    page.wait_for_function(f"window.brickpose.telemetry.mapping?.seconds > {SHORTEST_S}")
     page.locator("#figure-eight").click()
     page.locator("#mapping-finish").click()
     expect(state).to_have_text("The map is done. Give it a name to save it.")

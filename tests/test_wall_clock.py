@@ -24,6 +24,7 @@ READERS = {
     "app/settings/profiles.py",
     "app/page/outlets.py",  # the names of recordings
     "app/recordings/remote.py",
+    "app/ros2/incoming.py",  # the name of a map that has none
     "app/ros2/source.py",  # ROS time
     "app/ros2/rosbridge/bridge.py",
     "app/tools/doctor/robot_check.py",  # the age of a profile
