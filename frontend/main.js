@@ -7,7 +7,7 @@ import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./mapping/panel.js";
 import { DrawLoop } from "./page/draw_loop.js";
 import { find, findButton } from "./page/elements.js";
-import { offerLanguages } from "./page/language.js";
+import { offerLanguages, t } from "./page/language.js";
 import { refreshPalette } from "./page/palette.js";
 import { PhoneTabs } from "./page/phone.js";
 import { addDelay, exposeProbe } from "./page/probe.js";
@@ -15,7 +15,7 @@ import { Problems } from "./page/problems.js";
 import { RecordButton } from "./page/record.js";
 import { TapeHealth } from "./page/tape.js";
 import { Appearance } from "./page/theme.js";
-import { Toasts } from "./page/toasts.js";
+import { Toasts, sentence } from "./page/toasts.js";
 import { TopBar } from "./page/top_bar.js";
 import { History } from "./plots/history.js";
 import { PlotsPanel } from "./plots/panel.js";
@@ -155,7 +155,7 @@ function drawn(stamp) {
 async function checkAccess() {
   const answer = await fetch("/api/access", { cache: "no-store" }).catch(() => null);
   if (answer?.status === 401) {
-    toasts.show("This link no longer holds: open the one that the program printed.");
+    toasts.show(t("This link no longer holds: open the one that the program printed."));
   } else if (answer?.ok) {
     /** @type {AccessMessage} */
     const { role } = await answer.json();
@@ -176,7 +176,7 @@ async function loadField(news) {
     if (!known || floor === null) floor = await loadPicture("/api/field.png");
     map.setField(field, floor);
   } catch (error) {
-    toasts.show(`The field could not be read: ${error instanceof Error ? error.message : error}.`);
+    toasts.show(t("The field could not be read: {error}", { error: sentence(error) }));
     // Telemetry makes it try again, but less often than telemetry comes.
     setTimeout(() => (fieldName = ""), FIELD_AGAIN_MS);
   }

@@ -87,4 +87,4 @@ def test_a_stop_ends_it_and_changes_nothing(page, server):
     expect(page.locator("#robot-state")).to_have_text("calibrating")
     page.locator("#stop").click()
     expect(page.locator("#calibration-state")).to_contain_text("Nothing was changed")
-    expect(page.locator("#robot-state")).to_have_text("standing")
+    expect(page.locator("#robot-state")).to_have_text("stopped")

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from babel.messages.extract import extract
-
 from app.languages.markup import texts_of_page
 from app.languages.python_texts import texts_of_module
+from app.languages.script_texts import texts_of_script
 
 ROOT = Path(__file__).parents[2]
 Text = str | tuple[str, str]
@@ -48,9 +47,7 @@ def _in_pages(root: Path) -> Iterator[Text]:
 
 def _in_scripts(root: Path) -> Iterator[Text]:
     for path in sorted((root / "frontend").rglob("*.js")):
-        with path.open("rb") as file:
-            for _, message, _, _ in extract("javascript", file, {"t": None, "tn": (1, 2)}):
-                yield message if isinstance(message, str) else (message[0], message[1])
+        yield from texts_of_script(path.read_text(encoding="utf-8"))
 
 
 def _in_python(root: Path) -> Iterator[Text]:

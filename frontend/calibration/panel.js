@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
@@ -13,9 +14,9 @@ import { UnknownRow } from "./row.js";
 /** @typedef {import("../drive/lease.js").Drive} Drive */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 
-const HINT =
-  "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the" +
-  " robot about where the map shows it.";
+const HINT = t(
+  "It drives for a minute, within 0.4 m of where it stands. Tape has to be in sight, and the robot about where the map shows it.",
+);
 
 /** Calibration by driving: the button, what is known so far, and the way back. */
 export class CalibrationPanel {
@@ -77,24 +78,29 @@ export class CalibrationPanel {
       !this.drive.possible || this.drive.other !== null || drive?.state === "adjust";
     this.#finish.hidden = !driving;
     this.#finish.disabled = !driving || drive.seconds < drive.fewest;
-    this.#finish.title = driving ? `From ${plain(drive.fewest)} s on` : "";
+    this.#finish.title = driving ? t("From {seconds} s on", { seconds: plain(drive.fewest) }) : "";
     this.#undo.disabled = !this.#known?.undoable || !this.drive.possible || driving;
     setText(this.#state, this.#words(drive, telemetry.replay !== null));
   }
 
   /** @param {CalibrationDriveMessage | null} drive @param {boolean} replayed */
   #words(drive, replayed) {
-    if (replayed) return "A recording cannot be driven; its calibration is the recorded one.";
+    if (replayed) return t("A recording cannot be driven; its calibration is the recorded one.");
     if (drive?.state === "drive") {
-      const seconds = `Driving: ${plain(drive.seconds)} s of ${plain(drive.whole)} s.`;
-      return drive.message ? `${seconds} Not yet: ${drive.message}.` : seconds;
+      const seconds = t("Driving: {seconds} s of {whole} s.", {
+        seconds: plain(drive.seconds),
+        whole: plain(drive.whole),
+      });
+      if (!drive.message) return seconds;
+      return `${seconds} ${t("Not yet: {reason}.", { reason: translated(drive.message) })}`;
     }
-    if (drive?.state === "adjust") return "The robot stands; what it saw is being adjusted.";
+    if (drive?.state === "adjust") return t("The robot stands; what it saw is being adjusted.");
     if (drive?.state === "failed")
-      return `${sentence(drive.message ?? "")} Nothing was changed. ${HINT}`;
+      return `${sentence(drive.message ?? "")} ${t("Nothing was changed.")} ${HINT}`;
     const measured = this.#known?.measured;
-    if (!measured) return `As described: nobody has calibrated this robot. ${HINT}`;
-    return sentence(`Calibrated ${[measured, drive?.message].filter(Boolean).join("; ")}`);
+    if (!measured) return `${t("As described: nobody has calibrated this robot.")} ${HINT}`;
+    const about = [measured, drive?.message ?? ""].filter(Boolean).map(translated).join("; ");
+    return sentence(t("Calibrated {measured}", { measured: about }));
   }
 
   /** @param {boolean} open */
@@ -118,7 +124,7 @@ export class CalibrationPanel {
     try {
       this.#known = /** @type {CalibrationMessage} */ (await getJson("/api/calibration"));
     } catch (error) {
-      setText(this.#meaning, `The calibration could not be read: ${sentence(error)}`);
+      setText(this.#meaning, t("The calibration could not be read: {error}", { error: sentence(error) }));
       return;
     }
     this.#write(this.#known);
@@ -132,8 +138,8 @@ export class CalibrationPanel {
     }
     this.#rows.forEach((row, place) => row.show(unknowns[place]));
     this.#profile.hidden = measured === "";
-    const lines = position === null ? [] : [`Together: the place is known to ± ${millimetres(position, 1)}.`];
-    if (advice.length > 0) lines.push(`To learn more: ${advice.join("; ")}.`);
+    const lines = position === null ? [] : [t("Together: the place is known to ± {size}.", { size: millimetres(position, 1) })];
+    if (advice.length > 0) lines.push(t("To learn more: {advice}.", { advice: advice.map(translated).join("; ") }));
     this.#meaning.hidden = lines.length === 0;
     this.#meaning.replaceChildren(...lines.map((line) => make("span", {}, line)));
   }

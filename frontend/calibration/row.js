@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { make, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
 
@@ -16,7 +17,7 @@ export class UnknownRow {
   /** @param {UnknownMessage} unknown */
   constructor({ name }) {
     const bar = make("span", { class: "scale", "aria-hidden": "true" }, this.#bar);
-    const words = make("span", {}, name.replaceAll("_", " "));
+    const words = make("span", {}, translated(name.replaceAll("_", " ")));
     this.element = make("li", {}, words, bar, this.#value, this.#interval);
   }
 
@@ -28,6 +29,6 @@ export class UnknownRow {
     setText(this.#value, `${value > 0 ? "+" : ""}${plain(value, digits)}`);
     setText(this.#interval, `± ${plain(interval, digits)}${UNITS[unit] ?? ` ${unit}`}`);
     this.element.dataset.learnt = String(learnt);
-    this.element.title = learnt ? "" : "Not known better than in a robot built by hand";
+    this.element.title = learnt ? "" : t("Not known better than in a robot built by hand");
   }
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, tn } from "../page/language.js";
 import { find, findButton, setText } from "../page/elements.js";
 import { Surface } from "../page/surface.js";
 import { millimetres } from "../page/format.js";
@@ -62,14 +63,19 @@ export class CameraPanel {
     if (!picture.edges) return;
     const { entry_px, tape_width } = picture.edges;
     const hits = entry_px.filter(Boolean).length;
-    const width = tape_width === null ? "" : `, tape ${millimetres(tape_width, 1)} wide`;
-    setText(this.#hint, `${entry_px.length} rays, ${hits} hits${width}`);
+    const rays = tn("{count} ray", "{count} rays", entry_px.length);
+    const found = tn("{count} hit", "{count} hits", hits);
+    const width = millimetres(tape_width, 1);
+    setText(
+      this.#hint,
+      tape_width === null ? `${rays}, ${found}` : t("{rays}, {found}, tape {width} wide", { rays, found, width }),
+    );
   }
 
   /** Describe the camera's picture in words for screen readers; called now and then. */
   describe() {
-    const missing = this.#picture ? "" : "No picture yet. ";
-    setText(this.#text, `${missing}${this.#hint.textContent}. Arrow keys choose a ray.`);
+    const seen = this.#picture ? `${this.#hint.textContent}.` : t("No picture yet.");
+    setText(this.#text, `${seen} ${t("Arrow keys choose a ray.")}`);
   }
 
   #resized() {

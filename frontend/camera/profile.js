@@ -1,9 +1,11 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { drawChart } from "../plots/chart.js";
 import { find, findButton, setText } from "../page/elements.js";
 import { degrees, millimetres } from "../page/format.js";
 import { palette } from "../page/palette.js";
 import { Surface } from "../page/surface.js";
+import { sentence } from "../page/toasts.js";
 import { getJson } from "../wire/http.js";
 
 /** @typedef {import("../messages").ProfileMessage} ProfileMessage */
@@ -68,7 +70,7 @@ export class RayProfile {
       const profile = await getJson(`/api/ray/${this.ray}`);
       if (profile.ray === this.ray) this.#show(profile);
     } catch (error) {
-      setText(this.#words, `No profile: ${error instanceof Error ? error.message : error}.`);
+      setText(this.#words, t("No profile: {error}", { error: sentence(error) }));
     } finally {
       this.#asking = false;
     }
@@ -77,9 +79,10 @@ export class RayProfile {
   /** @param {ProfileMessage} profile */
   #show(profile) {
     this.#profile = profile;
-    setText(this.#title, `Ray ${profile.ray + 1} of ${this.count}, ${direction(profile.bearing)}`);
-    const verdict = profile.counted ? "" : "Not counted: ";
-    setText(this.#words, `${edges(profile)} ${verdict}${profile.why}`);
+    setText(this.#title, t("Ray {number} of {count}, {direction}", { number: profile.ray + 1, count: this.count, direction: direction(profile.bearing) }));
+    const why = translated(profile.why);
+    const verdict = profile.counted ? why : t("Not counted: {why}", { why });
+    setText(this.#words, `${edges(profile)} ${verdict}`);
     this.refresh();
   }
 
@@ -89,12 +92,12 @@ export class RayProfile {
     const mm = profile.distances.map((distance) => distance * 1000);
     const reach = Math.max(...profile.response.map(Math.abs), profile.threshold) * 1.1;
     const marks = [
-      { at: profile.entry, label: "in" },
-      { at: profile.exit, label: "out" },
+      { at: profile.entry, label: t("in") },
+      { at: profile.exit, label: t("out") },
     ];
     drawChart(this.surface, {
       x: { low: mm[0] ?? 0, high: mm.at(-1) ?? 1, label: "mm" },
-      y: { low: -reach, high: Math.max(255, reach), label: "grey levels" },
+      y: { low: -reach, high: Math.max(255, reach), label: t("grey levels") },
       series: [
         { colour: palette.text, dash: [], xs: mm, ys: profile.grey },
         { colour: palette.rays, dash: [5, 3], xs: mm, ys: profile.response },
@@ -108,12 +111,16 @@ export class RayProfile {
 /** @param {number} bearing [rad] */
 function direction(bearing) {
   const angle = degrees(Math.abs(bearing));
-  if (angle === "0°") return "straight ahead";
-  return `${angle} to the ${bearing > 0 ? "left" : "right"}`;
+  if (angle === "0°") return t("straight ahead");
+  return bearing > 0 ? t("{angle} to the left", { angle }) : t("{angle} to the right", { angle });
 }
 
 /** @param {ProfileMessage} profile */
 function edges({ entry, exit, width }) {
-  if (entry === null) return "No edge.";
-  return `In at ${millimetres(entry)}, out at ${millimetres(exit)}, ${millimetres(width, 1)} wide.`;
+  if (entry === null) return t("No edge.");
+  return t("In at {entry}, out at {exit}, {width} wide.", {
+    entry: millimetres(entry),
+    exit: millimetres(exit),
+    width: millimetres(width, 1),
+  });
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { find, findButton, findInput, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
 import { GamepadInput } from "./gamepad.js";
@@ -70,8 +71,9 @@ export class DrivePanel {
   follow({ driver: { name, mine, stopped } }) {
     this.drive.follow(mine ? null : name);
     const { other, possible } = this.drive;
-    const held = stopped ? "stopped; a new press drives on" : "";
-    setText(this.#who, this.#watches ? "this link only watches" : other ? `${other} drives` : held);
+    const held = stopped ? t("stopped; a new press drives on") : "";
+    const words = other ? t("{name} drives", { name: translated(other) }) : held;
+    setText(this.#who, this.#watches ? t("this link only watches") : words);
     this.#take.hidden = other === null || !possible;
     this.#hint.hidden = this.#who.textContent !== "";
   }
@@ -92,7 +94,7 @@ export class DrivePanel {
 
   #lost() {
     this.drive.disconnect();
-    setText(this.#hint, "not connected");
+    setText(this.#hint, t("not connected"));
   }
 
   #setSpeed() {
@@ -109,4 +111,4 @@ export class DrivePanel {
 }
 
 /** @param {string | null} name */
-const padText = (name) => (name ? "gamepad: left stick drives, B stops" : "");
+const padText = (name) => (name ? t("gamepad: left stick drives, B stops") : "");

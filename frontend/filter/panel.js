@@ -1,4 +1,5 @@
 // @ts-check
+import { t, tn } from "../page/language.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
 import { sentence } from "../page/toasts.js";
@@ -16,20 +17,27 @@ import { ParameterRow } from "./row.js";
  * @type {Record<string, string>}
  */
 const FIRST = {
-  filter: "Filter",
-  sigma_hit: "Hit spread",
-  z_rand: "False share",
-  alpha3: "Motion noise",
-  max_particles: "Particles",
-  laser_model_type: "Sensor model",
-  robot_model_type: "Motion model",
+  filter: t("Filter"),
+  sigma_hit: t("Hit spread"),
+  z_rand: t("False share"),
+  alpha3: t("Motion noise"),
+  max_particles: t("Particles"),
+  laser_model_type: t("Sensor model"),
+  robot_model_type: t("Motion model"),
 };
 /** @type {Record<string, string>} */
 const GROUPS = {
-  motion: "how odometry errs",
-  sensor: "how the scan errs",
-  filter: "how the belief is kept",
-  hypotheses: "how places are found, weighed and given up",
+  motion: t("how odometry errs"),
+  sensor: t("how the scan errs"),
+  filter: t("how the belief is kept"),
+  hypotheses: t("how places are found, weighed and given up"),
+};
+/** @type {Record<string, string>} */
+const NAMES = {
+  motion: t("Motion"),
+  sensor: t("Sensor"),
+  filter: t("Filter"),
+  hypotheses: t("Hypotheses"),
 };
 /** Shortest interval between changes that are sent while a slider moves [ms]. */
 const SETTLE_MS = 120;
@@ -73,13 +81,12 @@ export class FilterPanel {
 
   /** @param {TelemetryMessage} telemetry */
   describe({ particles, filter }) {
-    const paused = filter.paused ? "paused, " : "";
-    setText(
-      this.#hint,
-      `${paused}${particles.count} particles, ${plain(particles.effective)} effective`,
-    );
+    const words = tn("{count} particle, {effective} effective", "{count} particles, {effective} effective", particles.count, {
+      effective: plain(particles.effective),
+    });
+    setText(this.#hint, filter.paused ? t("paused, {words}", { words }) : words);
     this.#paused = filter.paused;
-    setText(this.#pause, filter.paused ? "resume" : "pause");
+    setText(this.#pause, filter.paused ? t("resume") : t("pause"));
   }
 
   /** Read the parameters as they are on the robot. */
@@ -89,7 +96,7 @@ export class FilterPanel {
     try {
       parameters = await getJson("/api/parameters");
     } catch (error) {
-      if (this.#rows.size === 0) setText(this.#list, `No parameters: ${sentence(error)}`);
+      if (this.#rows.size === 0) setText(this.#list, t("No parameters: {error}", { error: sentence(error) }));
       return;
     }
     const same =
@@ -117,7 +124,7 @@ export class FilterPanel {
     const open = new Set(
       [...this.#list.querySelectorAll("details[open]")].map((details) => details.id),
     );
-    const most = make("section", {}, make("h3", {}, "Most used"), ...this.#rowsOf(first));
+    const most = make("section", {}, make("h3", {}, t("Most used")), ...this.#rowsOf(first));
     const groups = [...new Set(rest.map(({ group }) => group))].map((group) => {
       const id = `group-${group}`;
       const mine = rest.filter((one) => one.group === group);
@@ -171,7 +178,7 @@ export class FilterPanel {
  * @param {ParameterMessage[]} parameters
  */
 function heading(group, parameters) {
-  const name = group.charAt(0).toUpperCase() + group.slice(1);
+  const name = NAMES[group] ?? group;
   const about = make("span", { class: "quiet" }, GROUPS[group] ?? "");
   return make(
     "summary",

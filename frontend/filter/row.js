@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { make, setText } from "../page/elements.js";
 import { STEPS, SliderScale } from "./slider.js";
 import { readAs } from "./units.js";
@@ -22,7 +23,8 @@ export class ParameterRow {
   constructor(parameter, words, changed) {
     this.parameter = parameter;
     this.changed = changed;
-    const { name, meaning } = parameter;
+    const { name } = parameter;
+    const meaning = translated(parameter.meaning);
     const code = make("span", { class: words && "quiet" }, name);
     const title = make(
       "span",
@@ -32,8 +34,8 @@ export class ParameterRow {
       code,
     );
     const about = make("p", { class: "meaning", id: `meaning-${name}` }, meaning);
-    this.#back.setAttribute("aria-label", `Set ${name} back to its default, ${parameter.default}`);
-    this.#back.title = `default: ${this.#words(parameter.default)}`;
+    this.#back.setAttribute("aria-label", t("Set {name} back to its default, {value}", { name, value: String(parameter.default) }));
+    this.#back.title = t("default: {value}", { value: this.#words(parameter.default) });
     this.#back.onclick = () => this.#change(parameter.default);
     this.show = this.#control();
     this.element.prepend(title);
@@ -87,7 +89,7 @@ export class ParameterRow {
   #choice() {
     const own = this.parameter.choices.filter(isOwn).map(option);
     const options = this.parameter.choices.filter((choice) => !isOwn(choice)).map(option);
-    if (own.length) options.push(make("optgroup", { label: "your own" }, ...own));
+    if (own.length) options.push(make("optgroup", { label: t("your own") }, ...own));
     const select = /** @type {HTMLSelectElement} */ (make("select", this.#labels, ...options));
     select.onchange = () => this.#change(select.value);
     this.element.append(select);
@@ -102,7 +104,7 @@ export class ParameterRow {
     this.element.append(button);
     return (/** @type {Value} */ value) => {
       button.setAttribute("aria-checked", String(value));
-      setText(button, value ? "on" : "off");
+      setText(button, value ? t("on") : t("off"));
     };
   }
 
@@ -127,7 +129,7 @@ export class ParameterRow {
   /** @param {number} value */
   #typed(value) {
     if (Number.isFinite(value)) this.#change(Number(value.toPrecision(9)));
-    else this.refuse("That is not a number.");
+    else this.refuse(t("That is not a number."));
   }
 
   /** @param {Value} value */

@@ -1,5 +1,7 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { find, findButton, findInput, setText } from "../page/elements.js";
+import { brief } from "../page/format.js";
 
 /** @typedef {import("../messages").BoardMessage} BoardMessage */
 /** @typedef {import("../messages").LensStartRequest} LensStartRequest */
@@ -52,7 +54,7 @@ export class BoardForm {
 
   /** Show the board that is looked for. @param {LensStatusMessage} status */
   follow({ board, taken }) {
-    setText(this.#start, taken ? "Start anew" : "Start");
+    setText(this.#start, taken ? t("Start anew") : t("Start"));
     const key = JSON.stringify(board);
     // Folded only when it is looked for: a board that is refused has to be mended.
     if (key === this.#asked && taken === 0) this.#details.open = false;
@@ -85,5 +87,10 @@ export class BoardForm {
 
 /** @param {BoardMessage} board */
 function inWords({ kind, columns, rows, square }) {
-  return `${kind}, ${columns} × ${rows} squares of ${+((square ?? 0) * 1000).toFixed(3)} mm`;
+  return t("{kind}, {columns} × {rows} squares of {side} mm", {
+    kind: kind ?? "",
+    columns: columns ?? 0,
+    rows: rows ?? 0,
+    side: brief((square ?? 0) * 1000),
+  });
 }

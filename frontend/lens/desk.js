@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { Backoff } from "../wire/backoff.js";
 
 /** @typedef {import("../messages").ErrorMessage} ErrorMessage */
@@ -41,7 +42,7 @@ export class Desk {
   send(request) {
     this.complain("");
     if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(request));
-    else this.complain("There is no connection to the robot.");
+    else this.complain(t("There is no connection to the robot."));
   }
 
   #open() {
@@ -66,13 +67,14 @@ export class Desk {
     this.#socket = null;
     if (code === NOT_ALLOWED || !this.#wanted) return;
     this.#lost = true;
-    this.complain("The connection to the robot is lost; trying again.");
+    this.complain(t("The connection to the robot is lost; trying again."));
     setTimeout(() => this.#open(), this.#backoff.next());
   }
 }
 
-/** @param {string} words */
+/** What the program told, as a sentence in the page's language. @param {string} words */
 export function sentence(words) {
-  const start = words.charAt(0).toUpperCase() + words.slice(1);
+  const own = translated(words);
+  const start = own.charAt(0).toUpperCase() + own.slice(1);
   return /[.!?]$/.test(start) ? start : `${start}.`;
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { sentence } from "./desk.js";
 
@@ -37,7 +38,7 @@ export class Guide {
     const enough = status.board !== null && status.next_steps.length === 0;
     this.#calibrate.disabled = status.busy;
     this.#calibrate.classList.toggle("primary", enough);
-    setText(this.#calibrate, status.busy ? "Calibrating …" : "Calibrate");
+    setText(this.#calibrate, status.busy ? t("Calibrating …") : t("Calibrate"));
     setText(this.#words, this.#advice(status, enough));
     this.#words.dataset.problem = String(status.problem !== "");
   }
@@ -45,12 +46,12 @@ export class Guide {
   /** @param {LensStatusMessage} status */
   #judge({ board, look, taken, next_steps, busy }) {
     const now = performance.now();
-    if (board === null) return this.#say("idle", "Choose the board, then start.");
-    if (busy) return this.#say("idle", "Calibrating …");
-    if (look === null) return this.#say("idle", "Waiting for the camera.");
+    if (board === null) return this.#say("idle", t("Choose the board, then start."));
+    if (busy) return this.#say("idle", t("Calibrating …"));
+    if (look === null) return this.#say("idle", t("Waiting for the camera."));
     if (look.verdict === "taken") {
       this.#said = now;
-      return this.#say("taken", `Picture ${taken} taken.`);
+      return this.#say("taken", t("Picture {number} taken.", { number: taken }));
     }
     // Time to read it: what the next picture lacks is told a moment later.
     if (now - this.#said < TAKEN_MS) return;
@@ -66,7 +67,7 @@ export class Guide {
 
   /** @param {string[]} steps */
   #showSteps(steps) {
-    const words = steps.length ? steps : ["that is enough: calibrate"];
+    const words = steps.length ? steps.map(translated) : [t("that is enough: calibrate")];
     if (words.join() === [...this.#steps.children].map((step) => step.textContent).join()) return;
     this.#steps.replaceChildren(...words.map((step) => make("li", {}, step)));
   }
@@ -74,7 +75,7 @@ export class Guide {
   /** @param {LensStatusMessage} status @param {boolean} enough */
   #advice({ problem, taken, least }, enough) {
     if (problem) return sentence(problem);
-    if (taken < least) return `${least} pictures are needed at least.`;
-    return enough ? "" : "It works already; what is missing makes it better.";
+    if (taken < least) return t("{least} pictures are needed at least.", { least });
+    return enough ? "" : t("It works already; what is missing makes it better.");
   }
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { offerLanguages, t } from "../page/language.js";
 import { CameraStream } from "../camera/stream.js";
 import { DrawLoop } from "../page/draw_loop.js";
 import { find, findButton, setText } from "../page/elements.js";
@@ -6,7 +7,7 @@ import { refreshPalette } from "../page/palette.js";
 import { Appearance } from "../page/theme.js";
 import { getJson } from "../wire/http.js";
 import { BoardForm } from "./board.js";
-import { Desk } from "./desk.js";
+import { Desk, sentence } from "./desk.js";
 import { Guide } from "./guide.js";
 import { LivePicture } from "./picture.js";
 import { Result } from "./result.js";
@@ -17,6 +18,7 @@ import { Result } from "./result.js";
 
 refreshPalette();
 const appearance = new Appearance(findButton("theme"), findButton("large-text"));
+offerLanguages(find("language", HTMLSelectElement));
 const loop = new DrawLoop();
 const banner = find("banner", HTMLElement);
 const desk = new Desk("/api/lens", take, (words) => setText(banner, words));
@@ -45,7 +47,7 @@ async function load(number) {
     const lens = number ? await getJson("/api/lens") : null;
     result.show(lens);
   } catch (error) {
-    setText(banner, `The lens could not be read: ${error instanceof Error ? error.message : error}`);
+    setText(banner, t("The lens could not be read: {error}", { error: sentence(error instanceof Error ? error.message : String(error)) }));
   }
 }
 

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { find, findButton, make, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
 import { palette } from "../page/palette.js";
@@ -35,7 +36,10 @@ export class Result {
     setText(
       this.#words,
       saved
-        ? `Saved in ${profile}; it holds from the next start on. Measure the mounting anew: it was measured through the lens before.`
+        ? t(
+            "Saved in {profile}; it holds from the next start on. Measure the mounting anew: it was measured through the lens before.",
+            { profile: profile ?? "" },
+          )
         : "",
     );
   }
@@ -48,11 +52,17 @@ export class Result {
     setText(find("result-model", HTMLElement), lens.model);
     setText(
       find("result-words", HTMLElement),
-      `From ${lens.pictures} pictures of ${lens.width} × ${lens.height} px, of a ${lens.board}. The model in bold is the simplest that is as good as the best in pictures that it was not adjusted to.`,
+      t(
+        "From {pictures} pictures of {width} × {height} px, of a {board}. The model in bold is the simplest that is as good as the best in pictures that it was not adjusted to.",
+        { pictures: lens.pictures, width: lens.width, height: lens.height, board: translated(lens.board) },
+      ),
     );
     setText(
       find("errors-words", HTMLElement),
-      `Errors of the corners, ${lengthening(lens)} times as long. Lines that point the same way are a lens that the model does not describe, or a board that is not flat.`,
+      t(
+        "Errors of the corners, {times} times as long. Lines that point the same way are a lens that the model does not describe, or a board that is not flat.",
+        { times: lengthening(lens) },
+      ),
     );
     this.#fill(lens);
     for (const figure of [this.errors, this.coverage]) {
@@ -65,7 +75,7 @@ export class Result {
   /** @param {LensMessage} lens */
   #fill(lens) {
     const ratings = lens.ratings.map(({ model, held_out_px, own_px }) => {
-      const held_out = held_out_px === null ? "fails" : `${plain(held_out_px, 3)} px`;
+      const held_out = held_out_px === null ? t("fails") : `${plain(held_out_px, 3)} px`;
       const chosen = { "data-chosen": String(model === lens.model) };
       return row([model, held_out, `${plain(own_px, 3)} px`], chosen);
     });
@@ -76,8 +86,8 @@ export class Result {
     });
     find("parameters", HTMLElement).replaceChildren(...parameters);
     const notes = [
-      ...lens.missing.map((words) => `Better with more pictures: ${words}.`),
-      ...lens.refused.map(({ picture, reason }) => sentence(`${picture} does not count: ${reason}`)),
+      ...lens.missing.map((words) => t("Better with more pictures: {what}.", { what: translated(words) })),
+      ...lens.refused.map(({ picture, reason }) => sentence(t("{picture} does not count: {reason}", { picture, reason: translated(reason) }))),
     ];
     find("result-notes", HTMLElement).replaceChildren(...notes.map((note) => make("li", {}, note)));
   }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "../page/language.js";
 import { make } from "../page/elements.js";
 
 /** Most doubts shown: more would hide the map, and a single error often raises several doubts. */
@@ -15,12 +16,13 @@ export class Doubts {
 
   /** @param {string[]} alerts the newest first */
   show(alerts) {
-    const text = alerts.join("\n");
+    const words = alerts.map(translated);
+    const text = words.join("\n");
     // Screen readers would read the same text out again.
     if (text === this.#shown) return;
     this.#shown = text;
-    const lines = alerts.slice(0, MOST);
-    if (alerts.length > MOST) lines.push(`and ${alerts.length - MOST} more`);
+    const lines = words.slice(0, MOST);
+    if (alerts.length > MOST) lines.push(t("and {count} more", { count: alerts.length - MOST }));
     this.list.replaceChildren(...lines.map((line) => make("li", {}, line)));
     this.list.title = text;
   }

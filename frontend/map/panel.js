@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { EndTool } from "../mapping/end_tool.js";
 import { find, findButton, setText } from "../page/elements.js";
 import { degrees, distance, millimetres } from "../page/format.js";
@@ -24,8 +25,8 @@ const HERTZ = 20;
 /** @type {Record<Tool, string>} */
 const HINTS = {
   look: "",
-  set_pose: "Press where the robot is, drag where it looks.",
-  place: "Press where to put the robot, drag where it looks.",
+  set_pose: t("Press where the robot is, drag in the direction it faces."),
+  place: t("Press where to put the robot, drag in the direction it faces."),
 };
 
 /** The field from above: the robot's true and estimated poses, and tools to set them. */
@@ -206,8 +207,12 @@ function around([xmin, ymin, xmax, ymax], drawing) {
 
 /** @param {TelemetryMessage} telemetry */
 function whereabouts({ truth, estimate }) {
-  if (!estimate) return "The filter has no estimate.";
-  const place = `x ${millimetres(estimate.x)}, y ${millimetres(estimate.y)}`;
-  const error = truth ? ` It is off by ${millimetres(distance(truth, estimate))}.` : "";
-  return `The filter believes the robot at ${place}, heading ${degrees(estimate.theta)}.${error}`;
+  if (!estimate) return t("The filter has no estimate.");
+  const words = t("The filter believes the robot at x {x}, y {y}, heading {heading}.", {
+    x: millimetres(estimate.x),
+    y: millimetres(estimate.y),
+    heading: degrees(estimate.theta),
+  });
+  if (!truth) return words;
+  return `${words} ${t("It is off by {error}.", { error: millimetres(distance(truth, estimate)) })}`;
 }

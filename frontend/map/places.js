@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { plain } from "../page/format.js";
 
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
@@ -12,7 +13,10 @@ export const RADII_95 = 2.4477;
 const TENTHS = 1800 / Math.PI;
 /** How far rounding errors alone may lift a number above a whole one. */
 const FUZZ = 1e-6;
-const NUMBERS = ["no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"];
+/** Number words from two on. */
+const NUMBERS = [
+  t("two"), t("three"), t("four"), t("five"), t("six"), t("seven"), t("eight"), t("nine"), t("ten"),
+];
 
 /**
  * Places where the robot may be, heaviest first; empty if there is only one, or none.
@@ -30,23 +34,26 @@ export function places({ particles: { hypotheses, alike, likely } }) {
  */
 export function certainty(telemetry) {
   const { state, radius } = telemetry.integrity;
-  const within = radius === null ? "" : `, ± ${bound(radius)}`;
-  if (state === "certain") return `certain${within}`;
-  if (state === "approximate") return radius === null ? "about here, no bound" : `about here${within}`;
+  const within = radius === null ? "" : bound(radius);
+  if (state === "certain") return within ? t("certain, ± {bound}", { bound: within }) : t("certain");
+  if (state === "approximate")
+    return within ? t("about here, ± {bound}", { bound: within }) : t("about here, no bound");
   if (state === "ambiguous") return undecided(telemetry.particles);
   // A robot that stands still sees nothing new: it has to move to find its place.
   const { v, omega } = telemetry.twist;
-  if (v === 0 && omega === 0) return `${state}: drive a little`;
-  return state === "lost" ? "lost: searching" : "searching";
+  if (v === 0 && omega === 0)
+    return state === "lost" ? t("lost: drive a little") : t("searching: drive a little");
+  return state === "lost" ? t("lost: searching") : t("searching");
 }
 
 /** @param {TelemetryMessage["particles"]} particles */
 function undecided({ hypotheses, alike }) {
-  if (alike === 0) return "several places look alike";
-  if (alike === 1) return `probably here: ${percent(hypotheses[0].weight)}`;
+  if (alike === 0) return t("several places look alike");
+  if (alike === 1) return t("probably here: {share}", { share: percent(hypotheses[0].weight) });
   const elsewhere = 1 - hypotheses.reduce((sum, { weight }) => sum + weight, 0);
-  const rest = elsewhere >= ELSEWHERE ? `, ${percent(elsewhere)} elsewhere` : "";
-  return `${NUMBERS[alike] ?? alike} places look alike${rest}`;
+  const number = NUMBERS[alike - 2] ?? String(alike);
+  if (elsewhere < ELSEWHERE) return t("{number} places look alike", { number });
+  return t("{number} places look alike, {share} elsewhere", { number, share: percent(elsewhere) });
 }
 
 /** The claimed bounds in a sentence. @param {TelemetryMessage["integrity"]} integrity */
@@ -54,8 +61,10 @@ export function claim({ radius, heading_bound: heading }) {
   const limits = [];
   if (radius !== null) limits.push(bound(radius));
   if (heading !== null) limits.push(`${plain(Math.ceil(heading * TENTHS - FUZZ) / 10, 1)}°`);
-  if (limits.length === 0) return "How sure the filter is of the place; at arrows, how likely each is";
-  return `In 99.9 % of pictures the robot is within ${limits.join(" and ")} of the estimate.`;
+  if (limits.length === 0) return t("How sure the filter is of the place; at arrows, how likely each is");
+  return t("In 99.9 % of pictures the robot is within {limits} of the estimate.", {
+    limits: limits.join(` ${t("and")} `),
+  });
 }
 
 /** A bound in words, which is never rounded down. @param {number} metres */

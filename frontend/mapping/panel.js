@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { OwnDrive } from "../drive/own_drive.js";
 import { find, findButton, findInput, make, setText } from "../page/elements.js";
 import { millimetres, plain } from "../page/format.js";
@@ -12,9 +13,9 @@ import { getJson } from "../wire/http.js";
 /** @typedef {import("../drive/lease.js").Drive} Drive */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
 
-const HINT =
-  "Drive along all of the tape, any way you like, and come back to where you began, or let the robot explore:" +
-  " the map of this floor is drawn meanwhile.";
+const HINT = t(
+  "Drive along all of the tape, any way you like, and come back to where you began, or let the robot explore: the map of this floor is drawn meanwhile.",
+);
 
 /** The map that is drawn by driving: its buttons, how far it is, and how well it fits. */
 export class MappingPanel {
@@ -86,7 +87,7 @@ export class MappingPanel {
     this.#start.disabled = !this.drive.possible || replay !== null;
     this.#explore.hidden = state === "finish" || state === "done";
     this.#explore.disabled = !this.drive.possible || this.drive.other !== null || replay !== null;
-    setText(this.#explore, this.#explores.mine ? "Stop exploring" : "Explore");
+    setText(this.#explore, this.#explores.mine ? t("Stop exploring") : t("Explore"));
     this.#finish.hidden = state !== "draw";
     this.#finish.disabled = (map?.version ?? 0) === 0;
     this.#discard.hidden = map === null;
@@ -97,15 +98,15 @@ export class MappingPanel {
 
   /** @param {MappingMessage | null} map @param {boolean} replayed */
   #words(map, replayed) {
-    if (replayed) return "This is a recording; the command brickpose map draws its floor.";
+    if (replayed) return t("This is a recording; the command brickpose map draws its floor.");
     if (map?.state === "draw") {
-      const seconds = `Drawn from ${plain(map.seconds)} s of driving.`;
+      const seconds = t("Drawn from {seconds} s of driving.", { seconds: plain(map.seconds) });
       return map.message ? `${seconds} ${sentence(map.message)}` : `${seconds} ${HINT}`;
     }
-    if (map?.state === "finish") return "All of the drive is being adjusted.";
-    if (map?.state === "failed") return `There is no map: ${sentence(map.message ?? "")} ${HINT}`;
-    if (map?.state === "done" && this.#saved) return `The map is saved as ${this.#saved}.`;
-    if (map?.state === "done") return "The map is done. Give it a name to save it.";
+    if (map?.state === "finish") return t("All of the drive is being adjusted.");
+    if (map?.state === "failed") return `${t("There is no map: {reason}", { reason: sentence(map.message ?? "") })} ${HINT}`;
+    if (map?.state === "done" && this.#saved) return t("The map is saved as {name}.", { name: this.#saved });
+    if (map?.state === "done") return t("The map is done. Give it a name to save it.");
     return HINT;
   }
 
@@ -147,7 +148,7 @@ export class MappingPanel {
       this.#remarks.replaceChildren(...lines);
       this.#list(drawing);
     } catch (error) {
-      setText(this.#state, `The map could not be read: ${sentence(error)}`);
+      setText(this.#state, t("The map could not be read: {error}", { error: sentence(error) }));
     }
   }
 
@@ -155,7 +156,11 @@ export class MappingPanel {
   #list({ strokes, version }) {
     const rows = strokes.map(({ points, interval }, stroke) => {
       const length = points.slice(1).reduce((sum, [x, y], i) => sum + Math.hypot(x - points[i][0], y - points[i][1]), 0);
-      const words = `Tape ${stroke + 1}: ${millimetres(length)}, ± ${millimetres(interval, 1)}`;
+      const words = t("Tape {number}: {length}, ± {interval}", {
+        number: stroke + 1,
+        length: millimetres(length),
+        interval: millimetres(interval, 1),
+      });
       const row = make("li", {}, make("span", {}, words), this.#join(stroke, version), this.#remove(stroke, version));
       row.onpointerenter = row.onfocusin = () => this.draw(this.#drawing, stroke);
       row.onpointerleave = row.onfocusout = () => this.draw(this.#drawing);
@@ -166,8 +171,8 @@ export class MappingPanel {
 
   /** @param {number} stroke @param {number} version */
   #remove(stroke, version) {
-    const name = `Delete Tape ${stroke + 1}`;
-    const button = make("button", { type: "button", "aria-label": name }, "delete");
+    const name = t("Delete tape {number}", { number: stroke + 1 });
+    const button = make("button", { type: "button", "aria-label": name }, t("delete"));
     button.onclick = () => this.order({ type: "delete_stroke", stroke, version });
     return button;
   }
@@ -175,9 +180,8 @@ export class MappingPanel {
   /** The first press chooses a stroke, the second one joins another to it. @param {number} stroke @param {number} version */
   #join(stroke, version) {
     const chosen = this.#joined;
-    const words = chosen === null ? "join" : chosen === stroke ? "cancel" : `to ${chosen + 1}`;
-    const name = chosen === null ? "Join Tape" : chosen === stroke ? "Do not join Tape" : `Join Tape ${chosen + 1} to Tape`;
-    const button = make("button", { type: "button", "aria-label": `${name} ${stroke + 1}` }, words);
+    const [words, name] = joining(chosen, stroke);
+    const button = make("button", { type: "button", "aria-label": name }, words);
     button.onclick = async () => {
       const first = this.#joined;
       this.#joined = first === null ? stroke : null;
@@ -200,4 +204,18 @@ export class MappingPanel {
     this.#show(false);
     this.#openers.find((opener) => opener.checkVisibility())?.focus();
   }
+}
+
+/**
+ * Words and name of the button that joins a stroke to another.
+ * @param {number | null} chosen the other one, if there is one already
+ * @param {number} stroke
+ * @returns {[string, string]}
+ */
+function joining(chosen, stroke) {
+  const number = stroke + 1;
+  if (chosen === null) return [t("join"), t("Join tape {number}", { number })];
+  if (chosen === stroke) return [t("cancel"), t("Do not join tape {number}", { number })];
+  const other = chosen + 1;
+  return [t("to {other}", { other }), t("Join tape {other} to tape {number}", { other, number })];
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { point } from "./language.js";
 /** Numbers as people read them: millimetres, degrees, minutes. */
 
 const DASH = "–";
@@ -23,13 +24,14 @@ export function minutes(seconds) {
 }
 
 /**
- * Fixed digits, a true minus sign and never "-0".
+ * Fixed digits, the language's decimal sign, a true minus sign and never "-0".
  * @param {number} value
  * @param {number} [digits]
  */
 export function plain(value, digits = 0) {
   const text = value.toFixed(digits);
-  return Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "−");
+  const shown = Number(text) === 0 ? (0).toFixed(digits) : text.replace("-", "−");
+  return shown.replace(".", point);
 }
 
 /** About three figures, without an exponent. @param {number} value */
@@ -37,8 +39,8 @@ export function brief(value) {
   if (value === 0 || !Number.isFinite(value)) return plain(value);
   const figures = Math.max(0, Math.min(6, 2 - Math.floor(Math.log10(Math.abs(value)))));
   return plain(value, figures)
-    .replace(/(\.\d*?)0+$/, "$1")
-    .replace(/\.$/, "");
+    .replace(/([.,]\d*?)0+$/, "$1")
+    .replace(/[.,]$/, "");
 }
 
 /** @param {{x: number, y: number}} a @param {{x: number, y: number}} b [m] */

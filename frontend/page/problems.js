@@ -1,7 +1,9 @@
 // @ts-check
+import { t, translated } from "./language.js";
 import { HttpError, getJson } from "../wire/http.js";
 import { find, findButton, make, setText } from "./elements.js";
 import { minutes } from "./format.js";
+import { sentence } from "./toasts.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").HealthMessage} HealthMessage */
@@ -51,12 +53,12 @@ export class Problems {
     this.#heard = performance.now();
     this.#reason = null;
     this.#present = telemetry.robot.connected
-      ? telemetry.problems
-      : ["The robot stands still.", ...telemetry.problems];
+      ? telemetry.problems.map(translated)
+      : [t("The robot stands still."), ...telemetry.problems.map(translated)];
     if (telemetry.error_count === this.#known) return;
     this.#known = telemetry.error_count;
     setText(this.#count, String(this.#known));
-    this.#button.setAttribute("aria-label", `Problem log: ${this.#known}`);
+    this.#button.setAttribute("aria-label", t("Problem log: {count}", { count: this.#known }));
     this.#button.dataset.some = String(this.#known > 0);
     if (!this.#record.hidden) this.#load();
   }
@@ -81,12 +83,12 @@ export class Problems {
   /** @returns {string[]} */
   #sentences() {
     if (this.#link === "lost") {
-      return ["The connection is lost; trying again. The robot stops by itself."];
+      return [t("The connection is lost; trying again. The robot stops by itself.")];
     }
     if (!this.stale) return this.#present;
     if (this.#link === "connecting" && performance.now() < PATIENCE_MS) return [];
     if (this.#reason === null) this.#askWhy();
-    return ["No news from the robot.", this.#reason ?? ""];
+    return [t("No news from the robot."), translated(this.#reason ?? "")];
   }
 
   async #askWhy() {
@@ -124,12 +126,12 @@ export class Problems {
       items = problems
         .reverse()
         .map(({ stamp, message }) =>
-          make("li", {}, make("time", {}, minutes(stamp)), ` ${message}`),
+          make("li", {}, make("time", {}, minutes(stamp)), ` ${translated(message)}`),
         );
     } catch (error) {
-      items = [make("li", {}, `The record could not be read: ${error}`)];
+      items = [make("li", {}, t("The log could not be read: {error}", { error: sentence(error) }))];
     }
-    if (items.length === 0) items = [make("li", { class: "quiet" }, "Nothing has gone wrong.")];
+    if (items.length === 0) items = [make("li", { class: "quiet" }, t("Nothing has gone wrong."))];
     this.#list.replaceChildren(...items);
   }
 }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "./language.js";
 import { find, findButton, setText } from "./elements.js";
 import { minutes, plain } from "./format.js";
 
@@ -31,10 +32,10 @@ export class RecordButton {
   show(recording) {
     const running = recording !== null && recording.running;
     if (running !== this.#running) this.#turn(running);
-    setText(this.#text, running ? `Recording ${minutes(recording.duration_s)}` : "Record");
+    setText(this.#text, running ? t("Recording {time}", { time: minutes(recording.duration_s) }) : t("Record"));
     this.#button.title = running
-      ? `${megabytes(recording)} in ${recording.file}. Press to stop.`
-      : "Record everything that happens, to replay it or to look at it with ROS 2's tools";
+      ? t("{size} in {file}. Press to stop.", { size: megabytes(recording), file: recording.file })
+      : t("Record everything that happens, to replay it or to look at it with ROS 2's tools");
     const done = recording !== null && !running && recording.size_bytes > 0;
     this.#file.hidden = !done;
     if (done) this.#link(recording);
@@ -61,7 +62,7 @@ export class RecordButton {
     const what = `${recording.file} ${recording.running} ${recording.message?.replace(/\d+/g, "")}`;
     if (what === this.#said) return;
     this.#said = what;
-    this.#toasts.show(recording.message ?? "");
+    this.#toasts.show(translated(recording.message ?? ""));
   }
 }
 

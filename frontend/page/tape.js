@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "./language.js";
 import { find, setText } from "./elements.js";
 import { millimetres, plain } from "./format.js";
 
@@ -44,19 +45,24 @@ export class TapeHealth {
     const width = sorted[Math.floor(sorted.length / 2)];
     const off = Math.abs(width - this.#wanted) > MOST_OFF;
     setText(this.#measured, millimetres(width, 1));
-    setText(this.#drawn, off ? "camera pitch?" : `(drawn ${plain(this.#wanted * 1000)})`);
+    setText(this.#drawn, off ? t("camera pitch?") : t("(nominal {width})", { width: plain(this.#wanted * 1000) }));
     this.#row.dataset.off = String(off);
     this.#row.title = off ? this.#hint(width) : TITLE;
   }
 
   /** @param {number} width [m] */
   #hint(width) {
-    const more = width > this.#wanted ? "wider" : "narrower";
-    return (
-      `The tape is drawn ${millimetres(this.#wanted)} wide and measured ${more}. Is the camera` +
-      " tilted otherwise than described? Half a degree makes two millimetres."
-    );
+    const wanted = millimetres(this.#wanted);
+    return width > this.#wanted
+      ? t(
+          "The tape is drawn {wanted} wide and measured wider. Is the camera tilted otherwise than described? Half a degree makes two millimetres.",
+          { wanted },
+        )
+      : t(
+          "The tape is drawn {wanted} wide and measured narrower. Is the camera tilted otherwise than described? Half a degree makes two millimetres.",
+          { wanted },
+        );
   }
 }
 
-const TITLE = "Width of the tape as the camera measures it: a health figure";
+const TITLE = t("Width of the tape as the camera measures it: a health figure");

@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "./language.js";
 /** @typedef {"light" | "dark"} Theme */
 
 const SYSTEM = matchMedia("(prefers-color-scheme: dark)");
@@ -49,9 +50,10 @@ export class Appearance {
   }
 
   #apply() {
-    const other = this.theme === "dark" ? "Light" : "Dark";
-    this.themeButton.textContent = other;
-    this.themeButton.setAttribute("aria-label", `Switch to the ${other.toLowerCase()} theme`);
+    const dark = this.theme === "dark";
+    this.themeButton.textContent = dark ? t("Light") : t("Dark");
+    const words = dark ? t("Switch to the light theme") : t("Switch to the dark theme");
+    this.themeButton.setAttribute("aria-label", words);
     this.textButton.setAttribute("aria-pressed", String(this.large));
     for (const listener of this.#listeners) listener();
   }

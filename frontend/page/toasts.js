@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "./language.js";
 import { make } from "./elements.js";
 
 const SHOWN_MS = 7000;
@@ -15,7 +16,7 @@ export class Toasts {
   show(text, kind = "problem") {
     for (const old of [...this.list.children])
       if (old.firstChild?.textContent === text) old.remove();
-    const close = make("button", { type: "button", "aria-label": "Close this message" }, "×");
+    const close = make("button", { type: "button", "aria-label": t("Close this message") }, "×");
     const toast = make("li", { class: `toast ${kind}` }, make("span", {}, text), close);
     close.onclick = () => toast.remove();
     setTimeout(() => toast.remove(), SHOWN_MS);
@@ -29,9 +30,9 @@ export class Toasts {
   }
 }
 
-/** @param {unknown} error @returns {string} its message as a sentence */
+/** @param {unknown} error @returns {string} its message as a sentence, in the page's language */
 export function sentence(error) {
-  const text = error instanceof Error ? error.message : String(error);
+  const text = translated(error instanceof Error ? error.message : String(error));
   // Names from the program, such as z_rand, keep their spelling.
   const plain = /^[a-z]+[ ,;:']/.test(text);
   const start = plain ? text.charAt(0).toUpperCase() + text.slice(1) : text;

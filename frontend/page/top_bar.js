@@ -1,4 +1,5 @@
 // @ts-check
+import { t, translated } from "./language.js";
 import { find, setText } from "./elements.js";
 import { distance, millimetres, minutes, plain } from "./format.js";
 
@@ -7,13 +8,13 @@ import { distance, millimetres, minutes, plain } from "./format.js";
 /** @typedef {import("../wire/connection.js").LinkState} LinkState */
 
 const MODES = {
-  idle: "standing",
-  drive: "driving",
-  figure_eight: "figure-eight",
-  calibrate: "calibrating",
-  explore: "exploring",
+  idle: t("stopped"),
+  drive: t("driving"),
+  figure_eight: t("figure-eight"),
+  calibrate: t("calibrating"),
+  explore: t("exploring"),
 };
-const LINKS = { connecting: "connecting", lost: "disconnected" };
+const LINKS = { connecting: t("connecting"), lost: t("disconnected") };
 
 /** The slim bar: the robot's name and state, and the few numbers that show whether all is well. */
 export class TopBar {
@@ -33,9 +34,9 @@ export class TopBar {
     const { robot, truth, particles } = telemetry;
     // Among places that look alike, the heaviest one is so by chance: no single error is right.
     const estimate = particles.alike < 2 ? telemetry.estimate : null;
-    setText(this.#name, robot.name);
-    const mode = telemetry.replay ? "replay" : MODES[telemetry.mode];
-    this.#enter(robot.connected ? mode : "not ready", robot.connected);
+    setText(this.#name, translated(robot.name));
+    const mode = telemetry.replay ? t("replay") : MODES[telemetry.mode];
+    this.#enter(robot.connected ? mode : t("not ready"), robot.connected);
     setText(this.#field, telemetry.map);
     setText(this.#time, minutes(telemetry.stamp));
     setText(this.#battery, robot.battery_v === null ? "–" : `${plain(robot.battery_v, 1)} V`);
@@ -47,8 +48,9 @@ export class TopBar {
   /** @param {FieldMessage} field */
   setField(field) {
     this.#measured.hidden = !field.robot_measured;
-    setText(this.#measured, `calibrated ${field.robot_measured.split(",")[0]}`);
-    this.#measured.title = `Calibrated ${field.robot_measured}`;
+    const [date] = field.robot_measured.split(",");
+    setText(this.#measured, t("calibrated {date}", { date }));
+    this.#measured.title = t("Calibrated {measured}", { measured: translated(field.robot_measured) });
   }
 
   /** @param {LinkState} link is shown while no telemetry comes */

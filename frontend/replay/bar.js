@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { find, findButton, findInput, setText } from "../page/elements.js";
 import { minutes, plain } from "../page/format.js";
 
@@ -71,10 +72,10 @@ export class ReplayBar {
     const at = held ? this.#slider.valueAsNumber : position_s;
     const text = `${clock(at)} / ${clock(duration_s)}`;
     setText(this.#time, text);
-    this.#slider.setAttribute("aria-valuetext", `${plain(at, 1)} of ${plain(duration_s, 1)} seconds`);
-    setText(this.#play, paused && this.#played !== true ? "Play" : "Pause");
+    this.#slider.setAttribute("aria-valuetext", t("{time} of {whole} seconds", { time: plain(at, 1), whole: plain(duration_s, 1) }));
+    setText(this.#play, paused && this.#played !== true ? t("Play") : t("Pause"));
     const way = typeof catching_up === "number";
-    setText(this.#state, way ? `the filter follows: ${plain(100 * catching_up)} %` : "");
+    setText(this.#state, way ? t("the filter follows: {share} %", { share: plain(100 * catching_up) }) : "");
     this.#slider.title = file;
     this.#writeSpeed(speed);
   }

@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { find, make, setText } from "../page/elements.js";
 import { calm, findWebGl } from "./webgl.js";
 
@@ -46,10 +47,10 @@ export class View3d {
 
   #explain() {
     if (this.webGl === "none") {
-      setText(this.#message, "This browser has no WebGL: the map shows the same from above.");
-      setText(find("view-hint", HTMLElement), "not in this browser");
+      setText(this.#message, t("This browser has no WebGL: the map shows the same from above."));
+      setText(find("view-hint", HTMLElement), t("not in this browser"));
     } else if (this.webGl === "software") {
-      setText(find("view-hint", HTMLElement), "without a graphics card: a few pictures a second");
+      setText(find("view-hint", HTMLElement), t("without a graphics card: a few pictures a second"));
     }
   }
 
@@ -79,7 +80,7 @@ export class View3d {
     this.#theme = this.appearance.theme;
     this.#frame?.remove();
     this.#frame = document.createElement("iframe");
-    this.#frame.title = "The scene in 3D";
+    this.#frame.title = t("The scene in 3D");
     this.#frame.src = address(this.#field.extent, this.#theme === "dark");
     this.#frame.onload = () => this.#loaded();
     this.#box.prepend(this.#frame);

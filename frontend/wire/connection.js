@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { Backoff } from "./backoff.js";
 import { RobotClock } from "./clock.js";
 
@@ -77,7 +78,7 @@ export class Connection {
   send(command) {
     return new Promise((resolve, reject) => {
       if (!this.post(command, { sent: performance.now(), resolve, reject })) {
-        reject(new CommandError("There is no connection to the robot."));
+        reject(new CommandError(t("There is no connection to the robot.")));
       }
     });
   }
@@ -144,7 +145,7 @@ export class Connection {
     if (socket !== this.#socket) return;
     this.#socket = null;
     for (const waiting of this.#waiting.values()) {
-      waiting.reject(new CommandError("The connection broke before the robot answered."));
+      waiting.reject(new CommandError(t("The connection broke before the robot answered.")));
     }
     this.#waiting.clear();
     this.#enter("lost");
@@ -166,7 +167,7 @@ export class Connection {
     for (const [id, waiting] of this.#waiting) {
       if (performance.now() - waiting.sent < ANSWER_MS) continue;
       this.#waiting.delete(id);
-      waiting.reject(new CommandError("The robot did not answer."));
+      waiting.reject(new CommandError(t("The robot did not answer.")));
     }
   }
 

@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 
 /** The server answered with an error status. */
 export class HttpError extends Error {}
@@ -23,5 +24,5 @@ async function reason(answer) {
   } catch {
     // Not JSON: the status says enough.
   }
-  return `the server answered ${answer.status}`;
+  return t("the server answered {status}", { status: answer.status });
 }
