@@ -18,7 +18,6 @@ from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.messages.commands import DriveCommand, ScatterCommand
 from app.page.listening import listen
-from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.protocol import SUBPROTOCOLS
 from app.ros2.inbox import Inbox
@@ -26,6 +25,7 @@ from app.ros2.message_types import definition
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.topics import TOPICS
+from app.ros2.websocket_routes import Foxglove
 from app.settings.config import Config
 from app.settings.groups import Ros2Settings
 from sim.real_time import RealTime

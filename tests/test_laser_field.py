@@ -5,15 +5,15 @@ import math
 import numpy as np
 import pytest
 
+from app.lab.localize.laser_map import FreeWay, free_field, wall_field
 from robot.fields.field import FieldError
-from robot.fields.grid_field import field_from_grid
+from robot.fields.field_loading import field_from_grid
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Pose2
 from robot.localization.kernels.entry_planes import ROWS, distance_at, planes
 from robot.localization.models.entry_field import DIRECTIONS, EntryField
 from robot.localization.models.likelihood_field import LikelihoodField
 from robot.localization.models.likelihood_field_prob import LikelihoodFieldProb
-from robot.localization.models.wall_field import FreeWay, free_field, wall_field
 from robot.scan import Scan
 
 CELL = 0.1

@@ -10,7 +10,7 @@ from numba import njit
 from scipy.stats import kstest, norm
 
 from robot.geometry import Array, wrap_angle
-from robot.localization.kernels.noise import noise_key, normal_rows
+from robot.localization.kernels.sampling import noise_key, normal_rows
 from robot.localization.kernels.steps import heading_vector, wrapped
 
 

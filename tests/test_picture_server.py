@@ -17,9 +17,9 @@ from robot.cameras.picture_socket import PictureSocket
 from robot.errors import PortError
 from robot.geometry import Pose2, Twist2
 from sim.floor_camera import CameraSettings
+from sim.hat_emulator.line_server import listen, stop_listening
 from sim.hat_emulator.picture_server import PictureServer, PictureServerError, Shot
 from sim.hat_emulator.surroundings import CameraFeed
-from sim.hat_emulator.unix_sockets import listen, stop_listening
 
 STANDING = Twist2(0.0, 0.0)
 LENS = replace(Lens.from_yaml(Path("robot/description/pi_camera.yaml")), width=64, height=48)

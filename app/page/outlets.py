@@ -30,11 +30,10 @@ from app.messages.commands import (
 )
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
-from app.ros2.foxglove.foxglove import Foxglove
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
-from app.ros2.rosbridge.rosbridge import Rosbridge
 from app.ros2.source import TopicSource
+from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import MAPS
 from robot.errors import CommandError
 from robot.fields.field import FieldError

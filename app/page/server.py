@@ -50,8 +50,7 @@ from app.page.tokens import Role, Tokens
 from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.routes import contents_router, recordings_router
-from app.ros2.foxglove.foxglove import Foxglove
-from app.ros2.rosbridge.rosbridge import Rosbridge
+from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import FRONTEND
 
 FOXGLOVE = "/foxglove"

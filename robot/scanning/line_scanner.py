@@ -22,10 +22,9 @@ from robot.scan import Scan
 from robot.scanning.along_rays import between, hidden_of, points_of, ranges_of, unskew
 from robot.scanning.dashed_edges import judge_dashes
 from robot.scanning.edge_search import differences, find_edges
-from robot.scanning.found_tape import FoundTape
 from robot.scanning.ray_table import RayTable
 from robot.scanning.settings import LineScannerSettings
-from robot.scanning.tape import BLACK_TAPE, Look, Tape, looks, nearest_widths
+from robot.scanning.tape import BLACK_TAPE, FoundTape, Look, Tape, looks, nearest_widths
 from robot.scanning.tape_edges import Verdict, judge_pairs
 
 __all__ = ["LineScan", "LineScanner", "LineScannerSettings"]

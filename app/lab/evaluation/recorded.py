@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from app.files import RESULTS, atomic_folder, write_json
-from app.lab.evaluation import figures
+from app.lab.evaluation.report import recorded_errors, recorded_paths
 from app.lab.evaluation.results import method_table
 from app.lab.evaluation.scores import SHOWN, score
 from app.lab.report_page import embedded, page
@@ -92,7 +92,7 @@ def evaluate_recording(
     with atomic_folder(folder) as new:
         results = _results(pairs, recording, truth)
         aligned = align(pairs.truth, pairs.estimate).apply(pairs.estimate)
-        figure = figures.recorded_paths(pairs.truth, pairs.estimate, aligned)
+        figure = recorded_paths(pairs.truth, pairs.estimate, aligned)
         offset = {
             "as it is": absolute_errors(pairs.truth, pairs.estimate),
             "aligned": absolute_errors(pairs.truth, aligned),
@@ -105,7 +105,7 @@ def evaluate_recording(
                 experiment=results["experiment"],
                 method=results["methods"]["amcl"],
                 paths=embedded(figure),
-                over_time=embedded(figures.recorded_errors(stamps, offset)),
+                over_time=embedded(recorded_errors(stamps, offset)),
                 settings={},
             ),
             encoding="utf-8",

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.kernels.noise import normal_rows
+from robot.localization.kernels.sampling import normal_rows
 from robot.localization.kernels.steps import wrapped
 
 Noise = NDArray[np.float32]

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from robot.geometry import Array
-from robot.localization.kernels.noise import normal_rows
+from robot.localization.kernels.sampling import normal_rows
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)

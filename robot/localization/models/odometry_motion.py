@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from robot.geometry import Array, Pose2, wrap_angle
-from robot.localization.kernels.noise import noise_key
+from robot.localization.kernels.sampling import noise_key
 from robot.localization.kernels.steps import noisy_step
 
 

@@ -10,7 +10,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2, covariance_root, wrap_angle
 from robot.localization.estimate import Hypothesis, Standing
 from robot.localization.filter import Cloud, Setup
-from robot.localization.kernels.combs import count_cells
+from robot.localization.kernels.sampling import count_cells
 from robot.localization.models.motion_models import MotionModel, loosened
 from robot.localization.models.sensor_models import SensorModel, count_rays
 from robot.localization.parameters import FilterParameters

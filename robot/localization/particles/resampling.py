@@ -14,8 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from robot.geometry import Array
-from robot.localization.kernels.combs import comb, tempered
-from robot.localization.kernels.noise import noise_key
+from robot.localization.kernels.sampling import comb, noise_key, tempered
 from robot.localization.kernels.spread_copies import spread_copies
 from robot.localization.particles.clusters import Clusters
 

@@ -1,4 +1,4 @@
-"""``/foxglove``: a websocket for each viewer, Foxglove or Lichtblick."""
+"""``/rosbridge`` and ``/foxglove``: a websocket for each client or viewer."""
 
 from __future__ import annotations
 
@@ -10,11 +10,29 @@ from starlette.websockets import WebSocket
 from app.engine.drivers import Driver
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.protocol import SUBPROTOCOLS
-from app.ros2.foxglove.session import Session
+from app.ros2.foxglove.session import Session as FoxgloveSession
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
+from app.ros2.rosbridge.bridge import Bridge
+from app.ros2.rosbridge.session import Session as RosbridgeSession
 from app.ros2.websocket_session import Clients
 from app.settings.groups import Ros2Settings
+
+
+class Rosbridge:
+    """All clients of one program."""
+
+    def __init__(self, publisher: TopicPublisher, inbox: Inbox) -> None:
+        self._clients = Clients(partial(Bridge, publisher, inbox))
+
+    async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
+        """Talk to one client until it leaves; whether it only watches."""
+        bridge = await self._clients.shared()
+        driver = Driver.numbered("rosbridge", socket.client and socket.client.host)
+        await self._clients.talk(
+            socket, lambda waiting: RosbridgeSession(bridge, waiting.set, driver, watches=watches)
+        )
+
 
 WATCHES = "this token only watches; ask for the link to drive"
 SWITCHED_OFF = "Foxglove only watches; foxglove_commands = true in [ros2] lets it drive"
@@ -43,7 +61,9 @@ class Foxglove:
         allowed = self._settings.foxglove_commands and not watches
         await self._clients.talk(
             socket,
-            lambda waiting: Session(offer, waiting.set, driver, None if allowed else refusal),
+            lambda waiting: FoxgloveSession(
+                offer, waiting.set, driver, None if allowed else refusal
+            ),
             subprotocol=protocol,
             greetings=offer.greetings(commands=allowed),
         )
