@@ -6,8 +6,8 @@ from recordings import BEGIN_NS
 
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recording_file import RecordingFile
-from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.recorded.ticks import RecordedTopics
+from app.recordings.replay.recorded_robot import RecordedRobot
+from app.recordings.replay.ticks import RecordedTopics
 from app.ros2.message_types import new, to_cdr
 from app.ros2.topic import Quality
 from robot.description.spec import RobotSpec

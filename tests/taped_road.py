@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tape_trials import VIEW
 
-from app.lab.trajectories.files.reading import write_tum
+from app.lab.trajectories.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from robot.fields.field import Field
 from robot.fields.svg_field import field_of_drawing

@@ -9,7 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from app.lab.trajectories.clock_offset import estimate_clock_offset, require_same_run
-from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Pose2, compose
 

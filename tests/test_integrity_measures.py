@@ -9,8 +9,15 @@ from claims_made import PERIOD, claims_made
 from app.lab.evaluation.integrity.claims import COLUMNS, claims_csv, read_numbers
 from app.lab.evaluation.integrity.measures import longest, measures
 from app.lab.evaluation.integrity.oracle import decision_measures
-from app.lab.evaluation.integrity.stanford import PLACE_BINS, counted, trade
-from app.lab.evaluation.integrity.summary import EXPECTED, causes_of, group_summary, summary_of
+from app.lab.evaluation.integrity.summary import (
+    EXPECTED,
+    PLACE_BINS,
+    causes_of,
+    counted,
+    group_summary,
+    summary_of,
+    trade,
+)
 from robot.localization.estimate import Cause, State
 
 CERTAIN, LOST, APPROXIMATE = State.CERTAIN, State.LOST, State.APPROXIMATE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.command_line import main
-from app.lab.trajectories.files.reading import parse_tum
+from app.lab.trajectories.reading import parse_tum
 from benchmarks.lasers.laser_bags import KINDS, LaserBag
 from robot.geometry import Pose2
 from tests.laser_office import BEGAN, LASER, drive, office_map, true_pose, write_bag, write_map

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from taped_road import RoadDrive, drive, name
 
 from app.command_line import main
-from app.lab.trajectories.files.reading import parse_tum
+from app.lab.trajectories.reading import parse_tum
 from app.lab.trajectories.trajectory import Trajectory
 from robot.description.camera_file import BODY_FROM_OPTICAL, with_camera
 from robot.description.spec import RobotSpec

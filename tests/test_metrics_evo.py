@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 from wandering_paths import KINDS, moved, pair, relative_errors, rigid
 
 from app.lab.trajectories.association import associate
-from app.lab.trajectories.files.reading import read_trajectory
 from app.lab.trajectories.metrics import (
     absolute_errors,
     align,
@@ -18,6 +17,7 @@ from app.lab.trajectories.metrics import (
     heading_errors,
     rms,
 )
+from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import Trajectory
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "data" / "tum_ate"

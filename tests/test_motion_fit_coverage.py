@@ -23,7 +23,7 @@ from app.lab.model_fits.regions import (
 from app.lab.model_fits.runs import cut_at, paired_runs
 from app.lab.model_fits.twists import DriveCorrection
 from app.lab.model_fits.windows import windows
-from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.reading import read_trajectory
 from robot.localization.models.odometry_motion import DifferentialMotion
 
 MRCLAM = Path(__file__).parent.parent.parent / "shared" / "data" / "mrclam"

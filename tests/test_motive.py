@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.lab.trajectories.files.motive import parse_motive
-from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.motive import parse_motive
+from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
 
 Z_UP_FROM_Y_UP = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.lab.trajectories.files.reading import parse_trajectory, read_trajectory
+from app.lab.trajectories.reading import parse_trajectory, read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
 
 COUNT = 20

@@ -7,7 +7,7 @@ import pytest
 
 from app.recordings.attachments import SETTINGS, as_toml
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.parts import RecordedParts, with_new_names
+from app.recordings.replay.parts import RecordedParts, with_new_names
 from app.settings.config import Config, from_table, with_settings
 
 OLD = """

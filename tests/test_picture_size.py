@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.recordings.replay.recorded.decoding import JPEG, PNG, ContentError, picture_of, size_of
+from app.recordings.replay.decoding import JPEG, PNG, ContentError, picture_of, size_of
 from app.ros2.encoding.frames import time
 from app.ros2.message_types import new, to_cdr
 

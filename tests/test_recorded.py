@@ -9,7 +9,7 @@ import pytest
 from shared_data import SHARED
 
 from app.command_line import main
-from app.lab.trajectories.files.reading import read_trajectory, write_tum
+from app.lab.trajectories.reading import read_trajectory, write_tum
 from app.lab.trajectories.trajectory import Trajectory
 
 TUM = SHARED / "tum_ate"

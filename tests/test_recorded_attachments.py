@@ -5,7 +5,7 @@ from recordings import FACTS, write_ticks
 
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recording_file import RecordingFile
-from app.recordings.replay.recorded.parts import RecordedParts
+from app.recordings.replay.parts import RecordedParts
 
 
 @pytest.mark.parametrize("name", ["map/a\0b", f"map/{'x' * 256}", "robot/..", "/robot/a", "map"])

@@ -1,6 +1,6 @@
 """Numbers of recorded messages, which may be as large as a float can be."""
 
-from app.recordings.replay.recorded.decoding import pose_and_covariance_of
+from app.recordings.replay.decoding import pose_and_covariance_of
 from app.ros2.message_types import to_cdr
 from app.ros2.rosbridge.reading import message_of
 

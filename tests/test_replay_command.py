@@ -9,7 +9,7 @@ from mcap.reader import make_reader
 from replays import recorded_eight
 
 from app.command_line import main
-from app.lab.trajectories.files.reading import parse_tum
+from app.lab.trajectories.reading import parse_tum
 from app.recordings.replay.opening import ReplayOptions, with_filter_config
 from app.settings.config import Config
 from app.tools.replay_command import replay

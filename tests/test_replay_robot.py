@@ -11,7 +11,7 @@ from replays import recorded_eight
 from app.messages.commands import SetPoseCommand
 from app.recordings.files.recorded import RecordingError
 from app.recordings.replay.opening import ReplayOptions, open_replay
-from app.recordings.replay.recorded.position import ReadPosition
+from app.recordings.replay.position import ReadPosition
 from app.ros2.message_types import new
 from robot.driving.differential_drive import DifferentialDrive
 from robot.interface import RepositionableRobot, Robot, RobotError

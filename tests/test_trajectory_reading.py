@@ -6,8 +6,8 @@ import pytest
 from costs import processor_seconds
 from hypothesis import strategies as st
 
-from app.lab.trajectories.files.mrclam import integrated, parse_mrclam
-from app.lab.trajectories.files.reading import parse_trajectory, read_trajectory
+from app.lab.trajectories.mrclam import integrated, parse_mrclam
+from app.lab.trajectories.reading import parse_trajectory, read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
 from robot.geometry import Pose2, Twist2
 

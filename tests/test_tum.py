@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.lab.trajectories.files.reading import parse_tum, read_trajectory, write_tum
+from app.lab.trajectories.reading import parse_tum, read_trajectory, write_tum
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 ROW = "1.5 1 2 3 0 0 0 1\n"

@@ -20,7 +20,7 @@ from app.recordings.attachments import (
     Contents,
     as_toml,
 )
-from app.recordings.replay.recorded.robot import RecordedRobot
+from app.recordings.replay.recorded_robot import RecordedRobot
 from app.settings.config import MAPS, Config
 from app.settings.provenance import versions
 from robot.description.spec import SPIKE, RobotSpec

@@ -13,7 +13,7 @@ import numpy as np
 
 from app.console import say
 from app.files import make_folder
-from app.lab.trajectories.files.reading import write_tum
+from app.lab.trajectories.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.page.access_options import ACCESS_OPTIONS, announce, certificate_of, tokens_of
 from app.page.listening import listen

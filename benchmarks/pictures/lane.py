@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from app.command_line import main
-from app.lab.trajectories.files.reading import parse_tum, write_tum
+from app.lab.trajectories.reading import parse_tum, write_tum
 from app.settings.config import ROOT
 from benchmarks.pictures.overhead import Aligned, Overhead, align
 from benchmarks.result import Result

@@ -22,16 +22,16 @@ from app.engine.program import Program
 from app.engine.start_pose.pose_file import PoseFileError
 from app.engine.start_pose.pose_file import read as read_pose
 from app.lab.sweep.sweep_file import load_sweep
-from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
 from app.messages.commands import ErrorMessage, parse
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.remote_robot import parse_received
 from app.recordings.replay.opening import read_filter_config
-from app.recordings.replay.recorded.parts import RecordedParts
-from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.recorded.ticks import RecordedTopics
+from app.recordings.replay.parts import RecordedParts
+from app.recordings.replay.recorded_robot import RecordedRobot
+from app.recordings.replay.ticks import RecordedTopics
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.session import Session
 from app.ros2.inbox import Inbox

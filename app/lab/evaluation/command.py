@@ -14,7 +14,7 @@ from app.lab.evaluation.results import condition_table, trajectory
 from app.lab.evaluation.runs import Run
 from app.lab.evaluation.scores import SHOWN
 from app.lab.report_page import millimetres, seconds
-from app.lab.trajectories.files.reading import write_tum
+from app.lab.trajectories.reading import write_tum
 from app.lab.workers import Workers, workers
 from app.options import config_of
 from app.settings.config import MAPS

@@ -16,8 +16,8 @@ from app.lab.evaluation.scores import SHOWN, score
 from app.lab.report_page import embedded, page
 from app.lab.trajectories.association import associate
 from app.lab.trajectories.clock_offset import ClockOffset, require_same_run
-from app.lab.trajectories.files.reading import read_trajectory, write_tum
 from app.lab.trajectories.metrics import absolute_errors, align, ate_rmse, fit_scale
+from app.lab.trajectories.reading import read_trajectory, write_tum
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from app.settings.provenance import versions
 from robot.settings import SettingError

@@ -17,7 +17,7 @@ from app.lab.localize.picture import draw
 from app.lab.localize.reading.layout import Chosen, Layout
 from app.lab.localize.reading.pairing import SkippedCounts
 from app.lab.localize.settings import LocalizeSettings
-from app.lab.trajectories.files.reading import write_tum
+from app.lab.trajectories.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.provenance import settings_of, versions
 from robot.geometry import Pose2

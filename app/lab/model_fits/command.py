@@ -19,7 +19,7 @@ from app.lab.model_fits.motion_statistics import MotionStatistics, recorded_moti
 from app.lab.model_fits.sensor_statistics import SensorStatistics, scanned_drives
 from app.lab.report_page import millimetres
 from app.lab.trajectories.clock_offset import require_same_run
-from app.lab.trajectories.files.reading import read_trajectory
+from app.lab.trajectories.reading import read_trajectory
 from app.lab.trajectories.trajectory import TrajectoryError
 from app.lab.workers import Workers
 from app.options import config_of

@@ -16,11 +16,11 @@ from app.engine.start_pose.start import Start, start
 from app.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader, open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.parts import RecordedParts, first_estimate
-from app.recordings.replay.recorded.robot import RecordedRobot
-from app.recordings.replay.recorded.ticks import RecordedTopics
+from app.recordings.replay.parts import RecordedParts, first_estimate
+from app.recordings.replay.recorded_robot import RecordedRobot
 from app.recordings.replay.replay import Replay
 from app.recordings.replay.requests import ReplaySettings
+from app.recordings.replay.ticks import RecordedTopics
 from app.recordings.replay.timeline import Timeline
 from app.settings.config import MAPS, Config, by_path, with_settings
 from robot.calibration.profile import load_profile

@@ -16,7 +16,7 @@ import numpy as np
 from app.engine.problems import LOG
 from app.engine.snapshot import ReplayState, Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
-from app.recordings.replay.recorded.preview import Preview
+from app.recordings.replay.preview import Preview
 from app.recordings.replay.requests import RequestMailbox
 from app.recordings.replay.timeline import Timeline
 from robot.interface import Frame

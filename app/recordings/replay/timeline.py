@@ -16,9 +16,9 @@ from app.engine.commands import RULES, Repeat
 from app.engine.engine import Engine
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
-from app.recordings.replay.recorded.position import ReadPosition
-from app.recordings.replay.recorded.preview import Preview, picture_before, preview
-from app.recordings.replay.recorded.robot import RecordedRobot
+from app.recordings.replay.position import ReadPosition
+from app.recordings.replay.preview import Preview, picture_before, preview
+from app.recordings.replay.recorded_robot import RecordedRobot
 from app.recordings.replay.requests import ReplaySettings, refused
 from robot.fields.field import Field
 from robot.geometry import Pose2

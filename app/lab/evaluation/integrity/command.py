@@ -19,8 +19,7 @@ from app.lab.evaluation.integrity.experiment import (
     map_stem,
 )
 from app.lab.evaluation.integrity.integrity_report import IntegrityResults, report
-from app.lab.evaluation.integrity.stanford import Stanford
-from app.lab.evaluation.integrity.summary import Row, summary_of
+from app.lab.evaluation.integrity.summary import Row, Stanford, summary_of
 from app.lab.workers import Workers
 from app.settings.config import Config, load_config
 from app.settings.provenance import changed_settings, versions

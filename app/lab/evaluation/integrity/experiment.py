@@ -13,7 +13,7 @@ from app.lab.evaluation.integrity.claims import STARTS, claims_csv, follow_claim
 from app.lab.evaluation.integrity.drives import TrialDrive, carried_drive, lap_drive
 from app.lab.evaluation.integrity.measures import measures
 from app.lab.evaluation.integrity.oracle import decided_stamp, decision_measures
-from app.lab.evaluation.integrity.stanford import Stanford, counted
+from app.lab.evaluation.integrity.summary import Stanford, counted
 from app.lab.workers import Workers
 from app.settings.conditions import apply_condition, require_condition
 from app.settings.config import MAPS, Config

@@ -15,8 +15,14 @@ from matplotlib.colors import LogNorm
 from app.lab.evaluation.integrity.claims import STATE, read_numbers
 from app.lab.evaluation.integrity.drives import CARRY_STAMP
 from app.lab.evaluation.integrity.experiment import CARRIED, IntegrityExperiment
-from app.lab.evaluation.integrity.stanford import HEADING_BINS, PLACE_BINS, Stanford, trade
-from app.lab.evaluation.integrity.summary import NO_ALERT, Row
+from app.lab.evaluation.integrity.summary import (
+    HEADING_BINS,
+    NO_ALERT,
+    PLACE_BINS,
+    Row,
+    Stanford,
+    trade,
+)
 from app.lab.evaluation.scores import PLACE_XY, Mask
 from app.lab.report_page import embedded, page, svg_figure
 from app.settings.provenance import settings_of

@@ -16,7 +16,7 @@ from app.lab.localize.localize import Start
 from app.lab.localize.pictures.follow import LocatedPicture, LocatedPictures, PictureRun
 from app.lab.localize.pictures.motion import RecordedOdometry
 from app.lab.localize.pictures.sequence import SequenceError, read_sequence
-from app.lab.trajectories.files.reading import read_trajectory, write_tum
+from app.lab.trajectories.reading import read_trajectory, write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.config import MAPS, Config, load_config
 from robot.cameras.camera import Picture

@@ -13,8 +13,8 @@ import numpy as np
 from app.recordings.attachments import PROFILE, SETTINGS, URDF
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.decoding import ContentError, pose_and_covariance_of
-from app.recordings.replay.recorded.ticks import RecordedTopics
+from app.recordings.replay.decoding import ContentError, pose_and_covariance_of
+from app.recordings.replay.ticks import RecordedTopics
 from app.ros2.message_types import MessageError
 from app.settings.config import MAPS, Config, as_table, by_path, from_table, new_name
 from robot.calibration.profile import load_profile

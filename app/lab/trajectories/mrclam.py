@@ -1,8 +1,7 @@
 """Read text files of the UTIAS multi-robot data set (MRCLAM): truth or wheel odometry of a robot.
 
 Leung, Halpern, Barfoot, Liu, The UTIAS Multi-Robot Cooperative Localization and Mapping Dataset,
-IJRR 2011. The comments at the top say which of the two a file holds.
-"""
+IJRR 2011. The comments at the top say which of the two a file holds."""
 
 from __future__ import annotations
 
@@ -10,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from app.lab.trajectories.files.text_file import comments, numbered, rows_of_numbers
+from app.lab.trajectories.text_file import comments, numbered, rows_of_numbers
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array, heading_vectors
 

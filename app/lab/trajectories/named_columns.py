@@ -2,8 +2,7 @@
 
 EuRoC's ground truth begins ``#timestamp [ns], p_RS_R_x [m], ..., q_RS_w [], q_RS_x [], ...``
 (Burri et al., The EuRoC micro aerial vehicle datasets, IJRR 2016); others write ``stamp,x,y,z`` and
-``q_w,q_x,q_y,q_z`` or ``qx,qy,qz,qw``. Columns with other names are ignored.
-"""
+``q_w,q_x,q_y,q_z`` or ``qx,qy,qz,qw``. Columns with other names are ignored."""
 
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.lab.trajectories.files.text_file import as_numbers, comments, number_from, numbered
+from app.lab.trajectories.text_file import as_numbers, comments, number_from, numbered
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 
 QUANTITIES = ("stamp", "x", "y", "z", "qx", "qy", "qz", "qw")

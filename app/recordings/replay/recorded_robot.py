@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Generator
+from collections.abc import Generator
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
 from app.messages.commands import Command
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.decoding import (
-    ContentError,
+from app.recordings.replay.decoding import (
     commands_of,
     joints_of,
     picture_of,
@@ -22,18 +20,12 @@ from app.recordings.replay.recorded.decoding import (
     truth_of,
     twist_of,
 )
-from app.recordings.replay.recorded.position import NextTick, ReadPosition
-from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics, joined, ticks
-from app.ros2.message_types import MessageError
+from app.recordings.replay.position import BAD, NextTick, ReadPosition, TickMessages
+from app.recordings.replay.ticks import RecordedTick, RecordedTopics, joined, ticks
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.geometry import Array, Pose2
 from robot.interface import Frame, Reading, RobotError
-
-T = TypeVar("T")
-
-BAD = (MessageError, ContentError, ValueError, TypeError, AttributeError)
-"""Exceptions from decoding a message that does not fit its type."""
 
 
 class RecordedRobot:
@@ -160,7 +152,7 @@ class RecordedRobot:
         measured = next_tick.velocities
         if measured is None:
             measured = turned / max((place.now_ns - before.now_ns) / 1e9, 1e-3)
-        given = _TickMessages(next_tick)
+        given = TickMessages(next_tick)
         place = place.moved(self._drive.moved(turned)).with_status(given, self.topics)
         place = self._with_truth(given, before, place, turned)
         frame = self._frame(given, place.shift_ns)
@@ -186,7 +178,7 @@ class RecordedRobot:
         )
 
     def _with_truth(
-        self, messages: _TickMessages, before: ReadPosition, place: ReadPosition, turned: Array
+        self, messages: TickMessages, before: ReadPosition, place: ReadPosition, turned: Array
     ) -> ReadPosition:
         result = messages.of(self.topics.truth, truth_of)
         if result is None:
@@ -197,42 +189,21 @@ class RecordedRobot:
         truth = result[1] @ self._drive.moved(part * turned)
         return replace(place, truth=truth, truth_ns=place.now_ns)
 
-    def _frame(self, messages: _TickMessages, shift_ns: int) -> Frame | None:
+    def _frame(self, messages: TickMessages, shift_ns: int) -> Frame | None:
         lens = self.spec.lens
         result = messages.of(
             self.topics.picture, lambda cdr: picture_of(cdr, (lens.height, lens.width))
         )
         return None if result is None else Frame((result[0] + shift_ns) / 1e9, result[1])
 
-    def _tell_then(self, messages: _TickMessages, shift_ns: int) -> None:
+    def _tell_then(self, messages: TickMessages, shift_ns: int) -> None:
         result = messages.of(self.topics.amcl_pose, pose_and_covariance_of)
         self.recorded_estimate = (
             None if result is None else ((result[0] + shift_ns) / 1e9, result[1])
         )
 
-    def _tell_applied(self, messages: _TickMessages, measured: Array) -> None:
+    def _tell_applied(self, messages: TickMessages, measured: Array) -> None:
         twist = messages.of(self.topics.cmd_vel, twist_of)
         self._applied = measured if twist is None else self._drive.wheels(twist)
         for topic, cdr in messages.tick.commands:
             messages.read(commands_of if topic == self.topics.command else set_pose_of, cdr)
-
-
-class _TickMessages:
-    """The messages of a tick; one that cannot be read counts as missing, and is reported."""
-
-    def __init__(self, next_tick: NextTick) -> None:
-        self.tick = next_tick.tick
-        self.trouble = next_tick.trouble
-
-    def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
-        """Decode the newest message of a topic; None if there is none that can be read."""
-        cdr = self.tick.newest.get(topic)
-        return None if cdr is None else self.read(read, cdr)
-
-    def read(self, read: Callable[[bytes], T], cdr: bytes) -> T | None:
-        """Decode a message; None if it cannot be read."""
-        try:
-            return read(cdr)
-        except BAD as error:
-            self.trouble = str(error)
-            return None

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from app.files import atomic_file
-from app.lab.trajectories.files.motive import is_motive, parse_motive
-from app.lab.trajectories.files.mrclam import content_of, parse_mrclam
-from app.lab.trajectories.files.named_columns import header_of, parse_named
-from app.lab.trajectories.files.text_file import (
+from app.lab.trajectories.motive import is_motive, parse_motive
+from app.lab.trajectories.mrclam import content_of, parse_mrclam
+from app.lab.trajectories.named_columns import header_of, parse_named
+from app.lab.trajectories.text_file import (
     comments,
     number_from,
     numbered,

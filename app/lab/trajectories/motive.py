@@ -4,8 +4,7 @@ The first line holds pairs of key and value (``Format Version,1.23,Take Name,...
 above the data has rows of Type, Name, ID, in newer versions Parent, and of Rotation or Position;
 its last row begins with ``Frame,Time (Seconds)`` and names the axes. Columns of markers, of
 skeletons and of the mean marker error lie between those of rigid bodies. Where a body was lost,
-its cells are empty.
-"""
+its cells are empty."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.lab.trajectories.files.text_file import as_numbers
+from app.lab.trajectories.text_file import as_numbers
 from app.lab.trajectories.trajectory import Trajectory, TrajectoryError
 from robot.geometry import Array
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
-from app.recordings.replay.recorded.decoding import health_of, volts_of
-from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics
+from app.recordings.replay.decoding import ContentError, health_of, volts_of
+from app.recordings.replay.ticks import RecordedTick, RecordedTopics
+from app.ros2.message_types import MessageError
 from robot.geometry import Array, Pose2
 
 SHOWN_NS = 2_000_000_000
@@ -28,14 +29,6 @@ USUAL_NS, LONGEST_NS = 20_000_000, 1_000_000_000
 T = TypeVar("T")
 
 
-class TickMessages(Protocol):
-    """The messages of a tick."""
-
-    def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
-        """Decode the newest message of a topic; None if there is none that can be read."""
-        ...
-
-
 @dataclass(frozen=True, slots=True)
 class NextTick:
     """The tick that comes next, with its joints."""
@@ -45,6 +38,31 @@ class NextTick:
     positions: Array
     velocities: Array | None
     trouble: str
+
+
+BAD = (MessageError, ContentError, ValueError, TypeError, AttributeError)
+"""Exceptions from decoding a message that does not fit its type."""
+
+
+class TickMessages:
+    """The messages of a tick; one that cannot be read counts as missing, and is reported."""
+
+    def __init__(self, next_tick: NextTick) -> None:
+        self.tick = next_tick.tick
+        self.trouble = next_tick.trouble
+
+    def of(self, topic: str, read: Callable[[bytes], T]) -> T | None:
+        """Decode the newest message of a topic; None if there is none that can be read."""
+        cdr = self.tick.newest.get(topic)
+        return None if cdr is None else self.read(read, cdr)
+
+    def read(self, read: Callable[[bytes], T], cdr: bytes) -> T | None:
+        """Decode a message; None if it cannot be read."""
+        try:
+            return read(cdr)
+        except BAD as error:
+            self.trouble = str(error)
+            return None
 
 
 @dataclass(frozen=True)

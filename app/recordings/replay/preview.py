@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from app.recordings.files.mcap_reader import RecordingReader
 from app.recordings.files.recorded import RecordingError
-from app.recordings.replay.recorded.decoding import (
+from app.recordings.replay.decoding import (
     ContentError,
     picture_of,
     pose_and_covariance_of,
     truth_of,
 )
-from app.recordings.replay.recorded.ticks import RecordedTick, RecordedTopics, ticks
+from app.recordings.replay.ticks import RecordedTick, RecordedTopics, ticks
 from app.ros2.message_types import MessageError
 from robot.geometry import Pose2
 from robot.interface import Frame

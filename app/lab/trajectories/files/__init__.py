@@ -1,1 +1,0 @@
-"""Files of trajectories: TUM text, tables with a header, Motive's CSV and MRCLAM."""

@@ -1,1 +1,0 @@
-"""Presents the content of a recording in the way a robot would."""
