@@ -17,8 +17,8 @@ from robot.cameras.picture_socket import PictureSocket
 from robot.errors import PortError
 from robot.geometry import Pose2, Twist2
 from sim.floor_camera import CameraSettings
-from sim.hat_emulator.line_server import listen, stop_listening
 from sim.hat_emulator.picture_server import PictureServer, PictureServerError, Shot
+from sim.hat_emulator.pseudo_terminal import listen, stop_listening
 from sim.hat_emulator.surroundings import CameraFeed
 
 STANDING = Twist2(0.0, 0.0)

@@ -20,7 +20,7 @@ from robot.errors import BrickPoseError
 from robot.geometry import Pose2, Twist2
 from robot.worker_thread import WorkerThread
 from sim.floor_camera import FloorCamera
-from sim.hat_emulator.line_server import listen, stop_listening
+from sim.hat_emulator.pseudo_terminal import listen, stop_listening
 
 JOIN_TIMEOUT = 5.0
 """How long the thread may take to end [s]."""
