@@ -25,7 +25,7 @@ SPEAKING = (
     "robot/calibration/lens/coverage.py", "robot/calibration/lens/guide.py",
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
-    "robot/localization/integrity.py", "robot/localization/monitoring/causes.py",
+    "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
     "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
 )  # fmt: skip
 """Modules in which every sentence is a text, but their documentation."""
