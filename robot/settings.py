@@ -91,6 +91,7 @@ def _number(value: float) -> str:
     if isinstance(value, int) and value.bit_length() <= 64:
         return str(value)
     try:
-        return f"{value:g}"
+        whole = float(value).is_integer() and abs(value) < 1e15
+        return f"{value:.0f}" if whole else f"{value:g}"
     except OverflowError:
         return "a very large number"

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.languages.catalogue import Catalogue, catalogue, languages, spoken
+from app.languages.catalogue import FOLDER, Catalogue, catalogue, languages, spoken
+from app.languages.extraction import ROOT, SILENT, SPEAKING, TELLING, Text, texts
 from app.languages.markup import texts_of_page, translated
 from app.languages.python_texts import texts_of_module
+from app.languages.script_texts import texts_of_script
 from app.languages.templates import Templates
+from app.languages.update import faults, read, updated
 from app.page.language import accepted
 
 GERMAN = Templates(
@@ -63,7 +67,7 @@ def test_texts_of_python_are_found_as_they_will_be_told(tmp_path: Path) -> None:
         '"""Some documentation."""\n'
         "def f(a, b):\n"
         '    raise OddError(f"{a.path} has {len(b.items)} of {b.items[0]:.1f}; " + a.path)\n'
-        'x = text("marked")\n'
+        'x = phrase("marked")\n'
         'y = tn("one thing", "{count} things", 3)\n'
         'z = "not a text"\n'
     )
@@ -126,3 +130,69 @@ def test_browsers_languages_are_read_in_their_order(header: str, wanted: list[st
 
 def test_there_are_english_and_german() -> None:
     assert languages()[:2] == ("en", "de")
+
+
+def test_listed_modules_exist() -> None:
+    """A module that is moved takes its place in the lists along."""
+    assert not [way for way in (*TELLING, *SPEAKING, *SILENT) if not (ROOT / way).exists()]
+
+
+@pytest.fixture(scope="module")
+def wanted() -> set[Text]:
+    return texts()
+
+
+@pytest.mark.parametrize("code", languages()[1:])
+def test_a_language_has_each_text_with_its_places_and_no_more(code: str, wanted) -> None:
+    found = faults(read(FOLDER / f"{code}.po"), wanted)
+    assert not found, "run python -m app.languages.update, and translate what is new"
+
+
+def test_a_fault_of_each_kind_is_found() -> None:
+    wanted: set[Text] = {"new", "{x} mm", ("{count} ray", "{count} rays")}
+    old = read(FOLDER / "de.po")
+    half = updated(old, {"{x} mm", "gone"})
+    half["{x} mm"].string = "{y} mm"
+    told = faults(half, wanted)
+    assert told == ["lacks: new", "lacks: {count} ray", "is in no code: gone",
+                    "has other places: {y} mm"]  # fmt: skip
+
+
+def test_texts_of_scripts_are_found() -> None:
+    script = """export function t(text) {}
+    a(`${t("one")}`, t("two {x}", { x: t("three") }), set("no"), tn(
+      "{count} ray",
+      "{count} rays", 2), that.t("no"), start("no"));"""
+    assert list(texts_of_script(script)) == [
+        "one", "two {x}", "three", ("{count} ray", "{count} rays"),
+    ]  # fmt: skip
+    with pytest.raises(ValueError, match=r"line 2: .* written out"):
+        list(texts_of_script("\nt(words)"))
+
+
+SENTENCE = re.compile(r"""(["`])((?:(?!\1)[^\\\n]|\\.)*)\1""")
+"""A string of JavaScript."""
+
+
+def test_no_script_says_a_sentence_that_is_no_text(wanted) -> None:
+    """What is an error of the page's own code, a selector or a format is none."""
+    known = {each for text in wanted for each in ([text] if isinstance(text, str) else text)}
+    for path in sorted((ROOT / "frontend").rglob("*.js")):
+        code = re.sub(
+            r"/\*.*?\*/|//[^\n]*|(new Error|console\.\w+)\([^;]*;", "", path.read_text(), flags=re.S
+        )
+        said = {re.sub(r"\$\{.*\}", "", match[2]) for match in SENTENCE.finditer(code)}
+        words = {text for text in said if re.search(r"[a-z]{2,} [a-z]{2,} [a-z]{2,}", text)}
+        assert words <= known, path.name
+
+
+def test_the_programs_own_words_are_told_in_german() -> None:
+    own = catalogue("de")
+    assert own.translated("max_particles is 5; valid is 10 to 20000") == (
+        "max_particles ist 5; gültig ist 10 bis 20000"
+    )
+    told = "The robot stands still: mine.py line 3: Mine gives None; is its `return` missing?"
+    assert "mine.py line 3: Mine liefert None; fehlt das `return`?" in own.translated(told)
+    late = own.translated("pictures seem to come 20 ms late")
+    assert late == "Bilder scheinen 20 ms zu spät zu kommen"
+    assert own.translated("page 2 at 192.168.1.7") == "Seite 2 auf 192.168.1.7"

@@ -46,8 +46,8 @@ MOTION = "class Mine:\n    def sample(self, poses, moved, rng):\n        {}\n"
         (SENSOR.format("return missing"), "line 3: NameError: name 'missing' is not defined"),
         (SENSOR.format("pass"), "line 2: log_likelihood gives None; is its `return` missing"),
         (SENSOR.format("return poses"), r"line 2: .* the shape \(2, 3\); valid is \(2,\)"),
-        (SENSOR.format("return poses[:, 0] * float('nan')"), "line 2: .* gives nan in 2 of 2"),
-        (SENSOR.format("return poses[:, 0] - float('inf')"), "line 2: .* gives -inf in 2 of 2"),
+        (SENSOR.format("return poses[:, 0] * float('nan')"), "line 2: .* gives nan for 2 of 2"),
+        (SENSOR.format("return poses[:, 0] - float('inf')"), "line 2: .* gives -inf for 2 of 2"),
         (SENSOR.format("return 'high'"), "line 2: ValueError: could not convert string"),
         (SENSOR.format("return self.log_likelihood(poses, scan)"), "line 3: RecursionError"),
         (SENSOR.format("exit(3)"), "line 3: (NameError|SystemExit)"),
@@ -67,7 +67,7 @@ def test_a_broken_sensor_model_is_told_with_its_line(save, text, told):
         ("return moved.z", "line 3: AttributeError"),
         ("return poses[:, :2]", r"line 2: .* the shape \(2, 2\); valid is \(2, 3\)"),
         ("return poses / 0 if len(poses) > 2 else poses", "line (2|3): .*"),
-        ("return poses + 1e12", "line 2: sample gives 1000000000000.* in 6 of 6"),
+        ("return poses + 1e12", "line 2: sample gives 1000000000000.* for 6 of 6"),
     ],
 )
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")

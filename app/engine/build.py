@@ -19,6 +19,7 @@ from app.engine.own_models.own_models import OwnModels
 from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
+from app.languages.marking import phrase
 from app.settings.config import MAPS, Config
 from app.settings.groups import InitialPose
 from app.settings.profiles import profile_file
@@ -255,7 +256,7 @@ def build_simulated(
         seen, imperfections = true.floor_view, config.sim.imperfections
         bump = imperfections.bump_time, bumped(true, imperfections).floor_view
         return SimulatedRobot(
-            "Simulated robot",
+            phrase("Simulated robot"),
             spec,
             field,
             world,
@@ -268,7 +269,7 @@ def build_simulated(
         )
     perfect = Encoders(spec, Imperfections.none(), rng)
     return SimulatedRobot(
-        "Kinematic robot",
+        phrase("Kinematic robot"),
         spec,
         field,
         KinematicWorld(spec, field.start),

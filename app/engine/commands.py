@@ -209,10 +209,10 @@ def _check_inside(command: PlaceCommand, field: Field) -> None:
 
 def _require_inside(pose: Pose2, field: Field) -> None:
     if not field.contains(pose):
-        xmin, ymin, xmax, ymax = field.extent
+        xmin, ymin, xmax, ymax = (1000.0 * edge for edge in field.extent)
         raise CommandError(
-            f"({pose.x:g}, {pose.y:g}) m is off the map; x is {xmin:g} to {xmax:g} "
-            f"and y is {ymin:g} to {ymax:g}"
+            f"x {1000.0 * pose.x:.0f} mm, y {1000.0 * pose.y:.0f} mm is off the map; x is "
+            f"{xmin:.0f} to {xmax:.0f} mm and y is {ymin:.0f} to {ymax:.0f} mm"
         )
 
 

@@ -35,9 +35,9 @@ class Driver:
 
     @classmethod
     def numbered(cls, kind: str, address: str | None = None) -> Driver:
-        """Return a new client of a kind of which there may be many, such as ``page``."""
-        place = f" at {address}" if address and address not in OWN else ""
-        return cls(f"{kind} {next(_numbers)}{place}")
+        """Return a new client of a kind of which there may be many, such as ``page {number}``."""
+        name = kind.format(number=next(_numbers))
+        return cls(f"{name} at {address}" if address and address not in OWN else name)
 
 
 @dataclass(slots=True)

@@ -14,23 +14,28 @@ Text = str | tuple[str, str]
 """A text, or its singular and plural."""
 
 TELLING = (
-    "app/course", "app/engine", "app/messages/commands.py", "app/page", "app/recordings",
+    "app/engine", "app/messages/commands.py", "app/page", "app/recordings",
     "robot/calibration", "robot/cameras", "robot/fields", "robot/hat", "robot/interface.py",
     "robot/localization", "robot/mapping", "robot/settings.py", "robot/toml_file.py",
 )  # fmt: skip
 """Where errors come from that the page shows: their messages are texts."""
 SPEAKING = (
-    "app/engine/mapping/drawing_work.py", "app/engine/own_models/own_models.py",
+    "app/engine/drivers.py", "app/engine/mapping/drawing_work.py",
+    "app/engine/own_models/own_models.py",
     "app/page/profile.py", "app/recordings/recorder.py", "robot/calibration/calibrate.py",
     "robot/calibration/lens/coverage.py", "robot/calibration/lens/guide.py",
     "robot/calibration/model_check.py", "robot/calibration/tracker.py",
     "robot/hat/start/troubles.py", "robot/hat/start/upload.py",
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
-    "robot/mapping/pushed.py", "robot/mapping/tape_map.py",
+    "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/settings.py",
 )  # fmt: skip
 """Modules in which every sentence is a text, but their documentation."""
-SILENT = ("app/page/access_options.py", "app/page/docs_page.py", "app/page/listening.py",
-    "app/recordings/remote.py", "app/recordings/remote_robot.py", "app/recordings/options.py",
+SILENT = (
+    "app/languages", "app/page/access_options.py", "app/page/docs_page.py",
+    "app/page/listening.py", "app/page/tokens.py", "app/recordings/options.py",
+    "app/recordings/remote.py", "app/recordings/remote_robot.py",
+    "robot/calibration/mounting", "robot/hat/settings.py",
+    "robot/hat/start/firmware_image.py", "robot/hat/start/reset_line.py",
 )  # fmt: skip
 """Modules that speak to whoever starts the program, not to the page."""
 
@@ -54,5 +59,5 @@ def _in_python(root: Path) -> Iterator[Text]:
     for room in ("app", "robot"):
         for path in sorted((root / room).rglob("*.py")):
             way = path.relative_to(root).as_posix()
-            if way not in SILENT and not way.startswith("app/languages/"):
+            if not way.startswith(SILENT):
                 yield from texts_of_module(path, way.startswith(TELLING), way in SPEAKING)

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 
-def text(message: str) -> str:
+def phrase(message: str) -> str:
     """Return a message as it is: marks it as one to be translated when it is shown."""
     return message

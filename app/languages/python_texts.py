@@ -10,9 +10,7 @@ from pathlib import Path
 
 from app.languages.markup import is_text, one_line
 
-MARKED = ("text", "t", "tn")
-"""Calls whose texts are for people, in any module."""
-TELLING = ("HTTPException", "setting", "refusal")
+TELLING = ("HTTPException", "setting")
 """Calls, besides errors, whose texts are for people where the page shows them."""
 LAST_NAME = re.compile(r"([A-Za-z_]\w*)\W*$")
 
@@ -32,7 +30,7 @@ def texts_of_module(path: Path, errors: bool, all_of_it: bool) -> Iterator[str |
         name = _called(node)
         if name == "tn" and len(node.args) > 1:
             yield _literal(node.args[0]), _literal(node.args[1])
-        elif name in MARKED:
+        elif name == "phrase" or (name == "t" and isinstance(node.func, ast.Attribute)):
             yield from _texts_in(node.args[:1])
         elif errors and (name in TELLING or name.endswith("Error")):
             yield from (each for each in _texts_in(node.args) if " " in each)

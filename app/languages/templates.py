@@ -24,7 +24,6 @@ class Template:
     """Of its fixed parts: quickly tells most texts apart."""
     certainty: int
     """How many characters of it are fixed."""
-    names: tuple[str, ...]
     translation: str
 
 
@@ -53,8 +52,9 @@ class Templates:
         for each in self._templates:
             match = each.pattern.fullmatch(text) if each.longest in text else None
             if match is not None:
-                parts = (self.translated(value, depth + 1) for value in match.groups())
-                return filled(each.translation, dict(zip(each.names, parts, strict=True)))
+                values = match.groupdict().items()
+                own = {name: self.translated(value, depth + 1) for name, value in values}
+                return filled(each.translation, own)
         return self._by_parts(text, depth)
 
     def _by_parts(self, text: str, depth: int) -> str:
@@ -75,18 +75,19 @@ def template(text: str, translation: str) -> Template:
     """Make the template of a text."""
     pieces = PLACE.split(text)
     fixed, names = pieces[::2], pieces[1::2]
-    pattern = "".join(_alternating(fixed, len(names)))
+    pattern = "".join(_alternating(fixed, names))
     return Template(
         re.compile(pattern, re.DOTALL),
         max(fixed, key=len),
         sum(len(part.strip()) for part in fixed),
-        tuple(names),
         translation,
     )
 
 
-def _alternating(fixed: list[str], places: int) -> Iterator[str]:
+def _alternating(fixed: list[str], names: list[str]) -> Iterator[str]:
     for number, part in enumerate(fixed):
         yield re.escape(part)
-        if number < places:
-            yield "(.*?)"
+        if number < len(names):
+            name = names[number]
+            # The same value stands wherever its name does.
+            yield f"(?P={name})" if name in names[:number] else f"(?P<{name}>.*?)"

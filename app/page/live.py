@@ -18,6 +18,7 @@ from app.engine.mailboxes.slow_lane import SlowLane
 from app.engine.mailboxes.websocket_writer import WebsocketWriter
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
+from app.languages.marking import phrase
 from app.messages.commands import (
     AckMessage,
     Command,
@@ -88,7 +89,7 @@ class _Viewer:
         self._engine = live.program.engine
         self._socket = socket
         self._role = role_in(socket.scope)
-        self.driver = Driver.numbered("page", socket.client and socket.client.host)
+        self.driver = Driver.numbered(phrase("page {number}"), socket.client and socket.client.host)
         self._outgoing = WebsocketWriter(socket)
         self._slow_lane = SlowLane()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from app.languages.marking import phrase
 from app.messages.answers import ProfileMessage
 from robot.errors import BrickPoseError
 from robot.scanning.line_scanner import LineScan, LineScanner
@@ -47,7 +48,7 @@ def profile(scanner: LineScanner, line_scan: LineScan, ray: int) -> ProfileMessa
 
 def _why(scanner: LineScanner, verdict: Verdict, width: float) -> str:
     wanted = scanner.settings
-    darker, brighter = "dark", "bright"
+    darker, brighter = phrase("dark"), phrase("bright")
     if all(look.light for look in scanner.looks):
         darker, brighter = brighter, darker
     known = {width for look in scanner.looks for width in look.all_widths}

@@ -28,7 +28,7 @@ class Rosbridge:
     async def serve(self, socket: WebSocket, *, watches: bool = False) -> None:
         """Talk to one client until it leaves; whether it only watches."""
         bridge = await self._clients.shared()
-        driver = Driver.numbered("rosbridge", socket.client and socket.client.host)
+        driver = Driver.numbered("rosbridge {number}", socket.client and socket.client.host)
         await self._clients.talk(
             socket, lambda waiting: RosbridgeSession(bridge, waiting.set, driver, watches=watches)
         )
@@ -56,7 +56,7 @@ class Foxglove:
             )
             return
         offer = await self._clients.shared()
-        driver = Driver.numbered("Foxglove", socket.client and socket.client.host)
+        driver = Driver.numbered("Foxglove {number}", socket.client and socket.client.host)
         refusal = WATCHES if watches else SWITCHED_OFF
         allowed = self._settings.foxglove_commands and not watches
         await self._clients.talk(

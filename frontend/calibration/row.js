@@ -1,5 +1,5 @@
 // @ts-check
-import { t, translated } from "../page/language.js";
+import { t } from "../page/language.js";
 import { make, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
 
@@ -7,6 +7,21 @@ import { plain } from "../page/format.js";
 
 /** @type {Record<string, string>} */
 const UNITS = { degree: "°", mm: " mm", ms: " ms", "%": " %" };
+
+/** @type {Record<string, string>} */
+const NAMES = {
+  camera_roll: t("camera roll"),
+  camera_pitch: t("camera pitch"),
+  camera_yaw: t("camera yaw"),
+  camera_x: t("camera x"),
+  camera_y: t("camera y"),
+  camera_z: t("camera z"),
+  focal_length: t("focal length"),
+  picture_delay: t("picture delay"),
+  left_radius: t("left radius"),
+  right_radius: t("right radius"),
+  wheel_separation: t("wheel separation"),
+};
 
 /** One number of the robot: its value, and how far it is known, as a bar and in figures. */
 export class UnknownRow {
@@ -17,7 +32,7 @@ export class UnknownRow {
   /** @param {UnknownMessage} unknown */
   constructor({ name }) {
     const bar = make("span", { class: "scale", "aria-hidden": "true" }, this.#bar);
-    const words = make("span", {}, translated(name.replaceAll("_", " ")));
+    const words = make("span", {}, NAMES[name] ?? name.replaceAll("_", " "));
     this.element = make("li", {}, words, bar, this.#value, this.#interval);
   }
 

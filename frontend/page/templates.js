@@ -7,7 +7,6 @@
  * @property {RegExp} pattern
  * @property {string} longest of its fixed parts: quickly tells most texts apart
  * @property {number} certainty how many characters of it are fixed
- * @property {string[]} names
  * @property {string} translation
  */
 
@@ -59,9 +58,9 @@ export class Templates {
   }
 
   /** @param {Template} template @param {RegExpExecArray} found @param {number} depth */
-  #filled({ names, translation }, found, depth) {
+  #filled({ translation }, found, depth) {
     return translation.replaceAll(PLACE, (_, name) =>
-      this.#found(found[names.indexOf(name) + 1], depth + 1),
+      this.#found(found.groups?.[name] ?? "", depth + 1),
     );
   }
 
@@ -89,12 +88,22 @@ function templates(texts) {
 function template(text, translation) {
   const pieces = text.split(PLACE);
   const fixed = pieces.filter((_, i) => i % 2 === 0);
+  const names = pieces.filter((_, i) => i % 2 === 1);
   const escaped = fixed.map((part) => part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&"));
   return {
-    pattern: new RegExp(`^${escaped.join("(.*?)")}$`, "s"),
+    pattern: new RegExp(`^${alternating(escaped, names).join("")}$`, "s"),
     longest: fixed.reduce((a, b) => (b.length > a.length ? b : a)),
     certainty: fixed.reduce((sum, part) => sum + part.trim().length, 0),
-    names: pieces.filter((_, i) => i % 2 === 1),
     translation,
   };
+}
+
+/** @param {string[]} fixed @param {string[]} names */
+function alternating(fixed, names) {
+  return fixed.map((part, i) => {
+    if (i >= names.length) return part;
+    // The same value stands wherever its name does.
+    const known = names.indexOf(names[i]) < i;
+    return part + (known ? `\\k<${names[i]}>` : `(?<${names[i]}>.*?)`);
+  });
 }

@@ -69,8 +69,8 @@ class Guard:
         wrong = ~(np.abs(result) <= LARGEST)
         if wrong.any():
             raise OwnModelError(
-                f"{self._name} gives {result[wrong].flat[0]} in {wrong.sum()} of {wrong.size} "
-                f"places; valid are finite numbers up to {LARGEST:g}"
+                f"{self._name} gives {result[wrong].flat[0]} for {wrong.sum()} of "
+                f"{wrong.size} poses; valid are finite numbers up to {LARGEST:.0f}"
             )
         return result
 

@@ -97,7 +97,8 @@ class OwnModels:
         for slot in (self._sensor, self._motion):
             if slot.model is not None and slot.model.guard.seconds > SLOW_S:
                 took = 1e3 * slot.model.guard.seconds
-                return f"{slot.name} takes {took:.0f} ms; beyond {1e3 * SLOW_S:.0f} ms steps wait."
+                most = 1e3 * SLOW_S
+                return f"{slot.name} takes {took:.0f} ms; more than {most:.0f} ms delays the robot."
         return None
 
     def note_update(self) -> None:
