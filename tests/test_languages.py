@@ -170,6 +170,8 @@ def test_texts_of_scripts_are_found() -> None:
         list(texts_of_script("\nt(words)"))
 
 
+NOT_SAID = re.compile(r"/\*.*?\*/|//[^\n]*|(new Error|console\.\w+)\([^;]*;", re.DOTALL)
+"""Comments, and what only developers read."""
 SENTENCE = re.compile(r"""(["`])((?:(?!\1)[^\\\n]|\\.)*)\1""")
 """A string of JavaScript."""
 
