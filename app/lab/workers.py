@@ -48,7 +48,6 @@ class Workers(Protocol):
 
         Args:
             work: a module-level function, as another process looks it up by name.
-            jobs: the arguments of its calls.
         """
         ...
 

@@ -172,7 +172,6 @@ class Recorder:
         """Prepare to record; nothing is recorded before ``start``.
 
         Args:
-            publisher: where messages come from.
             settings: where recordings go, and how much is in them.
             contents: returns the facts and files for the beginning of each recording; called in
                 the recording's own thread.

@@ -50,7 +50,6 @@ def record(
     """Record until Ctrl-C or for a time; return the recording's folder.
 
     Args:
-        address: the program's address.
         out: the folder in which the recording's folder is made.
         seconds: how long to record [s]; None means until Ctrl-C.
         names: the topics' names; empty for all topics.

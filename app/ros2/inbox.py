@@ -40,7 +40,6 @@ class Inbox:
         Args:
             program: what is commanded.
             source: what commands are converted with.
-            drivers: the clients that may drive.
             carry_out: takes checked commands, also those that are not the engine's; by default
                 the engine takes all.
         """
@@ -68,7 +67,6 @@ class Inbox:
             name: the topic's name, without slash and namespace.
             type_name: the topic's type, as the sender gave it.
             message: an object of rosbags, or CDR with its header.
-            driver: the client that sent it.
 
         Raises:
             MessageError: there is no such topic or type, or the message is invalid; says why.

@@ -66,8 +66,6 @@ class Links:
         """Return the links of a robot description.
 
         Args:
-            spec: the robot description.
-            settings: the names of the frames.
             scan_x: how far in front of the robot's origin scans start [m].
 
         Raises:

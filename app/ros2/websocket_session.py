@@ -72,8 +72,6 @@ class Clients(Generic[Shared]):
         Args:
             socket: the client's websocket, not accepted yet.
             begin: makes its session; the wake-up is set when ``next`` has a message.
-            subprotocol: the subprotocol to accept.
-            greetings: the first messages.
         """
         if self._count >= MOST_CLIENTS:
             await socket.close(

@@ -126,7 +126,6 @@ def replay(
     """Run the filter on a recording; the same file, options and seed give the same result.
 
     Args:
-        path: of the recording.
         options: what differs from the recorded run.
         given: called every 500 ticks with the share that is done.
 

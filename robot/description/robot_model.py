@@ -197,8 +197,6 @@ def place_link(
 
     Args:
         root: the description; the origin of one joint is changed in it.
-        model: the same description.
-        link: name of the link.
         root_from_link: its pose (4, 4) in the frame of the root link.
     """
     joint, pose = model.holders[link], root_from_link

@@ -124,7 +124,6 @@ class RobotSpec:
         The URDF has the camera where it is; the lens is beside it, in the file that it names.
 
         Args:
-            lens: the lens.
             robot_from_camera: (4, 4) from the camera's optical frame to the robot frame.
         """
         root, model = parse_xml(self.urdf), read_model(self.urdf)

@@ -42,7 +42,6 @@ def cast_toward(
         y: start of the ray [m].
         dx: direction of the ray, a unit vector.
         dy: direction of the ray, a unit vector.
-        index: the edges.
         range_max: how far the ray reaches [m].
     """
     if index.columns * index.rows == 1:

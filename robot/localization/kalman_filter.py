@@ -186,7 +186,6 @@ def follow(pose: Pose2, covariance: Array, moved: Pose2, noise: Array) -> tuple[
     """Carry a pose with its covariance over a step: G Sigma G^T + V M V^T.
 
     Args:
-        pose: the pose in the map.
         covariance: Sigma (3, 3), the pose's covariance [m, m, rad].
         moved: the step, seen from its start.
         noise: M (3, 3), the covariance of the step's end, seen from its start.

@@ -91,7 +91,6 @@ class Localizer:
 
         Args:
             odometry: the robot in the odom frame, at the scan's stamp.
-            scan: the measurement.
 
         Returns:
             The estimate; None if the robot has hardly moved since the last scan, or if nothing is

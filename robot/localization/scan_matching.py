@@ -89,7 +89,6 @@ def fit_rays(
         start: the supposed pose (3,).
         known: its information (3, 3), the inverse of its covariance; zeros if nothing is known.
         rays: (n, 9) as ``rays_of`` returns them.
-        index: the field's edges.
         range_max: how far rays reach [m].
         sd: standard deviation of a range [m].
         gate: largest residual of a range that measures the edge [m].

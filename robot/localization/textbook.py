@@ -83,7 +83,6 @@ def beam_range_finder_model(
         poses: (n, 3) [m, m, rad] in the map; rays start at the robot's origin.
         bearings: (k,) [rad] of the rays, in the robot frame.
         ranges: (k,) [m], ``inf`` without a return.
-        edges: the map.
         p: z_hit, z_short, z_max, z_rand, sigma_hit, lambda_short and laser_max_range.
     """
     z_star = np.empty((len(poses), len(bearings)))

@@ -93,7 +93,6 @@ class LineScanner:
         """Make a scanner.
 
         Args:
-            view: the camera above the floor.
             settings: how pictures are searched; they may overrule what the tape looks like.
             tape: the kinds of tape on the field (``Field.tape``), the main one first.
         """

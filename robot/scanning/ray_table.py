@@ -51,7 +51,6 @@ class RayTable:
         """Follow each ray over the floor and sample it at even steps in the picture.
 
         Args:
-            view: the camera above the floor.
             bearings: (k,) [rad] in the robot frame.
             centre_x: where the rays start, ahead of the robot's origin [m].
             range_max: how far the rays are followed [m].

@@ -115,7 +115,6 @@ class Firmware:
         """Begin at the first instruction.
 
         Args:
-            write: queues text for the host.
             has_room: whether that queue is less than half full.
             power: the board's supply and fault lines.
             version: number and date of the version, as the firmware prints them.

@@ -115,7 +115,6 @@ def record(
         elapsed: time on the figure-eight at the start [s].
         kidnap: the stamp [s] at which the robot is carried off, and the pose where it is put; the
             robot does not notice.
-        scanner: replaces the program's scanner.
     """
     field = load_field(config.map, MAPS)
     if start is not None:

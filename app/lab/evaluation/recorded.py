@@ -55,8 +55,6 @@ def read_recording(
     """Read and associate two trajectories.
 
     Args:
-        recording: file of the estimated trajectory.
-        truth: file of the true trajectory.
         body: which rigid body of a Motive file.
         clock_offset: what to add to the recording's stamps [s], or "auto".
 

@@ -29,9 +29,7 @@ def draw(path: Path, localized: Localized, laser_map: LaserMap) -> None:
     """Write a PNG.
 
     Args:
-        path: of the file.
         localized: the filter's result; if it never was certain, its places at the end are shown.
-        laser_map: the map.
 
     Raises:
         OSError: the file cannot be written.

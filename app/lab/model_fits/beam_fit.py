@@ -97,7 +97,6 @@ def fit_sensor(
     """Fit the beam model's six parameters.
 
     Args:
-        pairs: measured and exact ranges.
         range_max: longest range [m], the same as for the pairs.
         start: values to start from; None guesses them.
         worth: independent rays that a ray is worth; less makes intervals wider, by its square root.

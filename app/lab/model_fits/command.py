@@ -84,8 +84,6 @@ def evaluate_recorded_models(
     """Evaluate recorded odometry with truth, and write the same files; only motion is evaluated.
 
     Args:
-        recording: file of the odometry.
-        truth: file of the true trajectory.
         folder: for ``results.json``, ``report.html`` and ``fitted.toml``.
         body: which rigid body of a Motive file.
         clock: what to add to odometry's stamps [s]; None estimates it.

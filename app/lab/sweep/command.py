@@ -72,7 +72,6 @@ def sweep(
     """Do the points that are not done yet, and write table and plots.
 
     Args:
-        file: what to sweep.
         base: settings that are not swept.
         workers: the processes that do the work.
         folder: for ``results.csv`` (or ``.parquet``), ``plots/``, and ``points/`` with the points

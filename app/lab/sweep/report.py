@@ -84,9 +84,6 @@ def plot_setting(path: Path, setting: str, rows: list[dict[str, Any]], steady: b
     """Write an SVG of the error by one setting; its title counts the runs without an error.
 
     Args:
-        path: of the file.
-        setting: path of the setting.
-        rows: of the table.
         steady: whether to show the error after the pose became right, for wrong start poses.
 
     Raises:

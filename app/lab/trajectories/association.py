@@ -25,7 +25,6 @@ def associate(
     of the tools of the TUM benchmark, so that the figures agree.
 
     Args:
-        truth: the true trajectory.
         estimate: the trajectory to judge, on the same clock.
         max_difference: largest difference of two stamps [s].
 
@@ -75,7 +74,6 @@ def at(
     """Interpolate a trajectory: positions along straight lines, rotations by the shorter way.
 
     Args:
-        trajectory: the trajectory to interpolate.
         stamps: rising stamps (n,) [s], on its clock.
         max_gap: longest time between two poses [s] over which to interpolate.
 

@@ -46,7 +46,6 @@ def motion_profile(trajectory: Trajectory, to_planar: bool) -> MotionProfile:
     """Return the smoothed speed and turn rate of a trajectory.
 
     Args:
-        trajectory: the trajectory to profile.
         to_planar: whether to take the turn rate about z with its sign; else its magnitude about
             any axis.
 

@@ -63,8 +63,6 @@ def parse_motive(text: str, source: str, body: str | None = None) -> Trajectory:
     NatNet samples ("relative").
 
     Args:
-        text: of the file.
-        source: its name for messages.
         body: which rigid body; needed if there are several.
 
     Raises:

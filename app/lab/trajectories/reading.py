@@ -37,7 +37,6 @@ def write_tum(path: Path | str, trajectory: Trajectory, notes: Iterable[str] = (
     """Write a file; at any moment it is either complete or not there.
 
     Args:
-        path: of the file.
         trajectory: what to write: stamps with 9 decimals, the rest with 12.
         notes: comment lines at the top.
 
@@ -65,7 +64,6 @@ def read_trajectory(path: Path | str, body: str | None = None) -> Trajectory:
     """Read a file of TUM or MRCLAM text, of Motive or EuRoC; it may be compressed by gzip.
 
     Args:
-        path: of the file.
         body: which rigid body of a Motive file; needed if it has several.
 
     Raises:

@@ -71,8 +71,6 @@ def rows_of_numbers(text: str, source: str, columns: str) -> tuple[list[int], li
     Spaces, tabs or commas separate the numbers.
 
     Args:
-        text: the table.
-        source: the file's name for messages.
         columns: names of the k columns, separated by spaces.
 
     Raises:

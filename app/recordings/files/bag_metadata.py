@@ -80,7 +80,6 @@ def bag_metadata(
         file: name of its only file, beside ``metadata.yaml``.
         topics: in the order of their first messages.
         span: None while there are no messages.
-        facts: other important facts, by name.
     """
     start = {"nanoseconds_since_epoch": span.start_ns if span else 0}
     duration = {"nanoseconds": span.end_ns - span.start_ns if span else 0}

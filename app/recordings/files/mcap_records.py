@@ -50,7 +50,6 @@ def records_of(data: bytes, end: bytes = END) -> list[McapRecord]:
     """Parse records with their fields; the last one is a footer, and chunks are not unpacked.
 
     Args:
-        data: whole records.
         end: the bytes to put behind the data; empty if the data reach to the file's end.
     """
     stream = io.BytesIO(data + end)

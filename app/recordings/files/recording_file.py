@@ -137,7 +137,6 @@ class RecordingFile:
         Args:
             topic: its name, with a leading slash.
             type_name: as ``nav_msgs/msg/Odometry``.
-            quality: the topic's quality of service.
             log_time_ns: when it was recorded [ns since 1970].
             publish_time_ns: time of its content [ns since 1970].
             cdr: the message with its encapsulation header.

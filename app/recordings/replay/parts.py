@@ -148,8 +148,6 @@ def first_estimate(
     """Return the first usable estimate of the first ten seconds; None if there is none.
 
     Args:
-        reader: the recording.
-        topics: its topics.
         start_ns: time of the first tick.
     """
     if not topics.amcl_pose:

@@ -43,8 +43,6 @@ def preview(
     """Return what was recorded last up to a time; None if there is nothing.
 
     Args:
-        reader: the recording.
-        topics: its topics.
         log_ns: the time [ns since 1970].
         size: height and width of the pictures.
     """
@@ -64,8 +62,6 @@ def picture_before(
     If there are not so many pictures, it is the start.
 
     Args:
-        reader: the recording.
-        topics: its topics.
         log_ns: time of a tick with a picture [ns since 1970].
         count: how many pictures to go back.
         start_ns: time of the first tick.

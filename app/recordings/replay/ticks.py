@@ -92,7 +92,6 @@ def ticks(
 
     Args:
         messages: in the order of their log times.
-        topics: of the recording.
     """
     newest: dict[str, bytes] = {}
     given: list[tuple[str, bytes]] = []

@@ -105,9 +105,6 @@ class Timeline:
 
         Args:
             engine: an engine in its initial state.
-            robot: the recording.
-            field: the map.
-            settings: the settings of the filter.
             begin: makes an engine in its initial state, with some parameters changed. It takes the
                 table of the field if there is one already, which saves some seconds.
         """

@@ -101,7 +101,6 @@ def export_ros2(folder: Path, config: Config, plugin: str = MOCK) -> list[Path]:
 
     Args:
         folder: where to write them; made if it does not exist.
-        config: the settings and the map.
         plugin: ros2_control's hardware plugin for the wheels.
 
     Raises:

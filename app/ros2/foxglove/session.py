@@ -47,7 +47,6 @@ class Session(Route):
         """Start a session.
 
         Args:
-            offer: what all sessions share.
             wake: called from the topics' thread when ``next`` has a message.
             driver: the viewer, as other drivers see it.
             refusal: why its commands are refused; None if it may send some.

@@ -31,7 +31,6 @@ class Encoder:
         """Encode a message as a ``publish`` operation.
 
         Args:
-            published: the message.
             name: the topic's name, as the client spells it.
             compression: one of COMPRESSIONS.
         """

@@ -60,9 +60,7 @@ def check_board(
     """Start the board as a robot that stands still does, and check its state.
 
     Args:
-        device: the board's serial port.
         wirings: the joints that should be there.
-        settings: the robot's settings.
         tell: called with a text that says what the check waits for.
         reset: pulses the board's reset pin; None: the pin of this Pi.
     """
@@ -131,8 +129,6 @@ def judged(
 
     Args:
         board: the board; its link is still open.
-        state: its state.
-        settings: the robot's settings.
         current: the time now on the board's clock [s].
     """
     if state.supply_v is None:

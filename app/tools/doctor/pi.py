@@ -111,7 +111,6 @@ def check_wire(machine: Machine, setting: str) -> Iterator[Finding]:
     """Check that the port exists, and that only this program uses it.
 
     Args:
-        machine: the machine to check.
         setting: the requested device, or ``auto``.
     """
     device = device_of(machine, setting)

@@ -97,7 +97,6 @@ def check_profile(path: Path | None, spec: RobotSpec, today: datetime | None = N
 
     Args:
         path: the profile; None if there is none.
-        spec: the robot as described.
         today: the date; by default today's.
     """
     if path is None:

@@ -67,7 +67,6 @@ def weigh_places(
 
     Args:
         search: a finished search.
-        tracks: the tracks, heaviest first.
         priors: the given start.
         log_elsewhere: log-weight of being at none of the tracks.
         whole: whether the short map is the only evidence for the tracks; then no prior counts.
@@ -129,7 +128,6 @@ def has_rival(
     """Whether another place fits about as well as the heaviest, and is no image of it.
 
     Args:
-        tracks: the tracks, heaviest first.
         places: places that a search has found beside the tracks.
         followed: poses of the other tracks that fit as well as the heaviest.
         symmetries: the field's symmetries, as transformations of the map.

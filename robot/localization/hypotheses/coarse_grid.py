@@ -80,7 +80,6 @@ class CoarseGrid:
         """Fill in the costs (t, h, w) of some headings: sum over the ends of d^2 / (d^2 + blur^2).
 
         Args:
-            turns: which headings.
             ends: (n, 3) end of each ray [m] and its direction [rad], seen from the robot.
             entries: table of the distances to edges.
             blur: distance of an end from an edge that costs one half [m].

@@ -33,7 +33,6 @@ def beam_log_likelihoods(
         poses: [m, m, rad] in the map.
         centre: x, y [m] where rays start, in the robot frame.
         rays: (k, 7) as ``Beam`` makes them.
-        edges: the map.
         range_max: the longest range [m].
         sd: standard deviation of a range [m].
         hit: density of a range that is exactly that of its edge [1/m].

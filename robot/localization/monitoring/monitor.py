@@ -92,7 +92,6 @@ class Monitor:
 
         Args:
             evidence: judges how well scans fit.
-            mounting: where the camera sits.
             errors: how large the robot's steady errors may be.
         """
         self.use(evidence)

@@ -48,7 +48,6 @@ def residual_sums(
     Args:
         pose: pose of the robot in the map (3,).
         rays: (n, 9) as ``rays_of`` returns them.
-        index: the field's edges.
         range_max: how far rays reach [m].
         camera_x: how far ahead of the robot's origin the camera is [m].
         camera_height: height above the floor [m]; infinite for a laser, without pitch and roll.

@@ -53,7 +53,6 @@ class Connection:
         """Start without a device.
 
         Args:
-            port: the port it serves.
             write: takes the lines that it prints.
             has_room: whether the transmit ring is less than half full.
         """

@@ -43,7 +43,6 @@ def stanford_diagram(counts: Array, bins: Array, unit: str, scale: float, quanti
     Args:
         counts: (k, k) pictures by error and bound.
         bins: (k + 1,) borders of the bins.
-        unit: the unit that is shown.
         scale: factor from the bins' unit to the unit that is shown.
         quantity: whose error it is: "place" or "heading".
     """

@@ -80,7 +80,6 @@ def rivals_of(
         start: what the filter is told. With a wrong start pose only near places are possible: the
             rivals are this pose and those that the filter claimed.
         before: the pose before the robot was carried off.
-        setup: the models of the search.
     """
     current = way.truths[0]
     claimed = _claimed(way, claims)

@@ -99,8 +99,6 @@ class PictureRun:
         """Prepare a run.
 
         Args:
-            spec: the robot with its camera.
-            field: the taped field.
             config: settings of scanner and filter, and the seed.
             start: where the robot is at the first picture; by default at the field's start.
             odometry: its motion; by default it is taken to go on as between the last two pictures.
@@ -118,7 +116,6 @@ class PictureRun:
         """Follow the robot; what is found is in ``result``.
 
         Args:
-            pictures: by time.
             show: is given each picture that was used.
 
         Raises:

@@ -130,7 +130,6 @@ def is_stale(before: Picture, picture: Picture, moved: Pose2 | None, view: Floor
         before: (h, w, 3) the picture before.
         picture: (h, w, 3) the one to be judged.
         moved: motion between their stamps by odometry; without it only a repeated picture is told.
-        view: the camera above the floor.
     """
     first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
     if moved is None:

@@ -74,7 +74,6 @@ def read_sequence(folder: Path, stamps: Path | None = None) -> list[StampedPictu
     """Return the pictures of a folder by time.
 
     Args:
-        folder: with the pictures.
         stamps: a list of stamps and file names: CSV with a header that names a column of
             ``STAMP_NAMES`` and one of ``PICTURE_NAMES``, or lines ``stamp name`` as the TUM RGB-D
             benchmark has them. Without it, the names of the files are their stamps.
