@@ -75,7 +75,7 @@ class BoardState:
 
 
 class Board:
-    """Drives joints through a Build HAT; a ``PortDriver`` for the serial link."""
+    """Drives joints through a Build HAT."""
 
     def __init__(
         self, wirings: Sequence[Wiring], settings: BuildHatSettings, bring_up: BringUp
@@ -126,7 +126,7 @@ class Board:
             return self._begin(current)
 
     def lost(self, reason: str, current: float) -> None:
-        """Take note that the port cannot be opened, or is gone."""
+        """Take note that the port cannot be opened, or is gone; the reason includes the cure."""
         with self._lock:
             self._lost = reason
             self._open = False

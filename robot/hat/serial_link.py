@@ -6,9 +6,9 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 from robot.errors import BrickPoseError, PortError
+from robot.hat.board import Board
 from robot.hat.serial_port import SerialPort
 from robot.worker_thread import WorkerThread
 
@@ -26,69 +26,28 @@ FAREWELL_S = 0.5
 JOIN_S = 2.0
 
 
-class PortDriver(Protocol):
-    """The driver behind the port; only the link's thread calls it. Times are by its clock [s]."""
-
-    @property
-    def wants_reset(self) -> bool:
-        """Whether the board must be reset by its pin; was_reset or cannot_reset clears it."""
-        ...
-
-    def opened(self, current: float) -> bytes:
-        """Begin with an open port; return what to send."""
-        ...
-
-    def receive(self, data: bytes, current: float) -> bytes:
-        """Take bytes that just arrived; return what to send."""
-        ...
-
-    def tick(self, current: float) -> bytes:
-        """Do the work of one tick, about once a period; return what to send."""
-        ...
-
-    def lost(self, reason: str, current: float) -> None:
-        """Take note that the port is missing or gone; the link tries again without limit.
-
-        ``reason`` includes the cure.
-        """
-        ...
-
-    def was_reset(self, current: float) -> None:
-        """Take note that the board has just been reset by its pin."""
-        ...
-
-    def cannot_reset(self, reason: str, current: float) -> None:
-        """Take note that the board could not be reset by its pin."""
-        ...
-
-    def farewell(self) -> bytes:
-        """Return what to send before the port is closed: the motors' stop."""
-        ...
-
-
 class SerialLink(WorkerThread):
     """Opens the port, carries bytes both ways, and opens the port again after it was lost.
 
-    A port that cannot be opened is reported to the talker, not raised.
+    A port that cannot be opened is reported to the board's driver, not raised. Only this thread calls
+    the driver; times are by its clock [s].
     """
 
     def __init__(
         self,
         device: str,
-        talker: PortDriver,
+        board: Board,
         reset: Callable[[], None] | None = None,
         period: float = 0.01,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """``reset`` pulses the board's reset pin or raises; ``period`` is that of the ticks [s]."""
         super().__init__(
             THREAD, self._carry, owner="the Build HAT", patience=JOIN_S, report=self._complain
         )
         self._device = device
-        self._talker = talker
+        self._board = board
         self._reset = reset
         self._period = period
-        self._clock = clock
         self._reason: str | None = None
 
     def close(self) -> None:
@@ -103,7 +62,7 @@ class SerialLink(WorkerThread):
     def _open_and_serve(self, stopping: threading.Event) -> None:
         """Serve the port until it is gone or the link is closed."""
         try:
-            port = SerialPort(self._device, self._clock)
+            port = SerialPort(self._device)
         except PortError as error:
             self._lost(str(error))
             return
@@ -117,8 +76,8 @@ class SerialLink(WorkerThread):
 
     def _serve(self, port: SerialPort, stopping: threading.Event) -> None:
         try:
-            due = self._clock()
-            port.put(self._talker.opened(due))
+            due = time.monotonic()
+            port.put(self._board.opened(due))
             while not stopping.is_set():
                 due = self._step(port, due)
         except PortError:
@@ -133,16 +92,16 @@ class SerialLink(WorkerThread):
 
     def _step(self, port: SerialPort, due: float) -> float:
         """Move bytes, and tick if it is time; return when the next tick is due."""
-        data = port.exchange(due - self._clock())
-        current = self._clock()
+        data = port.exchange(due - time.monotonic())
+        current = time.monotonic()
         if data:
-            port.put(self._talker.receive(data, current))
+            port.put(self._board.receive(data, current))
         # After data, a tick may come early: to wake up again for the tick would take as much
         # processor time as the tick itself.
         if current >= due - (EARLY * self._period if data else 0):
-            port.put(self._talker.tick(current))
+            port.put(self._board.tick(current))
             due = current + LATE * self._period
-        if self._talker.wants_reset:
+        if self._board.wants_reset:
             self._reset_board()
         return due
 
@@ -152,19 +111,19 @@ class SerialLink(WorkerThread):
                 raise BrickPoseError("this program has no reset pin")
             self._reset()
         except (BrickPoseError, OSError) as error:
-            self._talker.cannot_reset(str(error), self._clock())
+            self._board.cannot_reset(str(error), time.monotonic())
         else:
-            self._talker.was_reset(self._clock())
+            self._board.was_reset(time.monotonic())
 
     def _take_leave(self, port: SerialPort) -> None:
-        if not port.finish(self._talker.farewell(), FAREWELL_S):
+        if not port.finish(self._board.farewell(), FAREWELL_S):
             LOG.error("%s took no farewell; the motors stop when their pulse ends", self._device)
 
     def _complain(self, error: Exception) -> None:
         LOG.error("the Build HAT's driver failed; its motors were told to stop", exc_info=error)
 
     def _lost(self, reason: str) -> None:
-        """Tell the talker, but not the same reason twice in a row."""
+        """Tell the driver, but not the same reason twice in a row."""
         if reason != self._reason:
             self._reason = reason
-            self._talker.lost(reason, self._clock())
+            self._board.lost(reason, time.monotonic())

@@ -69,7 +69,7 @@ class GridFilter:
         """
         self.motion = motion
         self.looseness = 1.0
-        """How many times more than the motion model says steps err."""
+        """Factor on the motion model's standard deviations."""
         self.sensor = sensor
         self.field = field
         self.likelihood_weight = likelihood_weight

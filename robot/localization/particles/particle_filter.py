@@ -46,7 +46,7 @@ class ParticleFilter:
     ) -> None:
         self.motion = motion
         self.looseness = 1.0
-        """How many times more than the motion model says steps err."""
+        """Factor on the motion model's standard deviations."""
         self.sensor = sensor
         self.field = field
         self.parameters = parameters
