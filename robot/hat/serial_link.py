@@ -29,8 +29,8 @@ JOIN_S = 2.0
 class SerialLink(WorkerThread):
     """Opens the port, carries bytes both ways, and opens the port again after it was lost.
 
-    A port that cannot be opened is reported to the board's driver, not raised. Only this thread calls
-    the driver; times are by its clock [s].
+    A port that cannot be opened is reported to the driver, not raised. Only this thread calls the
+    driver; times are by its clock [s].
     """
 
     def __init__(
