@@ -9,9 +9,9 @@ import pytest
 from app.engine.build import build_program
 from app.messages.commands import DriveCommand
 from app.settings.config import Config
+from benchmarks.hat.bricks import Bricks
 from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
-from sim.hat.bricks import Bricks
 
 DRIVE = DriveCommand(type="drive", v=0.15, omega=0.0)
 

@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 
+from benchmarks.hat.bricks import MEDIUM, Bricks
 from robot.description.wiring import Wiring
 from robot.hat.settings import BuildHatSettings
-from sim.hat.bricks import MEDIUM, Bricks
 
 FORWARD = np.radians([300.0, 300.0])
 LARGE, MEDIUM_GREY = 0x31, 0x4B

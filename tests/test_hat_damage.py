@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from benchmarks.hat.bricks import Bricks
 from robot.hat.protocol import commands
-from sim.hat.bricks import Bricks
 from sim.hat.emulated_board import EmulatedBoard
 from sim.hat.lego_motor import LegoMotor
 from sim.hat.plants import FreeMotors

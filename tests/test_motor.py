@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.hat.bricks import Bricks
+from benchmarks.hat.bricks import Bricks
 
 
 @pytest.fixture

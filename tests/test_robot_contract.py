@@ -6,11 +6,11 @@ import pytest
 
 from app.engine.build import build_program
 from app.settings.config import Config
+from benchmarks.hat.bricks import Bricks
 from robot.cameras.camera import CameraSourceSettings
 from robot.cameras.choice import open_camera
 from robot.geometry import Pose2
 from robot.interface import RepositionableRobot, Robot
-from sim.hat.bricks import Bricks
 
 PERIOD = 0.02
 """Joints may be read a little before the picture that comes with them."""

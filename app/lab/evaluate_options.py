@@ -174,7 +174,7 @@ def _add_simulation(command: argparse.ArgumentParser) -> None:
         "--calibrate",
         type=float,
         metavar="SECONDS",
-        help="each robot calibrates itself first, by a drive of so long",
+        help="each robot calibrates itself first, by a drive of this duration",
     )
     command.add_argument(
         "--world",

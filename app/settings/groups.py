@@ -27,11 +27,15 @@ def data_folder(folder: str, usual: str) -> Path:
 class InitialPose:
     """Where the filter starts if set_initial_pose says so, in the map frame."""
 
-    x: float = setting(0.0, "Place", unit="m", low=-1e4, high=1e4)
-    y: float = setting(0.0, "Place", unit="m", low=-1e4, high=1e4)
-    theta: float = setting(0.0, "Heading", unit="rad", low=-2 * math.pi, high=2 * math.pi)
-    sd_xy: float = setting(0.1, "Spread of the place", unit="m", low=0.0001, high=100)
-    sd_theta: float = setting(0.3, "Spread of the heading", unit="rad", low=0.0001, high=10)
+    x: float = setting(0.0, "x of the start pose", unit="m", low=-1e4, high=1e4)
+    y: float = setting(0.0, "y of the start pose", unit="m", low=-1e4, high=1e4)
+    theta: float = setting(
+        0.0, "Heading of the start pose", unit="rad", low=-2 * math.pi, high=2 * math.pi
+    )
+    sd_xy: float = setting(0.1, "Standard deviation of x and y", unit="m", low=0.0001, high=100)
+    sd_theta: float = setting(
+        0.3, "Standard deviation of the heading", unit="rad", low=0.0001, high=10
+    )
     covariance: tuple[float, ...] = setting(
         (), "Nine numbers by rows [m², m rad, rad²], instead of the spreads"
     )
@@ -90,13 +94,13 @@ class RecordingSettings:
     record: bool = setting(False, "Record from the start (--record DIR)")
     folder: str = setting("", "Where recordings are made; else in the user's data folder")
     picture_rate: float = setting(
-        15.0, "Pictures at most so often; 0 is every one", unit="Hz", low=0, high=1000
+        15.0, "Highest rate of pictures; 0 records every one", unit="Hz", low=0, high=1000
     )
     cloud_rate: float = setting(
-        2.0, "Clouds of particles at most so often", unit="Hz", low=0.1, high=100
+        2.0, "Highest rate of particle clouds", unit="Hz", low=0.1, high=100
     )
     publish_rate: float = setting(
-        20.0, "odom, tf and truth at most so often", unit="Hz", low=0.1, high=1000
+        20.0, "Highest rate of odom, tf and truth", unit="Hz", low=0.1, high=1000
     )
 
     def __post_init__(self) -> None:
@@ -160,14 +164,16 @@ class Ros2Settings:
         True, "cmd_vel is a TwistStamped, as from Jazzy on; false: a Twist"
     )
     publish_rate: float = setting(
-        20.0, "odom, tf, joint_states and truth at most so often", unit="Hz", low=0.1, high=1000
+        20.0, "Highest rate of odom, tf, joint_states and truth", unit="Hz", low=0.1, high=1000
     )
-    picture_rate: float = setting(10.0, "Pictures at most so often", unit="Hz", low=0.1, high=1000)
+    picture_rate: float = setting(10.0, "Highest rate of pictures", unit="Hz", low=0.1, high=1000)
     cloud_rate: float = setting(
-        2.0, "Clouds of particles at most so often", unit="Hz", low=0.1, high=100
+        2.0, "Highest rate of particle clouds", unit="Hz", low=0.1, high=100
     )
-    most_particles: int = setting(500, "In a cloud, evenly chosen", low=1, high=20_000)
-    jpeg_quality: int = setting(85, "Of pictures", low=1, high=100)
+    most_particles: int = setting(
+        500, "Most particles in a cloud, evenly chosen", low=1, high=20_000
+    )
+    jpeg_quality: int = setting(85, "JPEG quality of published pictures", low=1, high=100)
     tf_broadcast: bool = setting(
         True, "Tell map -> odom; false where another localization tells it, as nav2's amcl"
     )

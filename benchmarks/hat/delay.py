@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
+from benchmarks.hat.bricks import Bricks
 from benchmarks.result import Result
 from robot.geometry import Array
-from sim.hat.bricks import Bricks
 
 READ_MS = 20
 SECONDS = 4.0

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.hat.bricks import MEDIUM, Bricks
 from benchmarks.result import Result
 from robot.geometry import Array
 from robot.hat.protocol import commands
-from sim.hat.bricks import MEDIUM, Bricks
 from sim.hat.motor_figures import MOTOR_FIGURES
 from sim.hat.plants import FreeMotors
 

@@ -72,7 +72,7 @@ def drawn_tape(coats: Sequence[Coat]) -> DrawnTape:
 
 
 def _tape_of(coat: Coat, ground: float) -> Tape | None:
-    """Return the kind of tape that a coat is, on a floor of a grey level; None if it is none."""
+    """Return the kind of tape that a coat is, on a floor of a grey level; None if it is no tape."""
     if coat.width is None:
         return None
     layer = coat.layer

@@ -77,7 +77,7 @@ def beam_range_finder_model(
     """Table 6.1, beam model: the log-likelihood (n,) of a scan at poses (n, 3).
 
     Two things differ from the book. The densities are not normalized over 0 to z_max, as in nav2.
-    And a ray without a return is told by ``inf``: where no edge is due it is sure to be missing.
+    A ray without a return has the range ``inf``; where no edge is due, that is certain.
 
     Args:
         poses: (n, 3) [m, m, rad] in the map; rays start at the robot's origin.

@@ -28,9 +28,9 @@ SPAN = 0.5
 SLACK = 0.35
 """Largest error of a dash's width, as a share of it; ``width_tolerance`` may be less."""
 MEAN_SLACK = 0.25
-"""Largest error of the mean width on a line, likewise."""
+"""Largest error of the mean width on a line, in the same unit."""
 LONGER = 1.3
-"""An edge that goes on for longer than this many dashes is none of dashes."""
+"""An edge that is longer than this many dashes is not dashed."""
 CLOSE = 0.25
 """Rays this near to each other, in lengths of a dash, would show a gap."""
 BESIDE = 1
@@ -57,9 +57,9 @@ def judge_dashes(
         kinds: (n, 2) width and length of the dashes of each kind of tape [m].
         limits: width_tolerance, straightness and taper [m], as of tape without gaps.
         chosen: (k,) as ``judge_pairs`` returns it.
-        verdicts: (k,) likewise.
-        widths: (k,) likewise.
-        lines: (k, 3) likewise.
+        verdicts: (k,) for each ray.
+        widths: (k,) for each ray.
+        lines: (k, 3) for each ray.
     """
     window = np.empty(((2 * NEIGHBOURS + 1) * pairs.shape[1], 5))
     curve = np.empty(6)

@@ -62,7 +62,7 @@ def find_edges(
         light: whether light stripes are searched instead of dark ones.
 
     Returns:
-        Pairs (k, PAIRS, 2) of entry and exit [samples], nan where there is none; the number of
+        Pairs (k, PAIRS, 2) of entry and exit [samples], nan without one; the number of
         edges met (k,), where an odd number means that the last entry has no exit, and -1 that the
         ray is out of sight; the first exit without an entry before it, and the last entry without
         an exit after it (k, 2) [samples], nan without; the picture's noise [grey levels]; the half

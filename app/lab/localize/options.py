@@ -101,11 +101,11 @@ def _add_start(command: argparse.ArgumentParser) -> None:
         help="where the robot is at the first scan [m, m, rad in the map] (default: anywhere)",
     )  # fmt: skip
     command.add_argument(
-        "--sd-xy", type=float, metavar="M", help="how well its place is told [m] (default: 0.5)"
+        "--sd-xy", type=float, metavar="M", help="how well its place is known [m] (default: 0.5)"
     )
     command.add_argument(
         "--sd-theta", type=float, metavar="RAD",
-        help="how well its heading is told [rad] (default: 0.25)",
+        help="how well its heading is known [rad] (default: 0.25)",
     )  # fmt: skip
 
 

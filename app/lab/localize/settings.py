@@ -54,45 +54,47 @@ class LaserSettings:
     """Settings that nav2_amcl does not have."""
 
     free_way_weight: float = setting(
-        0.5, "What rays that run through walls count, beside where they end; 0 is nothing",
+        0.5, "Weight of rays that run through walls, beside that of their ends; 0 ignores them",
         low=0, high=10,
     )  # fmt: skip
     free_way_sd: float = setting(
         0.1, "Spread of a place on a ray off free cells", unit="m", low=0.01, high=1
     )
     free_way_false: float = setting(
-        0.1, "How likely a place on a ray is not free on the map, beside one that is",
+        0.1, "Likelihood of a place on a ray that is not free on the map, relative to a free one",
         low=0.001, high=1,
     )  # fmt: skip
     free_way_margin: float = setting(
-        0.5, "Rays are looked at up to so far before their end", unit="m", low=0, high=5
+        0.5, "Rays are followed up to this distance before their end", unit="m", low=0, high=5
     )
     global_density: float = setting(
-        250.0, "Particles a square metre of free floor when the start is not known", unit="1/m²",
+        250.0, "Particles for each square metre of free floor if the start is unknown", unit="1/m²",
         low=1, high=10_000,
     )  # fmt: skip
-    global_most: int = setting(500_000, "But no more than so many", low=1000, high=5_000_000)
+    global_most: int = setting(500_000, "Most particles of such a start", low=1000, high=5_000_000)
     known_share: float = setting(
-        0.9, "The robot's place is told once so much of the belief is in one place",
+        0.9, "The place is reported once this share of the belief is in one place",
         low=0.1, high=1,
     )  # fmt: skip
     known_sd: float = setting(
-        1.0, "And no wider than this along any axis", unit="m", low=0.01, high=10
+        1.0, "Greatest spread of that place along any axis", unit="m", low=0.01, high=10
     )
     known_updates: int = setting(
-        8, "After a start anywhere, this has to last for so many measurements", low=1, high=1000
+        8, "Measurements for which both must hold at first", low=1, high=1000
     )
-    known_way: float = setting(2.0, "And for so much of a way", unit="m", low=0, high=100)
+    known_way: float = setting(
+        2.0, "Way for which both must hold at first", unit="m", low=0, high=100
+    )
     tell_above: float = setting(
-        -0.75, "Nothing is told while the place explains scans worse, in log-likelihood a ray",
+        -0.75, "Least log-likelihood of a ray at which the place is reported",
         low=-100, high=0,
     )  # fmt: skip
     doubt_below: float = setting(
-        -0.7, "A place that explains scans worse, likewise, gets a rival, and is not told anew",
+        -0.7, "Below this log-likelihood of a ray, other places are searched for",
         low=-100, high=0,
     )  # fmt: skip
     doubt_behind: float = setting(
-        4.0, "By which one of two places has to explain them better, summed over measurements",
+        4.0, "Lead in the sum of log-likelihoods by which one of two places wins",
         low=0.1, high=1000,
     )  # fmt: skip
 

@@ -17,7 +17,7 @@ A sweep file names settings by their path (docs/configuration.md) and their valu
   laps = 1
   worlds = ["sim"]         # sim, as-real, hand-built, kinematic
   # conditions = ["default", "askew"]   # as --condition
-  # sample = 30            # so many random points instead of all combinations
+  # sample = 30            # this many random points instead of all combinations
   # offset = [-0.1, -0.1, 0.3]   # the start is told wrong [m, m, rad]
 
   [settings]

@@ -37,7 +37,7 @@ class ReservedStream:
         """Whether all that was to be written is in the file."""
 
     def reserve(self, size: int) -> None:
-        """Keep so much space [bytes], if there is so much; else what was kept before."""
+        """Keep this much space [bytes] if the disk has it; else what was kept before."""
         if self.full is None and hasattr(os, "posix_fallocate"):
             with suppress(OSError):
                 os.posix_fallocate(self._reserve.fileno(), 0, size)

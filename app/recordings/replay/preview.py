@@ -59,7 +59,7 @@ def picture_before(
 ) -> int:
     """Return the time of the tick with the picture that is ``count`` before the one at a time.
 
-    If there are not so many pictures, it is the start.
+    If there are fewer pictures, it is the start.
 
     Args:
         log_ns: time of a tick with a picture [ns since 1970].

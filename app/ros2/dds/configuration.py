@@ -68,7 +68,7 @@ ALONE = (
     # Loopback takes a whole picture at once; at Ethernet's size it would be 24 packets per reader.
     "<MaxMessageSize>65000B</MaxMessageSize><FragmentSize>64000B</FragmentSize></General>"
     # Loopback has no multicast, so this process announces itself to each participant on this
-    # machine, and does so often: late participants learn of it only then.
+    # machine, and repeats it often: late participants learn of it only then.
     "<Discovery><ParticipantIndex>auto</ParticipantIndex><SPDPInterval>1s</SPDPInterval>"
     "<MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
     + NEVER_PRUNED

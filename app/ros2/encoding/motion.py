@@ -65,7 +65,7 @@ def transforms(source: TopicSource, snapshot: Snapshot) -> Message:
 
 
 def _map_from_odom(snapshot: Snapshot) -> Pose2 | None:
-    """Where odometry began in the map that is told: the one that is drawn, else the field's."""
+    """Where odometry began in the published map: the one that is drawn, else the field's."""
     if snapshot.drawn is not None:
         return snapshot.drawn.map_from_odom
     return None if snapshot.pose is None else snapshot.pose @ snapshot.odom_from_robot.inverse()

@@ -136,7 +136,7 @@ class Session(Route):
         topic, settings = topics[wish.channel], self._offer.names.settings
         if topic.name in self._subscriptions:
             raise MessageError(f"{settings.full_name(topic.name)} is subscribed already")
-        # A new pace has no history: who comes late is told what is latched.
+        # A new pace has no history: late viewers get what is latched.
         pace = Pace(lambda topic: settings.period(topic.rate))
         self._replace({**self._subscriptions, topic.name: (wish.id, pace)})
 

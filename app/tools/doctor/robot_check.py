@@ -89,7 +89,7 @@ def age(seconds: float) -> Finding:
 
 
 OLD_DAYS = 180
-"""A profile older than this is told: tyres wear, and masts are bumped."""
+"""A profile older than this gets a warning: tyres wear, and masts are bumped."""
 
 
 def check_profile(path: Path | None, spec: RobotSpec, today: datetime | None = None) -> Finding:

@@ -26,8 +26,8 @@ LEAST = 1e-4
 """A box with less than this share of the heaviest one's probability is given up."""
 LEAST_CLUSTERED = 0.01
 """Boxes below this share of the heaviest do not join two hypotheses."""
-THROWN = 200_000
-"""Places thrown onto the field, to see how much of a box is free."""
+RANDOM_PLACES = 200_000
+"""Random places on the field that show how much of each box is free."""
 MOVED = 0.25
 """Share of the affordable boxes that may be moved: it takes longer than weighing them."""
 
@@ -105,7 +105,7 @@ class GridFilter:
         self.likelihood_weight = setup.likelihood_weight
 
     def loosen(self, factor: float) -> None:
-        """From now on steps err so many times more than the motion model says."""
+        """Multiply the motion model's standard deviations by a factor from now on."""
         self.looseness = factor
 
     @property
@@ -136,21 +136,21 @@ class GridFilter:
         return self._grid.boxes.size
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        """Restart around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         self._restart(normal_grid(self.finest, pose, covariance, self.most_cells))
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew at places whose weights are relative to each other."""
-        self.set_cloud(Cloud.drawn(hypotheses, THROWN, np.random.default_rng(0)))
+        """Restart at places whose weights are relative to each other."""
+        self.set_cloud(Cloud.drawn(hypotheses, RANDOM_PLACES, np.random.default_rng(0)))
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew from given weighted poses."""
+        """Restart from given weighted poses."""
         self._restart(cloud_grid(self.finest, cloud))
 
     def scatter(self) -> None:
-        """Start anew, evenly over the free field."""
-        thrown = self.field.free_poses(np.random.default_rng(0), THROWN)
-        self._restart(even_grid(self.finest, thrown[:, :2], self.most_cells))
+        """Restart evenly over the free field."""
+        free = self.field.free_poses(np.random.default_rng(0), RANDOM_PLACES)
+        self._restart(even_grid(self.finest, free[:, :2], self.most_cells))
 
     def predict(self, moved: Pose2) -> None:
         """Follow a step by odometry.
@@ -180,7 +180,7 @@ class GridFilter:
             matter = after.mass > LEAST * after.mass.max()
             if before.boxes.level == 0 or 8 * np.count_nonzero(matter) > self.most_cells:
                 break
-            # The belief of before is cut, and weighed anew: a scan counts once.
+            # The belief before the scan is cut and weighed again: a scan counts once.
             before = before.only(matter).finer()
         self._grid = after.only(matter)
 

@@ -113,7 +113,7 @@ def sum_alike(cells: Indices, mass: Array) -> tuple[Indices, Array]:
 
 @njit(cache=True, nogil=True)
 def no_boxes(most: int) -> tuple[Indices, Indices, Array]:
-    """A hash table, boxes and masses, to be filled by ``add_box`` with at most so many boxes."""
+    """An empty hash table, boxes and masses, to be filled by ``add_box``."""
     size = 16
     while size < 2 * most:
         size *= 2
@@ -153,13 +153,13 @@ def add_box(
 
 
 WIDEST = 3.5
-"""A normal distribution is cut off at so many standard deviations."""
+"""A normal distribution is cut off at this many standard deviations."""
 WIDEST_LEVEL = 40
-"""Boxes so often doubled reach from the map's origin to anywhere."""
+"""Boxes that were doubled this often reach from the map's origin to anywhere."""
 
 
 def normal_grid(finest: Boxes, mean: Pose2, covariance: Array, most: int) -> PoseGrid:
-    """A normal distribution, in the finest boxes of which no more than so many are needed.
+    """A normal distribution, in the finest boxes of which it needs at most a given number.
 
     It is half a box wide at least: narrower it would fall between their middles.
 

@@ -18,7 +18,7 @@ from robot.localization.parameters import HypothesisParameters
 
 MATCH_COVARIANCE = np.diag(np.square([0.01, 0.01, 0.03]))
 """Covariance added to a hypothesis's own when it is moved to where a scan fits [m², m², rad²]: a
-camera that is mounted 0.3 degrees askew shifts what it sees by so much."""
+camera that is mounted 0.3 degrees askew shifts what it sees by this much."""
 FARTHEST = 11.3
 """Squared Mahalanobis distance beyond which a pose is another place (chi-square, 3, 99 %)."""
 FAR, STUCK = 3.0, 3

@@ -45,7 +45,7 @@ def planes(
 def _words(
     distances: NDArray[np.float32], resolution: float, max_distance: float
 ) -> NDArray[np.int64]:
-    """Words (directions, h - 1, w - 1) of the cells between so many rows and columns."""
+    """Words (directions, h - 1, w - 1) of the cells between h rows and w columns."""
     corners = np.stack(
         [distances[:, :-1, :-1], distances[:, :-1, 1:], distances[:, 1:, :-1], distances[:, 1:, 1:]]
     ).astype(np.float64)

@@ -27,7 +27,7 @@ from robot.localization.kernels.entry_planes import DIRECTIONS, planes
 SAMPLE_M = 0.002
 """Distance of the points that stand for an edge [m]; farther apart where cells are larger."""
 SIGNED_CELLS = 2.0
-"""The distance has a sign up to so many cells from an edge; farther it would jump."""
+"""The distance has a sign up to this many cells from an edge; farther away it would jump."""
 MOST_CELLS = 500_000
 """Largest table for one direction; fields that would need more get coarser cells."""
 THREADS = 2

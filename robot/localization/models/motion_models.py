@@ -77,7 +77,7 @@ def sampled_moments(sample: Sample, moved: Pose2, count: int = 1000) -> tuple[Po
 
 @dataclass(frozen=True, slots=True)
 class LoosenedMotion:
-    """Another model, with all its standard deviations so many times wider."""
+    """Another model, with all its standard deviations multiplied by a factor."""
 
     model: MotionModel
     factor: float
@@ -99,7 +99,7 @@ class LoosenedMotion:
 
 
 def loosened(model: MotionModel, factor: float) -> MotionModel:
-    """The model itself, if steps err as usual."""
+    """Return the model with its standard deviations multiplied by a factor."""
     return model if factor == 1.0 else LoosenedMotion(model, factor)
 
 

@@ -81,7 +81,7 @@ class ParticleFilter:
         self.parameters, self.likelihood_weight = setup.filter, setup.likelihood_weight
 
     def loosen(self, factor: float) -> None:
-        """From now on steps err so many times more than the motion model says."""
+        """Multiply the motion model's standard deviations by a factor from now on."""
         self.looseness = factor
 
     @property
@@ -102,25 +102,25 @@ class ParticleFilter:
         return effective_sample_size(self._weighed.weights)
 
     def set_pose(self, pose: Pose2, covariance: Array) -> None:
-        """Start anew around a pose in the map, with covariance (3, 3) [m, m, rad]."""
+        """Restart around a pose in the map, with covariance (3, 3) [m, m, rad]."""
         noise = self._rng.standard_normal((self._limits()[1], 3))
         poses = pose.to_array() + noise @ covariance_root(covariance).T
         poses[:, 2] = wrap_angle(poses[:, 2])
         self.set_cloud(Cloud.even(poses))
 
     def set_hypotheses(self, hypotheses: tuple[Hypothesis, ...]) -> None:
-        """Start anew at places whose weights are relative to each other."""
+        """Restart at places whose weights are relative to each other."""
         self.set_cloud(Cloud.drawn(hypotheses, self._limits()[1], self._rng))
 
     def set_cloud(self, cloud: Cloud) -> None:
-        """Start anew from given weighted particles."""
+        """Restart from given weighted particles."""
         self._particles = self._weighed = cloud
         self._describe()
         self._scans = 0
         self._recovery = Recovery()
 
     def scatter(self) -> None:
-        """Start anew, evenly over the free field."""
+        """Restart evenly over the free field."""
         self.set_cloud(Cloud.even(self.field.free_poses(self._rng, self._limits()[1])))
 
     def predict(self, moved: Pose2) -> None:
@@ -217,7 +217,7 @@ class ParticleFilter:
 
 
 def _believed(scan: Scan, extra_sd: float) -> Scan:
-    """A scan believed so much less; ``dataclasses.replace`` would take thrice as long."""
+    """The scan with its weight scaled; ``dataclasses.replace`` takes three times as long."""
     return Scan(
         scan.stamp,
         scan.bearings,

@@ -24,7 +24,7 @@ class Recovery:
     """Augmented MCL (Probabilistic Robotics, Table 8.3; nav2_amcl's recovery_alpha).
 
     Two running averages of how likely the scans are; where the fast one falls below the slow one,
-    1 - fast / slow of the particles are drawn anew from anywhere.
+    1 - fast / slow of the particles are replaced by random ones from anywhere.
     """
 
     slow: float = 0.0
@@ -52,7 +52,7 @@ class Recovery:
         self.fast += (alpha_fast if self.fast else 1.0) * (average - self.fast)
 
     def share(self) -> float:
-        """Which share of the particles is to be drawn anew."""
+        """Return the share of the particles to replace by random ones."""
         return max(0.0, 1.0 - self.fast / self.slow) if self.slow > 0 else 0.0
 
 

@@ -22,7 +22,7 @@ from robot.localization.estimate import Cause, Integrity, State
 from robot.localization.models.entry_field import EntryField
 
 STARTS = ("known", "told-wrong", "scattered", "carried")
-"""What the filter is told at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
+"""What the filter knows at the start: the true pose, give or take 1 cm and 0.03 rad; a pose that
 is 0.14 m and 0.3 rad off; nothing; and nothing, with the robot carried off later."""
 
 TOLD = 8

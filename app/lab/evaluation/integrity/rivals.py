@@ -77,7 +77,7 @@ def rivals_of(
     Args:
         way: the part of the drive after the start or the carry.
         claims: the filter's claims on the drive.
-        start: what the filter is told. With a wrong start pose only near places are possible: the
+        start: what the filter knows. With a wrong start pose only near places are possible: the
             rivals are this pose and those that the filter claimed.
         before: the pose before the robot was carried off.
     """

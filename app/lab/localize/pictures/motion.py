@@ -106,7 +106,7 @@ class GuessedStep:
 
 
 CORNERS, QUALITY, APART_PX = 300, 0.05, 6.0
-"""At most so many corners are tracked, of this quality relative to the best, this far apart."""
+"""Most corners that are tracked, their least relative quality, and least distance."""
 WINDOW_PX, LEVELS = 21, 4
 """Side of the patches that are compared, and how often the picture is halved before."""
 RETURN_PX = 0.7
@@ -114,7 +114,7 @@ RETURN_PX = 0.7
 FARTHEST = 1.5
 """Corners on the floor beyond this are not used [m]."""
 FEWEST = 15
-"""At least so many corners must be tracked."""
+"""Fewest corners that must be tracked."""
 LEAST_PX = 60.0
 """Motion of the floor in the picture that odometry must tell, to be compared."""
 SHARE = 0.25
@@ -129,7 +129,7 @@ def is_stale(before: Picture, picture: Picture, moved: Pose2 | None, view: Floor
     Args:
         before: (h, w, 3) the picture before.
         picture: (h, w, 3) the one to be judged.
-        moved: motion between their stamps by odometry; without it only a repeated picture is told.
+        moved: motion between their stamps by odometry; without it only repeats are noticed.
     """
     first, second = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) for image in (before, picture))
     if moved is None:

@@ -24,7 +24,7 @@ PICTURE_NAMES = ("image", "picture", "file", "filename", "name")
 LARGEST_BYTES = 16 << 20
 """Largest list of stamps."""
 TICKS = ((1e17, 1e9), (1e14, 1e6), (1e11, 1e3))
-"""A whole number above the first is a time since 1970 in so many parts of a second."""
+"""A whole number above the first counts this many parts of a second since 1970."""
 
 
 class SequenceError(BrickPoseError, ValueError):

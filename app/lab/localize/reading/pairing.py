@@ -17,7 +17,7 @@ from robot.geometry import Pose2, interpolate
 from robot.scan import Scan
 
 JUMP_S = 10.0
-"""A stamp is wrong if its offset jumps by more: no message is under way for so long [s]."""
+"""A stamp is wrong if its offset jumps by more than this: no message takes that long [s]."""
 
 SET = 10
 """After this many successive wrong stamps with about the same offset, the clock was set."""
