@@ -13,6 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from app.console import say
+from app.course.options import add_check
 from app.interruption import Interrupted, deferred
 from app.lab.calibrate.options import add_calibrate
 from app.lab.evaluate_options import add_evaluate
@@ -85,6 +86,7 @@ def _parser() -> argparse.ArgumentParser:
     add_emulate_hat(commands)
     add_doctor(commands)
     add_export(commands)
+    add_check(commands)
     _add_bench(commands)
     return parser
 

@@ -29,11 +29,11 @@ class Catalogue:
     point: str
     """Between a number's whole part and its decimals."""
 
-    def t(self, text: str, **values: object) -> str:
+    def t(self, text: str, /, **values: object) -> str:
         """Return a text with ``{names}`` replaced by values, in this language."""
         return _filled(self.texts.get(text, (text,))[0], values, self.point)
 
-    def tn(self, singular: str, plural: str, count: int, **values: object) -> str:
+    def tn(self, singular: str, plural: str, count: int, /, **values: object) -> str:
         """Return the form of a text that fits a count, which is ``{count}`` in it."""
         forms = self.texts.get(singular)
         if forms is None:

@@ -20,6 +20,7 @@ TELLING = (
 )  # fmt: skip
 """Where errors come from that the page shows: their messages are texts."""
 SPEAKING = (
+    "app/course/grader/", "app/course/grading.py", "app/course/lessons/",
     "app/engine/drivers.py", "app/engine/mapping/drawing_work.py",
     "app/engine/own_models/own_models.py",
     "app/page/profile.py", "app/recordings/recorder.py", "robot/calibration/calibrate.py",
@@ -29,7 +30,7 @@ SPEAKING = (
     "robot/localization/estimate.py", "robot/localization/monitoring/causes.py",
     "robot/mapping/pushed.py", "robot/mapping/tape_map.py", "robot/settings.py",
 )  # fmt: skip
-"""Modules in which every sentence is a text, but their documentation."""
+"""Modules and folders in which every sentence is a text, but their documentation."""
 SILENT = (
     "app/languages", "app/page/access_options.py", "app/page/docs_page.py",
     "app/page/listening.py", "app/page/tokens.py", "app/recordings/options.py",
@@ -60,4 +61,4 @@ def _in_python(root: Path) -> Iterator[Text]:
         for path in sorted((root / room).rglob("*.py")):
             way = path.relative_to(root).as_posix()
             if not way.startswith(SILENT):
-                yield from texts_of_module(path, way.startswith(TELLING), way in SPEAKING)
+                yield from texts_of_module(path, way.startswith(TELLING), way.startswith(SPEAKING))

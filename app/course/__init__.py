@@ -1,0 +1,1 @@
+"""The course: lessons, and a grader that names the cause of a mistake."""

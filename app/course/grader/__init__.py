@@ -1,0 +1,1 @@
+"""Finds which thought is wrong in a student's code, by small cases."""

@@ -1,0 +1,148 @@
+"""Mistakes in the filter: weights, survivors, estimates, new particles."""
+
+from __future__ import annotations
+
+from app.course.grader.causes.cause import Cause
+
+FILTER = {
+    "R1": Cause(
+        "What was seen once counts twice; the effective sample size falls and falls.",
+        "The survivors keep their old weights.",
+        "Copies already stand for the weight. After resampling each one weighs the same.",
+    ),
+    "R2": Cause(
+        "Weights belong to other particles: their colours are strewn at random.",
+        "The particles are drawn anew, but the weights stay in their old order.",
+        "After resampling each one weighs the same.",
+    ),
+    "R3": Cause(
+        "Copies stick together: when one moves, all of them move, several times.",
+        "Copies are the same object in memory, not copies.",
+        "Make real copies: poses[indices] of a NumPy array does, [poses[i] for i in ...] does not.",
+    ),
+    "R4": Cause(
+        "A particle that nothing speaks for lives on, and a good one dies.",
+        "The index is off by one.",
+        "Try three particles with the weights 0, 1, 0 on paper. Which index comes out?",
+    ),
+    "R5": Cause(
+        "While it stands the filter becomes ever surer, of the wrong place too.",
+        "The same scan counts again and again while the robot stands.",
+        "Return what you got if the robot has not moved.",
+    ),
+    "R6": Cause(
+        "Only the last scan counts.",
+        "The weights from before are thrown away.",
+        "New weight = old weight times likelihood.",
+    ),
+    "E1": Cause(
+        "The estimate looks the wrong way when the robot looks along -x.",
+        "Headings are averaged as plain numbers: 3.1 and -3.1 give 0.",
+        "Average cosines and sines and take arctan2, or average wrapped differences.",
+    ),
+    "E2": Cause(
+        "Errors jump by a full turn.",
+        "A heading, or a difference of headings, is not brought back to -π to π.",
+        "(angle + π) % (2 π) - π wraps an angle.",
+    ),
+    "generator": Cause(
+        "No run can be repeated.",
+        "Chance comes from elsewhere than the generator that was given.",
+        "Draw from rng alone: rng.random(), rng.standard_normal(n).",
+    ),
+    "weights-ignored": Cause(
+        "Bad particles live as long as good ones.",
+        "The weights make no difference.",
+        "Where do the weights come in?",
+    ),
+    "best-only": Cause(
+        "One particle becomes the whole cloud.",
+        "Only the heaviest particle is used.",
+        "All particles count, each as much as it weighs.",
+    ),
+    "weights-changed": Cause(
+        "The cloud follows the weights too much, or too little.",
+        "Something else than the weight decides: a square or a root of it.",
+        "A particle with twice the weight gets twice the copies.",
+    ),
+    "weights": Cause(
+        "The weights mean nothing after resampling.",
+        "The weights that come back are not all 1/n.",
+        "Return np.full(n, 1 / n) with the survivors.",
+    ),
+    "invented": Cause(
+        "There are particles that nobody put there.",
+        "Poses are changed that should only be copied.",
+        "Copy poses as they are; noise belongs to the motion.",
+    ),
+    "order": Cause(
+        "The scan is compared with where the robot was before.",
+        "Weighing comes before moving.",
+        "Predict first, then correct.",
+    ),
+    "not-normalized": Cause(
+        "The effective sample size is nonsense.",
+        "The weights do not sum to one.",
+        "Divide the weights by their sum.",
+    ),
+    "exponential": Cause(
+        "Weights are negative.",
+        "Log-weights are added to weights.",
+        "exp makes a factor of a log-weight.",
+    ),
+    "no-resampling": Cause(
+        "In the end one particle has all the weight.",
+        "It never resamples.",
+        "Resample when the effective sample size is below half of the particles.",
+    ),
+    "resampling-always": Cause(
+        "The cloud thins out for nothing.",
+        "It resamples even if the weights are good.",
+        "Resample only when the effective sample size is below half of the particles.",
+    ),
+    "resampling-reversed": Cause(
+        "It resamples when it need not, and never when it must.",
+        "The comparison is the wrong way round.",
+        "A small effective sample size is the bad one.",
+    ),
+    "middle": Cause(
+        "The robot is said to be between two places, where no particle is.",
+        "Particles of other places count as well.",
+        "Take only those near the heaviest: 0.1 m in place and 0.5 rad in heading.",
+    ),
+    "half-circle": Cause(
+        "The robot is never found when it looks backwards.",
+        "The headings do not cover the whole circle.",
+        "Headings lie between -π and π.",
+    ),
+    "no-injection": Cause(
+        "A robot that was carried off is never found again.",
+        "No new particles appear.",
+        "If the short memory is below the long one, something has happened.",
+    ),
+    "ratio": Cause(
+        "New particles come at the wrong time.",
+        "The share is not 1 - fast / slow.",
+        "All is well when both memories are equal: then the share is 0.",
+    ),
+    "memory": Cause(
+        "It reacts too late, or to nothing.",
+        "The memories are not updated before they are used, and kept.",
+        "memory.slow += 0.05 * (fit - memory.slow); the fast one likewise, with 0.5.",
+    ),
+    "rates": Cause(
+        "New particles come when all is well.",
+        "The two memories are exchanged.",
+        "The slow one takes 0.05 of the newest fit, the fast one 0.5.",
+    ),
+    "all-new": Cause(
+        "One bad picture, and all is forgotten.",
+        "All particles are replaced.",
+        "Each particle is replaced with the probability of the share.",
+    ),
+    "same-places": Cause(
+        "It is always the same particles that are replaced.",
+        "The first or the last ones are replaced, not random ones.",
+        "rng.random(len(poses)) < share chooses by chance.",
+    ),
+}

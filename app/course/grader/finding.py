@@ -1,0 +1,72 @@
+"""What the grader tells: findings, each with cause, symptom, smallest case and what to do next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+from urllib.parse import urlencode
+
+from app.course.grader.drawing import translated
+from app.course.grader.words import ENGLISH_TEXTS, Words
+from app.languages.catalogue import Catalogue
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that is wrong in a file."""
+
+    lesson: int
+    function: str
+    cause: str
+    """A code as M1, or a word where the mistake has none."""
+    symptom: Words
+    """What the mistake does to the filter."""
+    case: Words
+    """The smallest case that fails, with numbers."""
+    seems: Words
+    """What the code seems to do."""
+    advice: Words
+    """What to look at next."""
+    picture: str = ""
+    """The case as SVG; its labels are not translated yet."""
+    situation: Mapping[str, float] = field(default_factory=dict)
+    """The pose to put the dashboard's robot at: x, y [m], theta [rad]."""
+    line: int | None = None
+
+    @property
+    def link(self) -> str:
+        """Where the dashboard opens in this situation, below its address."""
+        query = {key: f"{value:.4f}" for key, value in self.situation.items()}
+        return f"/learn/{self.lesson}" + (f"?{urlencode(query)}" if query else "")
+
+    def to_json(self, language: Catalogue = ENGLISH_TEXTS) -> dict[str, Any]:
+        """Return the finding as plain values in a language."""
+        return {
+            "lesson": self.lesson,
+            "function": self.function,
+            "cause": self.cause,
+            "symptom": self.symptom.say(language),
+            "case": self.case.say(language),
+            "seems": self.seems.say(language),
+            "next": self.advice.say(language),
+            "line": self.line,
+            "link": self.link,
+            "picture": translated(self.picture, language),
+        }
+
+
+@dataclass(frozen=True)
+class Result:
+    """How one lesson was graded."""
+
+    lesson: int
+    name: str
+    findings: tuple[Finding, ...] = ()
+    started: bool = True
+    """Whether the file has the lesson's functions, beyond their stubs."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether nothing is wrong."""
+        return self.started and not self.findings

@@ -1,0 +1,199 @@
+"""Grades a file: runs a lesson's cases in a student's process, and names what is wrong."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from app.course.grader.case import Case, Checks, FormError, Outcome, numbers
+from app.course.grader.causes.causes import cause_of
+from app.course.grader.diagnosis import Diagnosis, Measured, diagnose, expected_features
+from app.course.grader.finding import Finding, Result
+from app.course.grader.words import Words
+from app.course.lesson import Lesson
+from app.course.sandbox.student_process import Answer, StudentError, StudentProcess
+
+SEED = 20_240_229
+"""Seed of the cases if none is given: the same file is graded the same each time."""
+MOST_FAILURES = 4
+"""After so many calls without a result no more are asked."""
+
+
+def grade(source: str, path: str, lesson: Lesson, seed: int = SEED) -> Result:
+    """Grade one lesson of a file.
+
+    Args:
+        source: the file's text.
+        path: its name, for messages.
+        lesson: what is checked.
+        seed: of the cases.
+    """
+    return grade_often(source, path, lesson, (seed,))[0]
+
+
+def grade_often(source: str, path: str, lesson: Lesson, seeds: Sequence[int]) -> list[Result]:
+    """Grade one lesson of a file with several seeds, in one process where it survives."""
+    checks = lesson.checks
+    if not _written(source, checks):
+        return [Result(lesson.number, lesson.name, started=False)] * len(seeds)
+    results: list[Result] = []
+    while len(results) < len(seeds):
+        try:
+            with StudentProcess(path, source) as process:
+                for seed in seeds[len(results) :]:
+                    findings = _findings(process, lesson, seed, checks)
+                    results.append(Result(lesson.number, lesson.name, tuple(findings)))
+        except StudentError as error:
+            results.append(Result(lesson.number, lesson.name, (_failure(lesson, error),)))
+    return results
+
+
+def _findings(
+    process: StudentProcess, lesson: Lesson, seed: int, checks: Checks
+) -> Iterator[Finding]:
+    missing = [name for name in checks.functions if name not in process.names]
+    if missing:
+        yield _failure(lesson, StudentError(f"there is no function {missing[0]}"))
+        return
+    measured, failures = _measured(process, lesson, checks.cases(seed))
+    yield from _named(lesson, checks, measured)
+    yield from _altered(lesson, measured)
+    yield from failures[:1]
+
+
+def _measured(
+    process: StudentProcess, lesson: Lesson, cases: Iterable[Case]
+) -> tuple[list[Measured], list[Finding]]:
+    """Ask all cases; after a few failures, or when the process is gone, no more."""
+    measured: list[Measured] = []
+    failures: list[Finding] = []
+    for case in cases:
+        if case.play is not None and not all(item.passed for item in measured):
+            break  # whole drives only confirm what the small cases have shown
+        try:
+            outcome = _asked(process, case)
+            given = lesson.checks.features(outcome)
+            measured.append(Measured(outcome, given, expected_features(lesson.checks, case)))
+        except StudentError as error:
+            failures.append(_failure(lesson, error, case))
+            if error.fatal:
+                break
+        except FormError as error:
+            failures.append(_finding(lesson, "form", case, error.words))
+        if len(failures) >= MOST_FAILURES:
+            break
+    return measured, failures
+
+
+def _asked(process: StudentProcess, case: Case) -> Outcome:
+    case.begin()
+    if case.play is not None:
+
+        def ask(*arguments: Any, seed: int | None = None) -> Answer:
+            return process.call(case.function, arguments, seed, case.offered)
+
+        return Outcome(case, (Answer(case.play(ask)),))
+    answers = [
+        process.call(case.function, case.arguments, seed, case.offered)
+        for seed in case.seeds or (None,)
+    ]
+    return Outcome(case, tuple(answers))
+
+
+def _named(lesson: Lesson, checks: Checks, measured: Sequence[Measured]) -> Iterator[Finding]:
+    for diagnosis in diagnose(checks, measured):
+        yield _explained(lesson, checks, diagnosis)
+
+
+def _explained(lesson: Lesson, checks: Checks, diagnosis: Diagnosis) -> Finding:
+    measured = diagnosis.measured
+    compared = diagnosis.note or Words(
+        "Due: {due}. Your code: {given}.",
+        {
+            "due": checks.show(measured.case, measured.expected),
+            "given": checks.show(measured.case, measured.given),
+        },
+    )
+    picture = ""
+    if checks.picture is not None:
+        picture = checks.picture(measured.outcome, measured.expected, measured.given)
+    return _finding(lesson, diagnosis.cause, measured.case, compared, picture)
+
+
+def _finding(lesson: Lesson, code: str, case: Case, compared: Words, picture: str = "") -> Finding:
+    cause = cause_of(code)
+    situation = lesson.checks.situation
+    return Finding(
+        lesson.number,
+        case.function,
+        code,
+        Words(cause.symptom),
+        Words("{case} {compared}", {"case": case.words, "compared": compared}),
+        Words(cause.seems),
+        Words(cause.advice),
+        picture,
+        situation(case) if situation else {},
+    )
+
+
+def _altered(lesson: Lesson, measured: Iterable[Measured]) -> Iterator[Finding]:
+    """Find the first case whose arguments the function has changed, if it must not."""
+    for item in measured:
+        arrays = [value for value in item.case.arguments if isinstance(value, np.ndarray)]
+        kept = [value for value in item.outcome.answers[0].after if isinstance(value, np.ndarray)]
+        for before, after in zip(arrays, kept, strict=False):
+            if before.shape != after.shape or not np.array_equal(before, after, equal_nan=True):
+                words = Words("It was called with {before}, and left {after} there.")
+                values = {"before": numbers(before), "after": numbers(after)}
+                yield _finding(lesson, "altered", item.case, Words(words.text, values))
+                return
+
+
+def _failure(lesson: Lesson, error: StudentError, case: Case | None = None) -> Finding:
+    cause = cause_of("stopped" if error.fatal else "error")
+    function = lesson.checks.functions[0] if case is None else case.function
+    where = Words("line {line}: ", {"line": error.line}) if error.line else Words("")
+    complaint = Words("{where}{error}", {"where": where, "error": str(error)})
+    words = (
+        complaint
+        if case is None
+        else Words("{case} {complaint}", {"case": case.words, "complaint": complaint})
+    )
+    return Finding(
+        lesson.number,
+        function,
+        "stopped" if error.fatal else "error",
+        Words(cause.symptom),
+        words,
+        Words(cause.seems),
+        Words(cause.advice),
+        line=error.line,
+    )
+
+
+def _written(source: str, checks: Checks) -> bool:
+    """Return whether a file has more than stubs of a lesson; what is no Python is no stub."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return True
+    stubs = {
+        item.name for item in tree.body if isinstance(item, ast.FunctionDef) and _is_stub(item.body)
+    }
+    named = {item.name for item in tree.body if isinstance(item, ast.FunctionDef)}
+    assigned = {
+        target.id
+        for item in tree.body
+        if isinstance(item, ast.Assign)
+        for target in item.targets
+        if isinstance(target, ast.Name)
+    }
+    return any(name in (named | assigned) - stubs for name in checks.functions)
+
+
+def _is_stub(body: list[ast.stmt]) -> bool:
+    left = [item for item in body if not (isinstance(item, ast.Expr | ast.Pass))]
+    return all(isinstance(item, ast.Raise) and "NotImplemented" in ast.dump(item) for item in left)

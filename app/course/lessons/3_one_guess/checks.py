@@ -1,0 +1,309 @@
+"""Lesson 3: ``log_weight(poses, bearings, ranges, field, sigma)`` says how well a scan fits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from types import SimpleNamespace
+
+import numpy as np
+
+from app.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
+from app.course.grader.drawing import draw_scan
+from app.course.grader.forms import array_of, headings_apart
+from app.course.grader.tape_field import CELL, ORIGIN, TAPE, tape_field
+from app.course.grader.words import Words
+from robot.geometry import Array
+
+HIT, RANDOM = 0.95, 0.05
+"""Share of rays that end at tape, and of those that end anywhere."""
+SIGMA = 0.04
+TOLERANCE = 1e-6
+QUARTERS = np.array([0.0, 1.0, 2.0, -1.0]) * math.pi / 2
+
+
+def cases(seed: int) -> list[Case]:
+    """One ray, several headings, rays without a return, a few rays, and very many.
+
+    All rays end in the middle of a cell, so that it does not matter how one looks between cells.
+    """
+    rng = np.random.default_rng(seed)
+    field = tape_field()
+    made = [_one_ray(field, distance) for distance in (0.02, 0.04, 0.08, 0.12)]
+    made.append(_headings(field))
+    made += [_any_pose(field, rng, rays, kind) for rays, kind in ((3, "few"), (20, "few"))]
+    made.append(_any_pose(field, rng, 12, "no-return"))
+    made.append(_lattice(field, rng, 24, "particles"))
+    made.append(_lattice(field, rng, 600, "many"))
+    return made
+
+
+def _case(poses: Array, scan: tuple[Array, Array], field: SimpleNamespace, kind: str) -> Case:
+    text = {
+        "one": "One guess, one ray, whose end is {distance} mm away from the tape.",
+        "headings": "Four guesses in one place that look north, west, south and east.",
+        "few": "One guess and {rays} rays.",
+        "no-return": "One guess and {rays} rays; some of them saw no tape and are infinite.",
+        "particles": "{count} guesses and {rays} rays.",
+        "many": "{count} guesses and {rays} rays, as a good camera has them.",
+    }[kind]
+    seen = np.isfinite(scan[1])
+    away = _distances(*_ends(poses, scan[0][seen], scan[1][seen], REFERENCE), field, REFERENCE)
+    values = {"count": len(poses), "rays": len(scan[0]), "distance": f"{1000 * away[0, 0]:.0f}"}
+    arguments = (poses, *scan, field, SIGMA)
+    return Case("log_weight", arguments, Words(text, values), kind, TOLERANCE)
+
+
+def _one_ray(field: SimpleNamespace, distance: float) -> Case:
+    end = np.array([0.71, 0.31 + distance])
+    pose, bearing, far = np.array([[0.71, 0.93, -math.pi / 2]]), 0.0, 0.62 - distance
+    assert abs(pose[0, 1] - far - end[1]) < 1e-9
+    return _case(pose, (np.array([bearing]), np.array([far])), field, "one")
+
+
+def _headings(field: SimpleNamespace) -> Case:
+    poses = np.column_stack([np.full(4, 0.77), np.full(4, 0.61), QUARTERS[[1, 2, 3, 0]]])
+    bearings, ranges = QUARTERS[[0, 1, 3]], np.array([0.3, 0.2, 0.36])
+    return _case(poses, (bearings, ranges), field, "headings")
+
+
+def _any_pose(field: SimpleNamespace, rng: np.random.Generator, rays: int, kind: str) -> Case:
+    """Choose where the rays end first, near the tape, then the scan that a pose has of them."""
+    pose = rng.uniform([0.4, 0.4, -3.0], [1.0, 0.8, 3.0])
+    ends = ORIGIN + CELL * (rng.integers([36, 26], [96, 76], (rays, 2)) + 0.5)
+    x, y = (ends - pose[:2]).T
+    bearings: Array = np.arctan2(y, x) - pose[2]
+    ranges: Array = np.hypot(x, y)
+    if kind == "no-return":
+        ranges[::3] = np.inf
+    return _case(pose[None], (bearings, ranges), field, kind)
+
+
+def _lattice(field: SimpleNamespace, rng: np.random.Generator, rays: int, kind: str) -> Case:
+    places = ORIGIN + CELL * (rng.integers([45, 35], [85, 60], (8, 2)) + 0.5)
+    poses = np.column_stack([places, rng.choice(QUARTERS, 8)])
+    bearings: Array = rng.choice(QUARTERS, rays)
+    ranges: Array = CELL * rng.integers(3, 22, rays).astype(np.float64)
+    return _case(poses, (bearings, ranges), field, kind)
+
+
+def features(outcome: Outcome) -> Array:
+    """The log-weights; what is not finite stays, as it tells something."""
+    return array_of(outcome.result, (len(outcome.case.arguments[0]),), finite=False)
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """The log-weights that formulas with mistakes give."""
+    poses, bearings, ranges, field, sigma = case.arguments
+    seen = np.isfinite(ranges)
+    x, y = _ends(poses, bearings[seen], ranges[seen], mistakes)
+    away = _distances(x, y, field, mistakes)
+    if "nearest" in mistakes:
+        clearance = _distances(poses[:, :1], poses[:, 1:2], field, mistakes)
+        away = np.abs(clearance - ranges[seen].min())
+    with np.errstate(all="ignore"):
+        return _weight(away, sigma, mistakes)
+
+
+def _ends(
+    poses: Array, bearings: Array, ranges: Array, mistakes: frozenset[str]
+) -> tuple[Array, Array]:
+    headings = poses[:, 2:] * ("no-heading" not in mistakes)
+    if "heading-as-degrees" in mistakes:
+        headings = np.radians(headings)
+    if "bearings-as-degrees" in mistakes:
+        bearings = np.radians(bearings)
+    angles = headings - bearings if "bearing-subtracted" in mistakes else headings + bearings
+    if "angles-as-degrees" in mistakes:
+        angles = np.radians(angles)
+    x, y = ranges * np.cos(angles), ranges * np.sin(angles)
+    if "place-lost" in mistakes:
+        return x, y
+    return poses[:, :1] + x, poses[:, 1:2] + y
+
+
+def _distances(x: Array, y: Array, field: SimpleNamespace, mistakes: frozenset[str]) -> Array:
+    start = field.origin
+    if "origin-ignored" in mistakes:
+        start = np.zeros(2)
+    if "origin-added" in mistakes:
+        start = -field.origin
+    if "origin-swapped" in mistakes:
+        start = field.origin[::-1]
+    shift = 0.5 if "rounded" in mistakes else 0.0
+    columns = np.floor((x - start[0]) / field.cell + shift).astype(int)
+    rows = np.floor((y - start[1]) / field.cell + shift).astype(int)
+    if "rows" in mistakes:
+        rows, columns = columns, rows
+    height, width = field.distances.shape
+    # A mistake may look beyond the map; what it finds there does not matter.
+    result: Array = field.distances[rows % height, columns % width]
+    return result
+
+
+NARROW = {"half-left-out": 0.5**0.5, "half": 0.5, "tenth": 0.1, "hundredth": 0.01, "mm": 0.001}
+NARROW |= {"fourth-power": SIGMA, "third-power": SIGMA**0.5}
+WIDE = {"first-power": SIGMA**-0.5, "twice": 2.0}
+WIDTHS = NARROW | WIDE
+"""How wide the bell curve becomes, in sigmas."""
+
+
+def _weight(away: Array, sigma: float, mistakes: frozenset[str]) -> Array:
+    inverse = next((rule for name, rule in INVERSES.items() if name in mistakes), None)
+    if inverse is not None:
+        result: Array = inverse(away)
+        return result
+    width = sigma * next((value for name, value in WIDTHS.items() if name in mistakes), 1.0)
+    sign = 1.0 if "sign" in mistakes else -1.0
+    square = away if "no-square" in mistakes else away**2
+    fit = np.exp(sign * square / (2 * width**2))
+    likelihood = fit if "no-outliers" in mistakes or "product" in mistakes else HIT * fit + RANDOM
+    if "normal-density" in mistakes:
+        likelihood = HIT * fit / math.sqrt(2 * math.pi * width**2) + RANDOM
+    if "no-outliers" in mistakes:
+        total: Array = sign * (square / (2 * width**2)).sum(axis=1)
+        return total
+    return _joined(likelihood, mistakes)
+
+
+def _joined(likelihood: Array, mistakes: frozenset[str]) -> Array:
+    rule = next((rule for name, rule in JOINED.items() if name in mistakes), None)
+    return rule(likelihood) if rule else _log_sum(likelihood)
+
+
+def _log_sum(likelihood: Array) -> Array:
+    result: Array = np.log(likelihood).sum(axis=1)
+    return result
+
+
+JOINED: dict[str, Callable[[Array], Array]] = {
+    "mean": lambda likelihood: _log_sum(likelihood) / likelihood.shape[1],
+    "cubed": lambda likelihood: _log_sum(likelihood) / 3,
+    "sum": lambda likelihood: np.log(likelihood.sum(axis=1)),
+    "plain": lambda likelihood: likelihood.prod(axis=1),
+    "plain-product": lambda likelihood: likelihood.prod(axis=1),
+    "product": lambda likelihood: np.log(likelihood.prod(axis=1)),
+    "late-logarithm": lambda likelihood: np.log(likelihood.prod(axis=1)),
+}
+INVERSES: dict[str, Callable[[Array], Array]] = {
+    "inverse-sum": lambda away: 1 / away.sum(axis=1),
+    "inverse-mean": lambda away: 1 / away.mean(axis=1),
+    "inverse-squares": lambda away: 1 / (away**2).sum(axis=1),
+    "inverse-sum-log": lambda away: -np.log(away.sum(axis=1)),
+}
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: equal weights, headings that do not count, underflow, sigma."""
+    spread = [item for item in outcomes if item.case.kind in ("headings", "particles", "many")]
+    if spread and all(np.ptp(features(item)) == 0 for item in spread):
+        yield Sign("S7", spread[0])
+        return
+    yield from _underflow(outcomes)
+    for item in outcomes:
+        given = features(item)
+        if item.case.kind == "headings" and np.isfinite(given).all() and np.ptp(given) < 1e-12:
+            yield Sign("S6", item)
+        if item.case.kind == "particles" and _is_inverse(item, given):
+            yield Sign("S3", item)
+        if item.case.kind == "no-return" and not np.isfinite(given).all():
+            yield Sign("no-return", item)
+    yield from _narrow(outcomes)
+
+
+def _underflow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    for item in outcomes:
+        given = features(item)
+        if item.case.kind == "many" and (np.isneginf(given).any() or (given == 0).any()):
+            yield Sign("S1", item)
+
+
+def _is_inverse(outcome: Outcome, given: Array) -> bool:
+    """Return whether weights, or what they are the logarithm of, fall as one over the distances."""
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    away = _distances(*_ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)
+    with np.errstate(all="ignore"):
+        for total in (away.sum(axis=1), (away**2).sum(axis=1)):
+            for weight in (given, np.exp(given)):
+                product = weight * total
+                if product.min() > 0 and product.max() < 1.02 * product.min():
+                    return True
+    return False
+
+
+def _narrow(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """Work out which sigma the weights of single rays mean, where they are not all but zero."""
+    rays = [item for item in outcomes if item.case.kind == "one"]
+    away = np.array([_one_distance(item) for item in rays])
+    given = np.array([features(item)[0] for item in rays])
+    with np.errstate(all="ignore"):
+        shares = (np.exp(given) - RANDOM) / HIT
+        clear = (shares > 1e-6) & (shares < 1)
+        widths = away[clear] / np.sqrt(-2 * np.log(shares[clear]))
+        width = widths.mean() if clear.any() else 1e-9
+        fits = np.abs(shares - np.exp(-((away / width) ** 2) / 2)) < 1e-5
+    if rays and width < 0.97 * SIGMA and fits.all():
+        yield Sign("S8", rays[0])
+
+
+def _one_distance(outcome: Outcome) -> float:
+    poses, bearings, ranges, field, _ = outcome.case.arguments
+    return float(_distances(*_ends(poses, bearings, ranges, REFERENCE), field, REFERENCE)[0, 0])
+
+
+def show(_case: Case, values: Array) -> str:
+    """Return log-weights in words."""
+    return ", ".join(f"{value:.3g}" for value in values[:6]) + (", ..." if len(values) > 6 else "")
+
+
+def picture(outcome: Outcome, _due: Array, _given: Array) -> str:
+    """Draw the tape, the guesses, and where the first one's rays end."""
+    poses, bearings, ranges, _, _ = outcome.case.arguments
+    x, y = _ends(poses[:1], bearings, ranges, REFERENCE)
+    return draw_scan(headings_apart(poses[:8]), np.stack([x[0], y[0]], axis=1)[:60], TAPE)
+
+
+def situation(case: Case) -> dict[str, float]:
+    """The first guess."""
+    x, y, theta = case.arguments[0][0]
+    return {"guess_x": x, "guess_y": y, "guess_theta": theta}
+
+
+STARTS = frozenset(["origin-ignored", "origin-added", "origin-swapped"])
+JOINTS = frozenset([*JOINED, *INVERSES])
+CHECKS = Checks(
+    functions=("log_weight",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("sign", "S2", frozenset(INVERSES)),
+        *(Hypothesis(name, "S5", STARTS) for name in sorted(STARTS)),
+        *(Hypothesis(name, "S8", frozenset(WIDTHS)) for name in NARROW),
+        *(Hypothesis(name, "sigma", frozenset(WIDTHS)) for name in WIDE),
+        Hypothesis("no-heading", "S6", kind="headings"),
+        Hypothesis("nearest", "S6", kind="headings"),
+        *(Hypothesis(name, "S3", JOINTS) for name in INVERSES),
+        Hypothesis("product", "S1", JOINTS, "many"),
+        Hypothesis("late-logarithm", "S1", JOINTS, "many"),
+        Hypothesis("plain-product", "S1", JOINTS, "many"),
+        Hypothesis("plain", "no-logarithm", JOINTS),
+        Hypothesis("heading-as-degrees", "S4"),
+        Hypothesis("bearings-as-degrees", "S4"),
+        Hypothesis("angles-as-degrees", "S4"),
+        Hypothesis("no-outliers", "outliers"),
+        Hypothesis("normal-density", "density"),
+        Hypothesis("rows", "rows"),
+        Hypothesis("rounded", "half-cell"),
+        Hypothesis("mean", "mean", JOINTS),
+        Hypothesis("cubed", "mean", JOINTS),
+        Hypothesis("sum", "sum", JOINTS),
+        Hypothesis("no-square", "square"),
+        Hypothesis("bearing-subtracted", "bearing-sign"),
+        Hypothesis("place-lost", "place-lost"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+    situation=situation,
+)

@@ -1,0 +1,299 @@
+"""Lesson 4: ``motion(poses, moved, alphas, rng)`` moves the particles, each with its own noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from app.course.grader.case import REFERENCE, Case, Checks, Hypothesis, Outcome, Sign
+from app.course.grader.drawing import draw_clouds, draw_poses
+from app.course.grader.forms import array_of, heading_sign, headings_apart
+from app.course.grader.words import Words
+from robot.geometry import Array, compose, wrap_angle
+
+COUNT, MANY = 6000, 20_000
+"""Particles of a cloud whose spread is measured, and of the reference's."""
+LIKELY = 6.0
+"""Standard errors that a correct cloud never differs by, and no seed of the checks comes near."""
+NOISELESS = np.zeros(4)
+STEPS = (
+    ("straight", "A step of 50 mm straight ahead, without noise.", (0.05, 0.0, 0.0)),
+    ("spin", "A turn of 30° on the spot, without noise.", (0.0, 0.0, math.radians(30))),
+    ("arc", "A step on an arc to the left, without noise.", (0.06, 0.02, math.radians(40))),
+    ("back", "A step of 40 mm backwards, without noise.", (-0.04, 0.0, 0.0)),
+    ("back", "A step backwards on an arc, without noise.", (-0.05, 0.01, math.radians(-20))),
+)
+NOISES = (
+    ("noise", "Straight ahead, alpha2 alone: driving turns.", (0.1, 0.0, 0.0), (0, 0.3, 0, 0)),
+    ("noise", "Straight ahead, alpha3 alone: ways differ.", (0.1, 0.0, 0.0), (0, 0, 0.02, 0)),
+    ("turn", "On an arc, alpha1 alone: turns differ.", (0.08, 0.03, 0.9), (0.02, 0, 0, 0)),
+    ("turn", "On an arc, alpha4 alone: turning shifts.", (0.08, 0.03, 0.9), (0, 0, 0, 0.0005)),
+    ("reverse", "Straight back, alpha1 alone: nothing turns.", (-0.1, 0.0, 0.0), (0.02, 0, 0, 0)),
+    ("reverse", "Back on an arc, all four.", (-0.1, 0.01, -0.2), (0.01, 0.2, 0.01, 0.001)),
+)
+
+
+def cases(seed: int) -> list[Case]:
+    """Steps without noise for particles that look everywhere, then clouds, then the generator."""
+    rng = np.random.default_rng(seed)
+    looking = np.column_stack([np.zeros((4, 2)), np.array([0.0, 1.0, -1.0, 2.0]) * math.pi / 2])
+    some = rng.uniform([-1, -1, -math.pi], [1, 1, math.pi], (5, 3))
+    made = [_exact(poses, step) for poses in (looking, some) for step in STEPS]
+    made.append(_exact(np.array([[0.2, 0.1, 3.1], [0.2, 0.1, -3.0]]), STEPS[1]))
+    made.append(_exact(np.array([[0.2, 0.1, -3.1]]), (*STEPS[1][:2], (0.0, 0.0, -0.5))))
+    made += [_cloud(noise, seed + 100 * index) for index, noise in enumerate(NOISES)]
+    poses, alphas = np.tile(looking, (5, 1)), np.array([0.01, 0.01, 0.01, 0.001])
+    words = Words("Twice with the same generator's seed, then with another.")
+    arguments = (poses, np.array(STEPS[2][2]), alphas)
+    seeds = (seed + 1, seed + 1, seed + 2)
+    made.append(Case("motion", arguments, words, "seeds", math.inf, seeds))
+    return made
+
+
+def _exact(poses: Array, step: tuple[str, str, tuple[float, float, float]]) -> Case:
+    kind, text, moved = step
+    words = Words("{step} {count} particles.", {"step": Words(text), "count": len(poses)})
+    return Case("motion", (poses, np.array(moved), NOISELESS), words, kind, 1e-7, (7,))
+
+
+def _cloud(
+    noise: tuple[str, str, tuple[float, float, float], tuple[float, float, float, float]], seed: int
+) -> Case:
+    kind, text, moved, alphas = noise
+    words = Words("{step} {count} particles in one place.", {"step": Words(text), "count": COUNT})
+    arguments = (np.zeros((COUNT, 3)), np.array(moved), np.array(alphas, dtype=float))
+    errors = LIKELY / math.sqrt(COUNT) * np.array([1, 1, 1, 0.72, 0.72, 0.72, 1, 1])
+    return Case("motion", arguments, words, kind, errors, (seed,))
+
+
+def _is_cloud(case: Case) -> bool:
+    return case.kind in ("noise", "turn", "reverse")
+
+
+def features(outcome: Outcome) -> Array:
+    """Poses, their headings as cosine and sine; of a cloud, how it is shifted and spread."""
+    case = outcome.case
+    poses = array_of(outcome.result, case.arguments[0].shape)
+    if not _is_cloud(case):
+        return headings_apart(poses)
+    return _spread(poses, case)
+
+
+def _spread(poses: Array, case: Case) -> Array:
+    """Return of way, direction and turn: shifts in deviations, their logarithms, correlations.
+
+    The error of each is the same whatever the spread is.
+    """
+    _, moved, _ = case.arguments
+    errors = _steps(poses, moved) - _steps(compose(np.zeros((1, 3)), moved), moved)
+    errors[:, 1:] = wrap_angle(errors[:, 1:])
+    deviations = np.maximum(errors.std(axis=0), 1e-6)
+    scaled = (errors - errors.mean(axis=0)) / deviations
+    # Where there is no spread there is no correlation either.
+    related = [float((scaled[:-1, axis] * scaled[1:, axis]).mean()) for axis in (0, 2)]
+    return np.concatenate([errors.mean(axis=0) / deviations, np.log(deviations), related])
+
+
+def _steps(poses: Array, moved: Array) -> Array:
+    """Return way, its direction and the turn (n, 3) of particles that began at the origin."""
+    sign = -1.0 if moved[0] < 0 else 1.0
+    x, y, theta = poses.T
+    return np.column_stack([sign * np.hypot(x, y), np.arctan2(sign * y, sign * x), theta])
+
+
+def expected(case: Case, mistakes: frozenset[str]) -> Array:
+    """The features that formulas with mistakes give."""
+    poses, moved, alphas = case.arguments
+    if not _is_cloud(case):
+        return headings_apart(_sampled(poses, moved, alphas, mistakes, 7))
+    return _reference_spread(tuple(moved), tuple(alphas), mistakes)
+
+
+@lru_cache(maxsize=4096)
+def _reference_spread(
+    moved: tuple[float, ...], alphas: tuple[float, ...], mistakes: frozenset[str]
+) -> Array:
+    case = Case("motion", (np.zeros((MANY, 3)), np.array(moved), np.array(alphas)), Words(""))
+    return _spread(_sampled(*_given(case), mistakes, 1), case)
+
+
+def _given(case: Case) -> tuple[Array, Array, Array]:
+    poses, moved, alphas = case.arguments
+    return poses, moved, alphas
+
+
+def _sampled(
+    poses: Array, moved: Array, alphas: Array, mistakes: frozenset[str], seed: int
+) -> Array:
+    """Sample the odometry motion model (Probabilistic Robotics, Table 5.6), with mistakes."""
+    dx, dy, turn = moved
+    back = dx < 0 and "reverse-turns" not in mistakes
+    way = -math.hypot(dx, dy) if back else math.hypot(dx, dy)
+    rot1 = math.atan2(-dy, -dx) if back else math.atan2(dy, dx)
+    rot2 = wrap_angle(turn - rot1)
+    way_hat, rot1_hat, rot2_hat = _noisy((way, rot1, rot2), alphas, len(poses), mistakes, seed)
+    if "spin-moves" in mistakes:
+        way_hat = way_hat + 0.05 * abs(turn)
+    theta = wrap_angle(poses[:, 2] + rot1_hat + rot2_hat)
+    angle = poses[:, 2] + rot1_hat
+    if "new-heading" in mistakes:
+        angle = theta
+    if "old-heading" in mistakes:
+        angle = poses[:, 2]
+    if "degrees" in mistakes:
+        angle = np.radians(angle)
+    if "not-turned" in mistakes:
+        angle = angle - poses[:, 2]
+    if "one-rotation" in mistakes:
+        theta = wrap_angle(poses[:, 2] + (rot1_hat if "second-lost" in mistakes else rot2_hat))
+    x, y = way_hat * np.cos(angle), way_hat * np.sin(angle)
+    if "sine-first" in mistakes:
+        x, y = y, x
+    return np.column_stack([poses[:, 0] + x, poses[:, 1] + y, theta])
+
+
+def _noisy(
+    step: tuple[float, float, float],
+    alphas: Array,
+    count: int,
+    mistakes: frozenset[str],
+    seed: int,
+) -> tuple[Array, Array, Array]:
+    way, rot1, rot2 = step
+    a1, a2, a3, a4 = _alphas(alphas, mistakes)
+    variances = np.array(
+        [
+            a3 * way**2 + a4 * (rot1**2 + rot2**2),
+            a1 * rot1**2 + a2 * way**2,
+            a1 * rot2**2 + a2 * way**2,
+        ]
+    )
+    deviations = variances if "variance" in mistakes else np.sqrt(variances)
+    if "absolute" in mistakes:
+        turned = abs(rot1) + abs(rot2)
+        deviations = np.array(
+            [
+                a3 * abs(way) + a4 * turned,
+                a1 * abs(rot1) + a2 * abs(way),
+                a1 * abs(rot2) + a2 * abs(way),
+            ]
+        )
+    rng = np.random.default_rng(seed)
+    noise = rng.standard_normal((3, count))
+    if "uniform" in mistakes:
+        noise = rng.uniform(-1, 1, (3, count))
+    if "same-draw" in mistakes:
+        noise[:] = noise[0]
+    if "positive" in mistakes:
+        noise = np.abs(noise)
+    made = np.array(step)[:, None] + deviations[:, None] * noise
+    return made[0], made[1], made[2]
+
+
+def _alphas(alphas: Array, mistakes: frozenset[str]) -> Array:
+    if "no-noise" in mistakes:
+        return NOISELESS
+    if "alphas-swapped" in mistakes:
+        return alphas[[2, 3, 0, 1]]
+    return alphas
+
+
+def signs(outcomes: Sequence[Outcome]) -> Iterator[Sign]:
+    """What shows by itself: no spread, a spin that moves, a generator that is not asked."""
+    for outcome in outcomes:
+        yield from heading_sign(outcome, np.asarray(outcome.result))
+    clouds = [item for item in outcomes if item.case.kind == "noise"]
+    if clouds and all(np.asarray(item.result).std(axis=0).max() < 1e-9 for item in clouds):
+        yield Sign("M5", clouds[0])
+    backs = [item for item in outcomes if item.case.kind == "reverse"]
+    if backs and all(_wider(item) for item in backs) and not any(_wider(item) for item in clouds):
+        yield Sign("M3", backs[0])
+    for outcome in outcomes:
+        poses = np.asarray(outcome.result)
+        if outcome.case.kind == "spin":
+            moved = np.abs(poses[:, :2] - outcome.case.arguments[0][:, :2])
+            if moved.max() > 1e-6:
+                yield Sign("M4", outcome)
+        if outcome.case.kind == "straight" and _is_parallel(outcome):
+            yield Sign("M1", outcome)
+        if outcome.case.kind == "seeds":
+            yield from _generator(outcome)
+
+
+def _wider(outcome: Outcome) -> bool:
+    given, due = features(outcome), expected(outcome.case, REFERENCE)
+    return bool((given[3:6] - due[3:6]).max() > 0.5)
+
+
+def _is_parallel(outcome: Outcome) -> bool:
+    """Return whether all particles shift alike, though they look into different directions."""
+    shifts = np.asarray(outcome.result)[:, :2] - outcome.case.arguments[0][:, :2]
+    return bool(np.ptp(shifts, axis=0).max() < 1e-9 and np.abs(shifts).max() > 1e-6)
+
+
+def _generator(outcome: Outcome) -> Iterator[Sign]:
+    first, repeated, other = [np.asarray(answer.result) for answer in outcome.answers]
+    if np.ptp(first[::4], axis=0).max() > 0:  # every fourth particle starts alike
+        if not np.array_equal(first, repeated):
+            note = Words("The same seed gives two different clouds: the noise is not rng's.")
+            yield Sign("generator", outcome, apart=True, note=note)
+        elif np.array_equal(first, other):
+            note = Words("Each seed gives the same cloud: the noise is not rng's.")
+            yield Sign("generator", outcome, apart=True, note=note)
+
+
+def show(case: Case, values: Array) -> str:
+    """Return poses, or a cloud's spread, in words."""
+    if _is_cloud(case):
+        way, toward, turn = 1000 * math.exp(values[3]), *np.degrees(np.exp(values[4:6]))
+        return f"way ± {way:.1f} mm, direction ± {toward:.1f}°, heading ± {turn:.1f}°"
+    shown = values.reshape(-1, 4)[:4]
+    return "; ".join(
+        f"x {1000 * x:.0f} mm, y {1000 * y:.0f} mm, {math.degrees(math.atan2(s, c)):.0f}°"
+        for x, y, c, s in shown
+    )
+
+
+def picture(outcome: Outcome, due: Array, given: Array) -> str:
+    """Draw the clouds, or the first particle that is elsewhere than it should be."""
+    case = outcome.case
+    if _is_cloud(case):
+        small = np.zeros((150, 3))
+        cloud = _sampled(small, *_given(case)[1:], REFERENCE, 3)
+        return draw_clouds({"due": cloud, "given": np.asarray(outcome.result)[:150]})
+    rows = due.reshape(-1, 4), given.reshape(-1, 4)
+    worst = int(np.abs(rows[0] - rows[1]).max(axis=1).argmax())
+    start = headings_apart(case.arguments[0])[worst]
+    return draw_poses({"start": start, "due": rows[0][worst], "given": rows[1][worst]})
+
+
+ANGLES = frozenset(["new-heading", "old-heading"])
+SIZES = frozenset(["variance", "absolute", "no-noise", "uniform", "alphas-swapped", "positive"])
+CHECKS = Checks(
+    functions=("motion",),
+    cases=cases,
+    features=features,
+    expected=expected,
+    hypotheses=(
+        Hypothesis("not-turned", "M1"),
+        Hypothesis("reverse-turns", "M3", kind="reverse"),
+        Hypothesis("no-noise", "M5", SIZES, "noise"),
+        Hypothesis("new-heading", "M2", ANGLES),
+        Hypothesis("old-heading", "old-heading", ANGLES),
+        Hypothesis("degrees", "S4"),
+        Hypothesis("variance", "variance", SIZES),
+        Hypothesis("absolute", "alphas", SIZES),
+        Hypothesis("alphas-swapped", "alphas", SIZES),
+        Hypothesis("uniform", "noise-form", SIZES),
+        Hypothesis("positive", "noise-form", SIZES),
+        Hypothesis("same-draw", "same-draw", kind="turn"),
+        Hypothesis("one-rotation", "rotation-lost"),
+        Hypothesis("sine-first", "sine"),
+    ),
+    signs=signs,
+    show=show,
+    picture=picture,
+)

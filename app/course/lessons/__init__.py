@@ -1,0 +1,1 @@
+"""The lessons, a folder each: text in each language, picture, stub, checks."""

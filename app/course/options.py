@@ -1,0 +1,45 @@
+"""Options of the course's commands."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.options import Commands
+
+
+def add_check(commands: Commands) -> None:
+    """Add ``check``."""
+    command = commands.add_parser(
+        "check",
+        help="tell what a lesson's code does wrong",
+        description="Run the checks of the lessons on a file, in a process that can harm nothing. "
+        "It ends with 0 if all that was begun passed.",
+    )
+    command.add_argument("file", type=Path, metavar="FILE.py", help="the student's file")
+    command.add_argument("--lesson", type=int, metavar="N", help="only this one (default: all)")
+    command.add_argument("--json", action="store_true", help="findings as JSON, to the terminal")
+    command.add_argument("--junit", type=Path, metavar="FILE.xml", help="write JUnit's XML too")
+    command.add_argument(
+        "--gradescope", type=Path, metavar="FILE.json", help="write Gradescope's results.json too"
+    )
+    command.add_argument("--seed", type=int, metavar="N", help="seed of the cases, for a teacher")
+    add_lessons(command)
+    command.set_defaults(command=_check)
+
+
+def add_lessons(command: argparse.ArgumentParser) -> None:
+    """Add the options for a teacher's own lessons and for the language."""
+    command.add_argument(
+        "--lessons", type=Path, metavar="DIR", help="lessons of your own (docs/course.md)"
+    )
+    command.add_argument(
+        "--language", metavar="CODE", help="en or de (default: as the environment asks)"
+    )
+
+
+def _check(parsed: argparse.Namespace) -> int:
+    # Imported here, so that other commands start without it.
+    from app.course.check_command import check  # noqa: PLC0415
+
+    return check(parsed)

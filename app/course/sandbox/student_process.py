@@ -1,0 +1,214 @@
+"""The grader's side of the pipe: starts a student's process, asks it, and ends it in time."""
+
+from __future__ import annotations
+
+import os
+import selectors
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from app.course.sandbox import wire
+from app.course.sandbox.child import OFFERED
+from robot.errors import BrickPoseError
+
+SOURCES = str(Path(__file__).parents[3])
+START = (
+    f"import sys; sys.path.insert(0, {SOURCES!r}); "
+    "from app.course.sandbox.child import main; main()"
+)
+START_S = 20.0
+"""Time for Python and NumPy to start on a busy machine [s]."""
+LESSON_S = 20.0
+"""Time of a process in all [s]."""
+QUICK_S, COMPILING_S = 3.0, 15.0
+"""Time of one call [s]; where numba is used, the first call of a function compiles it."""
+MOST_CALLS = 200
+"""Most calls of offered functions in one call."""
+
+
+class StudentError(BrickPoseError, RuntimeError):
+    """A student's code gives no result; the message says why.
+
+    ``line`` is the line of the file, where it is known; ``fatal`` when the process is gone.
+    """
+
+    def __init__(self, words: str, line: int | None = None, *, fatal: bool = False) -> None:
+        super().__init__(words)
+        self.line = line
+        self.fatal = fatal
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a function returned, and what it did to what it was given."""
+
+    result: Any
+    after: tuple[Any, ...] = ()
+    """The arrays and namespaces among the arguments, after the call."""
+    linked: bool = False
+    """Whether two rows of the result are the same memory."""
+    shared: bool = False
+    """Whether the result shares memory with an argument."""
+
+
+@dataclass
+class StudentProcess:
+    """Runs one file; a context that ends the process."""
+
+    path: str
+    source: str
+    names: tuple[str, ...] = field(default=(), init=False)
+    """What the file defines and can be called."""
+
+    def __enter__(self) -> StudentProcess:
+        self._folder = tempfile.TemporaryDirectory(prefix="lesson-")
+        self._ends = time.monotonic() + START_S + LESSON_S
+        self._waiting = bytearray()
+        # Only what Python needs is handed on: no token of the program, no folder of the user.
+        environment = {"OPENBLAS_NUM_THREADS": "1", "HOME": self._folder.name, "LANG": "C.UTF-8"}
+        self._process = subprocess.Popen(
+            [sys.executable, "-I", "-B", "-c", START],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            cwd=self._folder.name,
+            env=environment,
+            start_new_session=True,
+        )
+        self._selector = selectors.DefaultSelector()
+        assert self._process.stdout is not None
+        self._selector.register(self._process.stdout, selectors.EVENT_READ)
+        try:
+            self._send({"path": self.path, "source": self.source})
+            self.names = tuple(map(str, self._message(START_S)["names"]))
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with suppress(OSError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
+        self._selector.close()
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                with suppress(OSError):
+                    stream.close()
+        self._process.wait()
+        self._folder.cleanup()
+
+    def call(
+        self,
+        function: str,
+        arguments: tuple[Any, ...],
+        seed: int | None = None,
+        offered: Mapping[str, Callable[..., Any]] | None = None,
+    ) -> Answer:
+        """Call a function of the file.
+
+        Args:
+            function: its name.
+            arguments: numbers, arrays and namespaces; ``OFFERED + name`` stands for a function.
+            seed: of the generator that is the last argument; None is no generator.
+            offered: functions that the student's may call, by name; they run here.
+
+        Raises:
+            StudentError: there is no result.
+        """
+        self._send({"function": function, "arguments": list(arguments), "seed": seed})
+        for _ in range(MOST_CALLS):
+            answer = self._message(COMPILING_S if "numba" in self.source else QUICK_S)
+            if answer.get("attempt"):
+                raise StudentError(f"the code {answer['attempt']}; no lesson needs that")
+            if "call" not in answer:
+                return _checked(answer)
+            self._send({"result": _served(answer, offered or {})})
+        raise StudentError(f"calls more than {MOST_CALLS} functions", fatal=True)
+
+    def _send(self, message: Mapping[str, Any]) -> None:
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(wire.pack(message))
+            self._process.stdin.flush()
+        except OSError as error:
+            raise StudentError(self._ended(), fatal=True) from error
+
+    def _message(self, seconds: float) -> dict[str, Any]:
+        deadline = min(time.monotonic() + seconds, self._ends)
+        (length,) = wire.LENGTH.unpack(self._exactly(wire.LENGTH.size, deadline, seconds))
+        if length > wire.LONGEST:
+            raise StudentError("gives far too much", fatal=True)
+        try:
+            message = wire.unpack(self._exactly(length, deadline, seconds))
+        except wire.WireError as error:
+            raise StudentError(f"gives what is no result: {error}", fatal=True) from error
+        if message.get("error") is not None:
+            raise StudentError(*_error(message["error"]))
+        return message
+
+    def _exactly(self, size: int, deadline: float, seconds: float) -> bytes:
+        assert self._process.stdout is not None
+        while len(self._waiting) < size:
+            if not self._selector.select(max(0.0, deadline - time.monotonic())):
+                raise StudentError(f"does not end within {seconds:g} s", fatal=True)
+            part = os.read(self._process.stdout.fileno(), 1 << 20)
+            if not part:
+                raise StudentError(self._ended(), fatal=True)
+            self._waiting += part
+        result = bytes(self._waiting[:size])
+        del self._waiting[:size]
+        return result
+
+    def _ended(self) -> str:
+        with suppress(subprocess.TimeoutExpired):
+            code = self._process.wait(1.0)
+            if code < 0:
+                return f"crashed: {signal.Signals(-code).name}"
+        return "ended Python, instead of returning a result"
+
+
+def _error(error: Any) -> tuple[str, int | None]:
+    words, line = error.get("words"), error.get("line")
+    return str(words), line if isinstance(line, int) else None
+
+
+def _checked(answer: Mapping[str, Any]) -> Answer:
+    if "result" not in answer:
+        raise StudentError("gives what is no result", fatal=True)
+    after = answer.get("after")
+    return Answer(
+        answer["result"],
+        after if isinstance(after, tuple) else (),
+        bool(answer.get("linked")),
+        bool(answer.get("shared")),
+    )
+
+
+def _served(answer: Mapping[str, Any], offered: Mapping[str, Callable[..., Any]]) -> Any:
+    function = offered.get(str(answer["call"]))
+    if function is None:
+        raise StudentError(f"calls {answer['call']!r}, which is not offered", fatal=True)
+    try:
+        return function(*answer["arguments"])
+    except (TypeError, ValueError, IndexError, AttributeError) as error:
+        raise StudentError(
+            f"gives {answer['call']} what it cannot use: {error}", fatal=True
+        ) from error
+
+
+__all__ = ["OFFERED", "Answer", "StudentError", "StudentProcess"]
