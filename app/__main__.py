@@ -1,6 +1,12 @@
 """``brickpose`` and ``python -m app``: signals are handled first, as imports take long."""
 
+import os
+
 from app.interruption import end_at_once
+
+# Matrices are small here: a second thread of BLAS waits for the first, and takes the core from the
+# control loop meanwhile. It is read when NumPy is imported, also by processes that are begun.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def main() -> int:

@@ -9,6 +9,8 @@ The robot's unknowns are in all pictures; they are solved for first (Schur compl
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 from robot.calibration.sightings import Misses
@@ -54,18 +56,19 @@ class Equations:
         squares = (seen.residuals / (CAUCHY * doubt)) ** 2
         self.cost += float(CAUCHY**2 * np.log1p(squares).sum())
         self._root = root = (1 / np.sqrt(1 + squares) / doubt)[:, None]
-        robot, residuals = root * seen.by_unknowns, root * seen.residuals[:, None]
-        rows = np.concatenate([root * seen.by_pose, robot, residuals], axis=1)
-        # All products of a picture's rows at once; the pictures' rows follow each other.
-        starts = np.searchsorted(seen.picture, np.arange(len(self._own) + 1))
-        for k in np.flatnonzero(np.diff(starts)):
-            part = rows[starts[k] : starts[k + 1]]
-            products = part.T @ part
-            self._own[k, :3, :3] += products[:3, :3]
-            self._shared[k, :3] += products[:3, 3:-1]
-            self._right[k, :3] -= products[:3, -1]
-        self._robot += robot.T @ robot
-        self._robot_right -= robot.T @ residuals[:, 0]
+        _add_rows(
+            seen.picture,
+            root * seen.by_pose,
+            root * seen.by_unknowns,
+            seen.map_unknowns,
+            root * seen.by_map,
+            root[:, 0] * seen.residuals,
+            self._own,
+            self._shared,
+            self._robot,
+            self._right,
+            self._robot_right,
+        )
 
     def add_pairs(self, error: Array, own: Array, following: Array, robot: Array) -> None:
         """Add what ties pictures to the next ones.
@@ -186,3 +189,56 @@ class Equations:
                 band[below, column : size - STATE : STATE] = self._next[:-1, column, row]
         factor: Array = cholesky_banded(band, lower=True, overwrite_ab=True, check_finite=False)
         return factor
+
+
+@njit(cache=True, nogil=True)
+def _add_rows(
+    picture: NDArray[np.int64],
+    by_pose: Array,
+    by_robot: Array,
+    map_unknowns: NDArray[np.intp],
+    by_map: Array,
+    residuals: Array,
+    own: Array,
+    shared: Array,
+    robot: Array,
+    right: Array,
+    robot_right: Array,
+) -> None:
+    """Add the products of the rows of Jacobian and residuals; most of a row is zero."""
+    most = by_robot.shape[1] + by_map.shape[1]
+    columns, values = np.empty(most, np.int64), np.empty(most)
+    for i in range(len(picture)):
+        k = picture[i]
+        count = _nonzero(by_robot[i], map_unknowns[i], by_map[i], columns, values)
+        for a in range(3):
+            for b in range(3):
+                own[k, a, b] += by_pose[i, a] * by_pose[i, b]
+            right[k, a] -= by_pose[i, a] * residuals[i]
+        for m in range(count):
+            for a in range(3):
+                shared[k, a, columns[m]] += by_pose[i, a] * values[m]
+            robot_right[columns[m]] -= values[m] * residuals[i]
+            for n in range(count):
+                robot[columns[m], columns[n]] += values[m] * values[n]
+
+
+@njit(cache=True, nogil=True)
+def _nonzero(
+    by_robot: Array,
+    map_unknowns: NDArray[np.intp],
+    by_map: Array,
+    columns: NDArray[np.int64],
+    values: Array,
+) -> int:
+    """Write the shared unknowns that one row depends on, and its derivatives; return how many."""
+    count = 0
+    for j in range(len(by_robot)):
+        if by_robot[j] != 0:
+            columns[count], values[count] = j, by_robot[j]
+            count += 1
+    for j in range(len(by_map)):
+        if by_map[j] != 0:
+            columns[count], values[count] = len(by_robot) + map_unknowns[j], by_map[j]
+            count += 1
+    return count

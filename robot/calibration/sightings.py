@@ -65,7 +65,11 @@ class Misses:
     by_pose: Array = field(repr=False)
     """(n, 3) by the picture's pose."""
     by_unknowns: Array = field(repr=False)
-    """(n, 15) by the robot's unknowns, and those of the map if there are any."""
+    """(n, 15) by the robot's unknowns."""
+    map_unknowns: NDArray[np.intp] = field(repr=False)
+    """(n, w) those unknowns of the map that a distance depends on; none if the map is known."""
+    by_map: Array = field(repr=False)
+    """(n, w) by these."""
     metres: Array = field(repr=False)
     """(n,) the same distances [m]."""
     pixels: Array = field(repr=False)
@@ -245,13 +249,15 @@ def misses(seen: Sightings, floor: FloorPoints, poses: Array, values: Array, gat
     by_pose = np.column_stack([normal, across[:, 1] * around[:, 0] - across[:, 0] * around[:, 1]])
     pixels = np.zeros((len(ends), 2))
     pixels[matched] = (metres / a_pixel**2)[:, None] * by_pixel
-    by_unknowns = np.hstack([by_unknowns, tape.derivatives(edge, ends[matched])])
+    map_unknowns, by_map = tape.derivatives(edge, ends[matched])
     sd = np.hypot(PIXEL_SD * a_pixel, FLOOR_SD)
     return Misses(
         metres / sd,
         picture,
         by_pose / sd[:, None],
         by_unknowns / sd[:, None],
+        map_unknowns,
+        by_map / sd[:, None],
         metres,
         pixels.reshape(*shape, 2),
         edge,

@@ -36,11 +36,14 @@ class TapeEdges:
         """How many numbers of the map are not known."""
         return 0
 
-    def derivatives(self, edge: NDArray[np.int64], points: Array) -> Array:
-        """Return derivatives (n, u) of the distances of points from edges, by the unknowns.
+    def derivatives(self, edge: NDArray[np.int64], points: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return the derivatives of the distances of points from edges, by the unknowns.
+
+        A distance depends on a few unknowns only: their numbers (n, w), and the derivatives by
+        them (n, w); the rest are zero.
 
         Args:
             edge: (n,) which edge each point belongs to.
             points: (n, 2) in the map [m].
         """
-        return np.zeros((len(edge), 0))
+        return np.zeros((len(edge), 0), np.intp), np.zeros((len(edge), 0))

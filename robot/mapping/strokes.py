@@ -17,6 +17,9 @@ from robot.geometry import Array
 
 FINE = 5e-5
 """Curves are cut into lines that lie at most about so far beside them [m]."""
+NODES_NEAR = 12
+"""A place on a curve depends on so many nodes; by those farther off it moves by less than a
+thousandth of their way."""
 LEAST_SPAN = 0.02
 """A curve that goes on for longer than this gets one more node [m]."""
 OVERLAP = 0.002
@@ -67,6 +70,28 @@ class Stroke:
             return np.eye(2)
         shares: Array = self.spline(np.eye(len(self.nodes)))(self.places)
         return shares
+
+    @cached_property
+    def shares(self) -> tuple[NDArray[np.intp], Array, Array]:
+        """Which nodes (m - 1, w) each line between two points depends on, and how much.
+
+        The shares (m - 1, w) of the nodes in its start, and those in its end; 0 fills a row.
+        """
+        count = len(self.nodes)
+        span = np.searchsorted(self.knots, self.places[:-1], side="right") - 1
+        first = span - NODES_NEAR // 2 + 1
+        if count <= NODES_NEAR:
+            first = np.zeros_like(span)
+        elif not self.closed:
+            first = np.clip(first, 0, count - NODES_NEAR)
+        near = first[:, None] + np.arange(NODES_NEAR)
+        real = np.arange(NODES_NEAR) < count
+        near = np.where(real, near % count, 0)
+        line = np.arange(len(span))[:, None]
+        start, end = (
+            real * weights[line, near] for weights in (self.weights[:-1], self.weights[1:])
+        )
+        return near, start, end
 
     @cached_property
     def places(self) -> Array:
@@ -125,10 +150,12 @@ class StrokeEdges(TapeEdges):
     Along the tape a node would be free to move.
     """
 
-    start_weights: Array = field(repr=False)
-    """(m, n) share of each node in the start of each edge."""
-    end_weights: Array = field(repr=False)
-    """(m, n) and in its end."""
+    nodes: NDArray[np.intp] = field(repr=False)
+    """(m, w) the nodes on which the place of an edge depends."""
+    start_shares: Array = field(repr=False)
+    """(m, w) share of each of them in the start of the edge; 0 fills the row."""
+    end_shares: Array = field(repr=False)
+    """(m, w) and in its end."""
     across: Array = field(repr=False)
     """(n, 2) unit vectors along which the nodes move."""
     stroke: NDArray[np.intp] = field(repr=False)
@@ -153,12 +180,14 @@ class StrokeEdges(TapeEdges):
         """One for each node."""
         return len(self.across)
 
-    def derivatives(self, edge: NDArray[np.int64], points: Array) -> Array:
-        """Return derivatives (n, u) of the distances of points from edges, by the unknowns."""
+    def derivatives(self, edge: NDArray[np.int64], points: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return by which unknowns the distances of points change (n, w), and how much (n, w)."""
         part = self._part(edge, points)[:, None]
-        shares = self.start_weights[edge] * (1 - part) + self.end_weights[edge] * part
-        by_unknowns: Array = -shares * (self.normals[edge] @ self.across.T)
-        return by_unknowns
+        shares = self.start_shares[edge] * (1 - part) + self.end_shares[edge] * part
+        nodes = self.nodes[edge]
+        normals, across = self.normals[edge], self.across[nodes]
+        aside = across[..., 0] * normals[:, :1] + across[..., 1] * normals[:, 1:]
+        return nodes, -shares * aside
 
     def _part(self, edge: NDArray[np.int64], points: Array) -> Array:
         """Return at which part of an edge's length points lie (n,)."""
@@ -203,24 +232,26 @@ class Strokes:
     @property
     def edges(self) -> StrokeEdges:
         """Both edges of all strokes."""
-        total, first = len(self.offsets), 0
+        first = 0
         edges, margins = [np.zeros((0, 4))], [np.zeros((0, 2))]
-        starts, ends = [np.zeros((0, total))], [np.zeros((0, total))]
+        nodes = [np.zeros((0, NODES_NEAR), np.intp)]
+        starts, ends = [np.zeros((0, NODES_NEAR))], [np.zeros((0, NODES_NEAR))]
         stroke, places = [np.zeros(0, np.intp)], [np.zeros((0, 2))]
         for number, (traced, moved) in enumerate(zip(self.traced, self.each, strict=True)):
             # The curve as it was traced says how much each node counts.
             points = traced.weights @ moved.nodes
-            shares = np.zeros((len(points), total))
-            shares[:, first : first + len(moved.nodes)] = traced.weights
+            near, start, end = traced.shares
+            nodes += 2 * [first + near]
+            starts += [start, end]
+            ends += [end, start]
             first += len(moved.nodes)
             aside = self.width / 2 * _across(points, traced.closed)
             right, left = points - aside, points + aside
             edges += [np.hstack([right[:-1], right[1:]]), np.hstack([left[1:], left[:-1]])]
-            starts += [shares[:-1], shares[1:]]
-            ends += [shares[1:], shares[:-1]]
             ahead = np.full((len(points) - 1, 2), -OVERLAP)
             if not traced.closed:
-                ahead[0, 0] = ahead[-1, 1] = min(END, 0.25 * moved.length)
+                length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+                ahead[0, 0] = ahead[-1, 1] = min(END, 0.25 * length)
             margins += [ahead, ahead[:, ::-1]]
             spans = np.column_stack([traced.places[:-1], traced.places[1:]])
             places += [spans, spans[:, ::-1]]
@@ -231,6 +262,7 @@ class Strokes:
             both,
             normals(both),
             np.vstack(margins),
+            np.vstack(nodes),
             np.vstack(starts),
             np.vstack(ends),
             across,
