@@ -11,9 +11,10 @@ from contextlib import suppress
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.console import say
-from app.course.options import add_check
+from app.course.options import add_check, add_learn
 from app.interruption import Interrupted, deferred
 from app.lab.calibrate.options import add_calibrate
 from app.lab.evaluate_options import add_evaluate
@@ -43,6 +44,9 @@ from app.tools.options import add_doctor, add_emulate_hat, add_replay
 from robot.errors import BrickPoseError
 from robot.fields.field import FieldError
 from robot.settings import SettingError
+
+if TYPE_CHECKING:
+    from fastapi import APIRouter
 
 LOOK_S = 0.2
 """Interval of checking whether a signal asks to end [s]."""
@@ -86,19 +90,27 @@ def _parser() -> argparse.ArgumentParser:
     add_emulate_hat(commands)
     add_doctor(commands)
     add_export(commands)
+    learn = add_learn(commands)
+    _add_serving(learn)
+    learn.set_defaults(command=_learn)
     add_check(commands)
     _add_bench(commands)
     return parser
 
 
 def _add_run(commands: Commands) -> None:
-    default = Config()
     run = commands.add_parser(
         "run",
         help="serve the dashboard with one robot",
         description="Serve the dashboard with one robot. Ctrl-C stops the motors and ends.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
+    _add_serving(run)
+    run.set_defaults(command=_run)
+
+
+def _add_serving(run: argparse.ArgumentParser) -> None:
+    default = Config()
     run.add_argument(
         "--robot",
         choices=ROBOTS,
@@ -121,7 +133,6 @@ def _add_run(commands: Commands) -> None:
     add_own_models(run)
     _add_start_pose(run)
     _add_outlets(run)
-    run.set_defaults(command=_run)
 
 
 def _add_start_pose(run: argparse.ArgumentParser) -> None:
@@ -173,7 +184,19 @@ def _add_bench(commands: Commands) -> None:
 
 
 def _run(parsed: argparse.Namespace) -> int:
-    wanted = config_from(parsed)
+    return _serve(parsed, config_from(parsed))
+
+
+def _learn(parsed: argparse.Namespace) -> int:
+    from app.course.learn_command import prepare  # noqa: PLC0415
+
+    config, router, path = prepare(parsed, config_from(parsed))
+    return _serve(parsed, config, (router,), path)
+
+
+def _serve(
+    parsed: argparse.Namespace, wanted: Config, routers: Sequence[APIRouter] = (), path: str = "/"
+) -> int:
     # Imported here, so that a wrong argument is refused at once.
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
     from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
@@ -191,12 +214,14 @@ def _run(parsed: argparse.Namespace) -> int:
             say(f"The kinematic robot drives, with perfect wheels: {missing}")
         program = build_program(config, RealTime())
         scheme = "http" if certificate is None else "https"
-        ready = partial(announce, listening, tokens, scheme, foxglove=config.ros2.foxglove)
-        following = serve(program, listening, tokens, certificate, ready)
+        ready = partial(
+            announce, listening, tokens, scheme, foxglove=config.ros2.foxglove, path=path
+        )
+        following = serve(program, listening, tokens, certificate, ready, routers)
     while following is not None:
         with listen(config.host, port) as listening:
             ready = partial(say, f"The robot goes on in {following.config.map}")
-            following = serve(following, listening, tokens, certificate, ready)
+            following = serve(following, listening, tokens, certificate, ready, routers)
     return 0
 
 

@@ -28,6 +28,29 @@ def add_check(commands: Commands) -> None:
     command.set_defaults(command=_check)
 
 
+def add_learn(commands: Commands) -> argparse.ArgumentParser:
+    """Add ``learn``, and return its parser: it has the options of ``run`` as well."""
+    command: argparse.ArgumentParser = commands.add_parser(
+        "learn",
+        help="the course: lessons beside the dashboard",
+        description="Serve the dashboard with a lesson beside it. The student's file is checked "
+        "at each save.",
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
+    )
+    command.add_argument(
+        "lesson", nargs="?", type=int, default=1, metavar="N", help="the lesson to open"
+    )
+    command.add_argument(
+        "--file",
+        type=Path,
+        default=Path("my_filter.py"),
+        metavar="FILE.py",
+        help="the student's file; begun if it is not there",
+    )
+    add_lessons(command)
+    return command
+
+
 def add_lessons(command: argparse.ArgumentParser) -> None:
     """Add the options for a teacher's own lessons and for the language."""
     command.add_argument(

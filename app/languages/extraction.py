@@ -20,7 +20,8 @@ TELLING = (
 )  # fmt: skip
 """Where errors come from that the page shows: their messages are texts."""
 SPEAKING = (
-    "app/course/grader/", "app/course/grading.py", "app/course/lessons/",
+    "app/course/grader/causes/", "app/course/grader/forms.py", "app/course/grading.py",
+    "app/course/lessons/",
     "app/engine/drivers.py", "app/engine/mapping/drawing_work.py",
     "app/engine/own_models/own_models.py",
     "app/page/profile.py", "app/recordings/recorder.py", "robot/calibration/calibrate.py",

@@ -111,18 +111,33 @@ def tokens_of(
 
 
 def announce(
-    listening: socket.socket, tokens: Tokens | None, scheme: str, *, foxglove: bool = False
+    listening: socket.socket,
+    tokens: Tokens | None,
+    scheme: str,
+    *,
+    foxglove: bool = False,
+    path: str = "/",
 ) -> None:
-    """Say where the page is, and Foxglove; the last line says that the program is ready."""
+    """Say where the page is, and Foxglove; the last line says that the program is ready.
+
+    Args:
+        listening: the program's socket.
+        tokens: what links need, if they need any.
+        scheme: http or https.
+        foxglove: whether Foxglove is served.
+        path: the page to open first.
+    """
     address = address_of(listening, scheme)
     if foxglove and tokens is not None:
         say(f"Foxglove opens {address.replace('http', 'ws', 1)}/foxglove?token={tokens.drive}")
     if tokens is not None and tokens.required:
-        watching = f"{address}/?token={tokens.watch}"
+        watching = f"{address}{path}?token={tokens.watch}"
         _show_code(watching)
         say(f"To watch only: {watching}")
-        address = f"{address}/?token={tokens.drive}"
+        address = f"{address}{path}?token={tokens.drive}"
         _show_code(address)
+    elif path != "/":
+        address += path
     say(f"BrickPose is at {address} (Ctrl-C ends it)")
 
 

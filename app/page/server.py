@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio
 import cv2
-from fastapi import FastAPI, HTTPException, Request, Response, WebSocket
+from fastapi import APIRouter, FastAPI, HTTPException, Request, Response, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse
 from starlette.datastructures import Headers
 from starlette.staticfiles import StaticFiles
@@ -58,11 +58,15 @@ NO_PICTURE = refusal(503, "before the camera's first picture")
 
 
 def create_app(
-    program: Program, thread: EngineThread, outlets: Outlets, tokens: Tokens | None = None
+    program: Program,
+    thread: EngineThread,
+    outlets: Outlets,
+    tokens: Tokens | None = None,
+    routers: Sequence[APIRouter] = (),
 ) -> FastAPI:
     """Make the application of a program; the engine's thread runs as long as the application.
 
-    With tokens, each request must bring one of them.
+    With tokens, each request must bring one of them. Routers of other rooms are served as well.
     """
     view = View(
         program.field, program.robot.spec, program.engine.latest, lambda: sketch_of(outlets.mapping)
@@ -112,6 +116,8 @@ def create_app(
     app.include_router(mapping_router(outlets.mapping))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
+    for router in routers:
+        app.include_router(router)
     return app
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import socket
 import sys
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager, suppress
 
 import uvicorn
 from anyio import from_thread
+from fastapi import APIRouter
 
 from app.engine.build import build_on_map
 from app.engine.engine_thread import EngineThread
@@ -40,6 +41,7 @@ class Server:
         program: Program,
         tokens: Tokens | None = None,
         certificate: Certificate | None = None,
+        routers: Sequence[APIRouter] = (),
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
         self.successor: tuple[str, Hypothesis] | None = None
@@ -48,7 +50,7 @@ class Server:
         self._thread = EngineThread(program.engine, program.loop)
         self._outlets = Outlets(program, None if program.loop else self._change_map)
         config = uvicorn.Config(
-            create_app(program, self._thread, self._outlets, tokens),
+            create_app(program, self._thread, self._outlets, tokens, routers),
             ssl_certfile=certificate.certfile if certificate else None,
             ssl_keyfile=certificate.keyfile if certificate else None,
             log_level="warning",
@@ -105,6 +107,7 @@ def serve(
     tokens: Tokens | None = None,
     certificate: Certificate | None = None,
     announce: Callable[[], object] = lambda: None,
+    routers: Sequence[APIRouter] = (),
 ) -> Program | None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
 
@@ -116,10 +119,11 @@ def serve(
         tokens: requests need one of them, if there are any.
         certificate: for HTTPS.
         announce: says where the program is; from then on a signal is its usual end.
+        routers: what other rooms serve beside the page.
     """
     following: Program | None = None
     try:
-        server = Server(program, tokens, certificate)
+        server = Server(program, tokens, certificate, routers)
         with suppress(Interrupted), deferred(server.stop) as asked:
             announce()
             server.run(listening)

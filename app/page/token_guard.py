@@ -19,7 +19,7 @@ from app.settings.config import FRONTEND
 
 SUBPROTOCOL = "brickpose.token."
 """A websocket's subprotocol of this beginning brings a token: browsers cannot set its headers."""
-PAGES = ("/", "/lens")
+PAGES = ("/", "/lens", "/learn")
 """Where people without a token are asked for it."""
 READING = frozenset(["GET", "HEAD", "OPTIONS"])
 NO_TOKEN = (

@@ -9,17 +9,17 @@ from html import escape
 import numpy as np
 
 from app.languages.catalogue import Catalogue
-from app.languages.marking import text
+from app.languages.marking import phrase
 from robot.geometry import Array
 
 SIZE = 320.0
 MARGIN = 34.0
 STYLES = {
-    "start": "--quiet, #55606b",
-    "due": "--good, #00795c",
-    "given": "--odometry, #c2440c",
-    "rays": "--rays, #a86200",
-    "tape": "--text, #14181d",
+    "start": ("--quiet", "#55606b"),
+    "due": ("--good", "#00795c"),
+    "given": ("--odometry", "#c2440c"),
+    "rays": ("--rays", "#a86200"),
+    "tape": ("--text", "#14181d"),
 }
 """Colours by role, as the page names them, with what holds outside of it."""
 LABEL = re.compile(r"(?<=>)@([^<]+)(?=<)")
@@ -155,11 +155,11 @@ def draw_bars(due: Array, given: Array, names: Sequence[str] = ()) -> str:
     return "".join([head, *parts, axis, "</svg>"])
 
 
-LABELS = {"due": text("due"), "given": text("your code"), "start": text("start")}
+LABELS = {"due": phrase("due"), "given": phrase("your code"), "start": phrase("start")}
 
 
 def _colour(style: str) -> str:
-    return f"var({STYLES[style]})"
+    return f"var({', '.join(STYLES[style])})"
 
 
 def _dashes(style: str) -> str:
