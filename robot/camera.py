@@ -163,13 +163,29 @@ def _distortion(content: dict[str, Any]) -> Array:
     return _numbers(content, "distortion_coefficients", COEFFICIENTS[model])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FloorView:
-    """A camera above the floor: which floor point each pixel sees, in the robot frame."""
+    """A camera above the floor: which floor point each pixel sees, in the robot frame.
+
+    Views of the same numbers are equal, so that tables made of them are made once.
+    """
 
     lens: Lens
     robot_from_camera: Array = field(repr=False)
     """(4, 4) homogeneous transform; z = 0 of the robot frame is the floor."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FloorView) and self._numbers == other._numbers
+
+    def __hash__(self) -> int:
+        return hash(self._numbers)
+
+    @cached_property
+    def _numbers(self) -> tuple[object, ...]:
+        lens = self.lens
+        arrays = (lens.matrix, lens.distortion, self.robot_from_camera)
+        size = (lens.width, lens.height, lens.readout, lens.model)
+        return (*size, *(array.tobytes() for array in arrays))
 
     @cached_property
     def floor_from_picture(self) -> Array:

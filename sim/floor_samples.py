@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import cv2
@@ -50,16 +51,7 @@ class FloorSamples:
         self._floor = floor
         self._exposure = exposure
         self._size = (view.lens.height, view.lens.width)
-        bands = _bands(view, exposure)
-        self._points, self._times = _samples(view, bands, exposure)
-        counts = [band.samples for band in bands for _ in range(band.first, band.last)]
-        self._counts = np.array(counts)
-        self._firsts = np.cumsum(self._counts) - self._counts
-        # Compact copies: to fetch them from the large arrays takes longer than to use them.
-        self._centres = _centres(self._points, self._firsts, self._counts)
-        self._spread, self._distance = _extent(
-            self._points, self._centres, self._firsts, self._counts
-        )
+        self._seen = _spread_samples(view, exposure)
         self._even = _even_blocks(floor)
 
     def average(self, map_from_robot: Pose2, twist: Twist2) -> NDArray[np.uint8]:
@@ -67,19 +59,20 @@ class FloorSamples:
 
         The robot is at the pose in the middle of the exposure of the middle row.
         """
-        affines = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, self._times)
-        blurred = self._exposure * (abs(twist.v) + abs(twist.omega) * self._distance)
-        reach = (self._spread + blurred) / self._floor.resolution + MARGIN_PX
+        seen = self._seen
+        affines = _sample_affines(self._floor.pixel_from_map, map_from_robot, twist, seen.times)
+        blurred = self._exposure * (abs(twist.v) + abs(twist.omega) * seen.distance)
+        reach = (seen.spread + blurred) / self._floor.resolution + MARGIN_PX
         picture = np.empty(self._size, dtype=np.uint8)
         uneven = np.empty((2, reach.size), dtype=np.int32)
-        samples = np.empty((2, self._points[..., 0].size), dtype=np.float32)
+        samples = np.empty((2, seen.points[..., 0].size), dtype=np.float32)
         strips, count = fill_even_strips(
-            picture, uneven, samples, self._points, self._centres, affines, self._firsts,
-            self._counts, reach, self._even, self._floor.image.shape, self._floor.border,
+            picture, uneven, samples, seen.points, seen.centres, affines, seen.firsts,
+            seen.counts, reach, self._even, self._floor.image.shape, self._floor.border,
         )  # fmt: skip
         if strips > 0:
             grey = self._look_up(samples, count)
-            fill_uneven_strips(picture, uneven[:, :strips], grey, self._counts)
+            fill_uneven_strips(picture, uneven[:, :strips], grey, seen.counts)
         return picture
 
     def _look_up(self, samples: NDArray[np.float32], count: int) -> NDArray[np.uint8]:
@@ -98,6 +91,37 @@ class FloorSamples:
             borderValue=self._floor.border,
         )
         return np.asarray(grey, dtype=np.uint8).ravel()
+
+
+@dataclass(frozen=True, slots=True)
+class _Samples:
+    """The samples of one camera, whatever floor it sees: s of them in each column, h rows."""
+
+    points: NDArray[np.float32]
+    """(s, w, 2) on the floor, in the robot frame [m]."""
+    times: Array
+    """(s,) from the picture's stamp [s]."""
+    counts: NDArray[np.intp]
+    """(h,) samples of a pixel of each row."""
+    firsts: NDArray[np.intp]
+    """(h,) which is the first of them."""
+    centres: NDArray[np.float32]
+    """(h, strips, 2) the middle of each strip [m]; to fetch it from all points takes long."""
+    spread: Array
+    """(h, strips) how far samples lie from there at most [m]."""
+    distance: Array
+    """(h, strips) how far they lie from the robot at most [m]."""
+
+
+@lru_cache(maxsize=2)
+def _spread_samples(view: FloorView, exposure: float) -> _Samples:
+    bands = _bands(view, exposure)
+    points, times = _samples(view, bands, exposure)
+    counts = np.array([band.samples for band in bands for _ in range(band.first, band.last)])
+    firsts = np.cumsum(counts) - counts
+    centres = _centres(points, firsts, counts)
+    spread, distance = _extent(points, centres, firsts, counts)
+    return _Samples(points, times, counts, firsts, centres, spread, distance)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from calibrations import SPEC, driven
@@ -73,6 +74,7 @@ class Errors:
     """Share of the floor's edges that the map has."""
 
 
+@lru_cache(maxsize=4)
 def mapped(
     name: str,
     seed: int,

@@ -268,7 +268,8 @@ def test_floor_of_one_tone_is_not_sampled_and_gives_the_same_picture(name: str) 
     if name == "stub":
         floor = add_uneven_light(floor, 0.5, np.random.default_rng(0))
     quick, thorough = (FloorSamples(view_of(readout=0.015), floor, 0.03) for _ in range(2))
-    thorough._spread += 1e6  # now no strip lies on one tone
+    # Now no strip lies on one tone.
+    thorough._seen = dataclasses.replace(thorough._seen, spread=thorough._seen.spread + 1e6)
     rng = np.random.default_rng(1)
     for _ in range(10):
         pose = Pose2(*rng.uniform(-1.2, 1.2, 2), rng.uniform(-math.pi, math.pi))

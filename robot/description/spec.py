@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -53,20 +53,15 @@ class RobotSpec:
     """The description from which the calibration's differences count: the drawing, with its lens
     as measured; None if none did."""
 
-    @classmethod
-    def load(cls, path: Path = SPIKE) -> RobotSpec:
+    @staticmethod
+    def load(path: Path = SPIKE) -> RobotSpec:
         """Read a URDF and the lens file that it names, in the same folder.
 
         Raises:
             SpecError: a file cannot be read or used; the message names the file, what is wrong and
                 what is valid.
         """
-        try:
-            return cls.from_urdf(path.read_text(encoding="utf-8"), path.parent)
-        except (OSError, UnicodeDecodeError) as error:
-            raise SpecError(f"{path}: no readable robot description: {error}") from error
-        except (SpecError, CameraError) as error:
-            raise SpecError(f"{path}: {error}") from error
+        return _spike() if path == SPIKE else _read(path)
 
     @classmethod
     def from_urdf(cls, text: str, folder: Path) -> RobotSpec:
@@ -175,6 +170,21 @@ class RobotSpec:
     def floor_view(self) -> FloorView:
         """The camera above the floor: which floor point each pixel sees."""
         return FloorView(self.lens, self.robot_from_camera)
+
+
+@cache
+def _spike() -> RobotSpec:
+    """Read the program's own robot, once."""
+    return _read(SPIKE)
+
+
+def _read(path: Path) -> RobotSpec:
+    try:
+        return RobotSpec.from_urdf(path.read_text(encoding="utf-8"), path.parent)
+    except (OSError, UnicodeDecodeError) as error:
+        raise SpecError(f"{path}: no readable robot description: {error}") from error
+    except (SpecError, CameraError) as error:
+        raise SpecError(f"{path}: {error}") from error
 
 
 def _camera_sensor(root: ElementTree.Element) -> ElementTree.Element:

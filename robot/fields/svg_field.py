@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,7 @@ def field_of_drawing(text: str, name: str) -> Field:
         raise FieldError(f"{name}: {error}") from error
 
 
+@lru_cache(maxsize=8)
 def _field(svg: SvgFile, name: str) -> Field:
     page = read_page(svg, TOLERANCE_MM)
     coats = list(_coats(page))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,9 +38,8 @@ class RayTable:
     places: NDArray[np.uint32] = field(repr=False)
     """(k, m) index of the pixel nearest to each sample, counted row by row."""
 
-    @classmethod
+    @staticmethod
     def build(
-        cls,
         view: FloorView,
         bearings: Array,
         *,
@@ -50,25 +49,15 @@ class RayTable:
     ) -> RayTable:
         """Follow each ray over the floor and sample it at even steps in the picture.
 
+        The same arguments give the same table, which nobody changes.
+
         Args:
             bearings: (k,) [rad] in the robot frame.
             centre_x: where the rays start, ahead of the robot's origin [m].
             range_max: how far the rays are followed [m].
             step_px: distance of the samples in the picture [px].
         """
-        rows = [_follow(view, centre_x, b, range_max, step_px) for b in heading_vectors(bearings)]
-        counts = np.array([len(distances) for distances, _ in rows], dtype=np.int32)
-        longest = max(int(counts.max()), 3)
-        pixels = np.stack([_pad(pixels, longest) for _, pixels in rows])
-        columns, lines = np.rint(pixels).astype(np.int32).transpose(2, 0, 1)
-        return cls(
-            centre=np.array([centre_x, 0.0]),
-            bearings=bearings,
-            counts=counts,
-            distances=np.stack([_pad(distances, longest) for distances, _ in rows]),
-            pixels=pixels.astype(np.float32),
-            places=(lines * view.lens.width + columns).astype(np.uint32),
-        )
+        return _built(view, tuple(bearings.tolist()), centre_x, range_max, step_px)
 
     @cached_property
     def limits(self) -> Array:
@@ -84,6 +73,26 @@ class RayTable:
         parts = np.linspace(0, 1, points)
         index = np.rint(parts * np.maximum(self.counts - 1, 0)[:, None]).astype(int)
         return np.take_along_axis(self.pixels, index[:, :, None], axis=1).astype(np.float64)
+
+
+@lru_cache(maxsize=4)
+def _built(
+    view: FloorView, bearings: tuple[float, ...], centre_x: float, range_max: float, step_px: float
+) -> RayTable:
+    directions = np.array(bearings)
+    rows = [_follow(view, centre_x, b, range_max, step_px) for b in heading_vectors(directions)]
+    counts = np.array([len(distances) for distances, _ in rows], dtype=np.int32)
+    longest = max(int(counts.max()), 3)
+    pixels = np.stack([_pad(pixels, longest) for _, pixels in rows])
+    columns, lines = np.rint(pixels).astype(np.int32).transpose(2, 0, 1)
+    return RayTable(
+        centre=np.array([centre_x, 0.0]),
+        bearings=directions,
+        counts=counts,
+        distances=np.stack([_pad(distances, longest) for distances, _ in rows]),
+        pixels=pixels.astype(np.float32),
+        places=(lines * view.lens.width + columns).astype(np.uint32),
+    )
 
 
 def _follow(
