@@ -10,7 +10,7 @@ from app.page.outlets import Outlets
 LAP_S = 17.0
 LONGEST_S = 60.0
 LAG_S = 1.6
-"""A map is drawn each half second, eight pictures at a time, of what was driven when it began [s]."""
+"""A map is drawn each half second, eight pictures at a time, of what was driven by then [s]."""
 
 
 class MappingBench:
