@@ -15,6 +15,24 @@ settings.register_profile("brickpose", deadline=None, derandomize=True)
 settings.load_profile("brickpose")
 
 
+LONGEST = (
+    "test_failures_by_seed.py",
+    "test_signals.py",
+    "test_browser.py",
+    "test_calibration.py",
+    "test_accuracy.py",
+    "test_mapping.py",
+    "test_map_topic.py",
+    "test_map_drawer.py",
+)
+"""Files that take longest: a worker that began one of them last would keep the others waiting."""
+
+
+def pytest_collection_modifyitems(items):
+    place = {name: number for number, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: place.get(item.path.name, len(LONGEST)))
+
+
 @pytest.fixture(autouse=True, scope="session")
 def state_home(tmp_path_factory):
     """Programs under test, and those they start, keep what they keep here, not in the home."""
