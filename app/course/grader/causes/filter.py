@@ -145,4 +145,39 @@ FILTER = {
         "The first or the last ones are replaced, not random ones.",
         "rng.random(len(poses)) < share chooses by chance.",
     ),
+    "gain-reversed": Cause(
+        "The surer of two is believed less.",
+        "The gain is the wrong way round.",
+        "If the look is exact, the gain is 1: the new mean is what was seen.",
+    ),
+    "gain-fixed": Cause(
+        "A bad look spoils a good belief.",
+        "Belief and look always count the same.",
+        "Let the variances decide: the smaller one counts more.",
+    ),
+    "deviations-added": Cause(
+        "The belief becomes unsure too quickly.",
+        "Standard deviations are added in a step.",
+        "Errors that have nothing to do with each other: their variances add.",
+    ),
+    "deviations-weigh": Cause(
+        "The belief follows the look too much, or too little.",
+        "The gain is made of standard deviations.",
+        "The gain is a ratio of variances.",
+    ),
+    "step-lost": Cause(
+        "The belief lags behind the robot.",
+        "The step is not added to the mean.",
+        "First the step, then the look.",
+    ),
+    "step-sure": Cause(
+        "The belief becomes too sure while driving.",
+        "The step adds no variance.",
+        "Each step is a little wrong: its variance is added.",
+    ),
+    "never-surer": Cause(
+        "However often it looks, it never becomes surer.",
+        "The look does not make the variance smaller.",
+        "After the look, the share 1 - k of the variance is left.",
+    ),
 }

@@ -1,0 +1,112 @@
+"""Lesson 3 in a real Chromium, from the prediction to the pass, in both languages."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from browsing import PATIENCE_MS
+from course.solutions import ARRAYS
+from playwright.sync_api import Browser, Page, expect
+from test_lens_browser import NAMELESS
+
+from app.course.lesson import lesson_of
+from benchmarks.programs import started
+
+pytestmark = pytest.mark.browser
+STUB = re.compile(r"def log_weight\(.*?raise NotImplementedError\n", re.DOTALL)
+OWN = STUB.pattern.replace("raise NotImplementedError", r"sum\(axis=1\)")
+SOLUTION = re.search(OWN, ARRAYS, re.DOTALL)[0]  # type: ignore[index]
+WRONG = SOLUTION.replace("np.exp(-", "np.exp(")
+WORDS = {
+    "en-GB": {
+        "title": "How good is this guess?",
+        "choice": "B, turned",
+        "keep": "Keep my prediction",
+        "unkept": "Choose first what you think.",
+        "predicted": "You predicted: B, turned – it looks wrong",
+        "begun": "Not begun yet.",
+        "symptom": "The worst particles win.",
+        "passed": "Passed. Now break it.",
+    },
+    "de-DE": {
+        "title": "Wie gut ist diese Vermutung?",
+        "choice": "B, gedreht",
+        "keep": "Meine Vorhersage behalten",
+        "unkept": "Wähl zuerst, was du glaubst.",
+        "predicted": "Deine Vorhersage: B, gedreht – it looks wrong",
+        "begun": "Noch nicht begonnen.",
+        "symptom": "Die schlechtesten Partikel gewinnen.",
+        "passed": "Bestanden. Nun mach es kaputt.",
+    },
+}
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("student") / "my_filter.py"
+
+
+@pytest.fixture(scope="module")
+def address(file) -> Iterator[str]:
+    words = ("learn", "3", "--robot", "kinematic", "--map", "stub", "--port", "0")
+    says = r"(http://[^\s]+/learn/3)"
+    with started(*words, "--file", str(file), says=says) as (_, address):
+        yield address
+
+
+@pytest.fixture(params=WORDS)
+def page(request, browser: Browser, address: str) -> Iterator[Page]:
+    context = browser.new_context(locale=request.param, viewport={"width": 1100, "height": 760})
+    context.set_default_timeout(PATIENCE_MS)
+    complaints: list[str] = []
+    made = context.new_page()
+    made.on("pageerror", lambda error: complaints.append(str(error)))
+    # The dashboard has tests of its own.
+    made.route(re.compile(r"//[^/]+/$"), lambda route: route.fulfill(body="<p>dashboard</p>"))
+    made.goto(address)
+    yield made
+    context.close()
+    assert not complaints
+
+
+def test_lesson_3_from_the_prediction_to_the_pass(page, file):
+    language = page.evaluate("navigator.language")
+    words = WORDS[language]
+    start = STUB.sub(lambda _: lesson_of(3).stub, file.read_text())
+    start = start.replace(WRONG, lesson_of(3).stub).replace(SOLUTION, lesson_of(3).stub)
+    file.write_text(start)
+    expect(page.locator("#title")).to_have_text(f"3. {words['title']}")
+    expect(page.locator("#later")).to_be_hidden()
+    page.get_by_role("button", name=words["keep"]).click()
+    expect(page.locator("#kept")).to_have_text(words["unkept"])
+    # By keys alone: the choice, the reason, and the button.
+    page.locator("#choices input").first.focus()
+    page.keyboard.press("ArrowDown")
+    expect(page.get_by_label(words["choice"])).to_be_checked()
+    page.keyboard.press("Tab")
+    page.keyboard.type("it looks wrong")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(page.locator(".beside")).to_have_text(words["predicted"])
+    expect(page.locator("#state")).to_have_text(words["begun"])
+    file.write_text(STUB.sub(lambda _: WRONG, start))
+    expect(page.locator("#findings h3")).to_have_text(f"{words['symptom']} S2")
+    expect(page.locator("#findings svg")).to_be_visible()
+    assert not page.evaluate(NAMELESS)
+    file.write_text(STUB.sub(lambda _: SOLUTION, start))
+    expect(page.locator("#state")).to_have_text(words["passed"])
+    expect(page.locator("#findings li")).to_have_count(0)
+    expect(page.locator("#lessons [aria-current]")).to_have_text("3 ✓")
+    page.reload()
+    expect(page.locator(".beside")).to_have_text(words["predicted"])
+
+
+def test_at_twice_the_size_nothing_is_cut_off(page):
+    page.set_viewport_size({"width": 640, "height": 500})
+    expect(page.locator("#title")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    page.locator("#reason").scroll_into_view_if_needed()
+    assert page.locator("#reason").bounding_box()["x"] >= 0
