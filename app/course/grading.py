@@ -44,8 +44,10 @@ def grade_often(source: str, path: str, lesson: Lesson, seeds: Sequence[int]) ->
         try:
             with StudentProcess(path, source) as process:
                 for seed in seeds[len(results) :]:
-                    findings = _findings(process, lesson, seed, checks)
-                    results.append(Result(lesson.number, lesson.name, tuple(findings)))
+                    findings = tuple(_findings(process, lesson, seed, checks))
+                    results.append(Result(lesson.number, lesson.name, findings))
+                    if process.broken:
+                        break  # what it says next may answer an earlier question
         except StudentError as error:
             results.append(Result(lesson.number, lesson.name, (_failure(lesson, error),)))
     return results

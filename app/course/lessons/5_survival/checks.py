@@ -33,8 +33,9 @@ def cases(seed: int) -> list[Case]:
     small = rng.uniform(size=40) ** 3 * (rng.random(40) < 0.7)
     made.append(_many(small / small.sum(), seed + 200))
     words = Words("Twice with the same generator's seed, then with others.")
-    arguments = (_poses(40), small / small.sum())
-    seeds = (seed + 1, seed + 1, seed + 2, seed + 3)
+    even = rng.uniform(0.5, 1.5, 40)
+    arguments = (_poses(40), even / even.sum())
+    seeds = (seed + 1, seed + 1, *range(seed + 2, seed + 10))
     made.append(Case("resample", arguments, words, "seeds", np.inf, seeds))
     return made
 
