@@ -1,8 +1,11 @@
 // @ts-check
 import { CalibrationPanel } from "./calibration/panel.js";
 import { CameraPanel } from "./camera/panel.js";
+import { Home } from "./drive/home.js";
 import { DrivePanel } from "./drive/panel.js";
 import { FilterPanel } from "./filter/panel.js";
+import { Layout } from "./layout/layout.js";
+import { LayoutMenu } from "./layout/menu.js";
 import { MapPanel } from "./map/panel.js";
 import { MappingPanel } from "./mapping/panel.js";
 import { DrawLoop } from "./page/draw_loop.js";
@@ -49,10 +52,11 @@ const record = new RecordButton(order, toasts);
 const topBar = new TopBar();
 const tape = new TapeHealth();
 const history = new History();
-const drive = new DrivePanel(connection);
+const drive = new DrivePanel(connection, order);
+const home = new Home(order, toasts);
 const calibration = new CalibrationPanel(drive.drive, order, connection);
 const camera = new CameraPanel(loop, drawn);
-const map = new MapPanel(loop, order);
+const map = new MapPanel(loop, order, () => home.go());
 const mapping = new MappingPanel(drive.drive, order, connection, (drawing, chosen) => map.setDrawing(drawing, chosen));
 const plots = new PlotsPanel(loop, history);
 const filter = new FilterPanel(connection, order, () => map.telling.scatter());
@@ -61,7 +65,10 @@ const replayKeys = new ReplayKeys(replay);
 const view3d = new View3d(appearance, order, (target) => {
   drive.keys.listen(target);
   replayKeys.listen(target);
+  target.addEventListener("keydown", (event) => layout.escape(event));
 });
+const layout = new Layout((text) => toasts.show(text));
+new LayoutMenu(layout, toasts);
 const tabs = new PhoneTabs();
 const probe = exposeProbe((x, y) => map.toPage(x, y));
 
@@ -98,6 +105,7 @@ function take(news) {
   probe.telemetry = news;
   if (news.map !== fieldName || news.robot.calibrated !== calibrated) loadField(news);
   drive.follow(news);
+  home.follow(news);
   calibration.follow(news);
   mapping.follow(news);
   problems.show(news);
@@ -171,7 +179,7 @@ async function loadField(news) {
   try {
     /** @type {FieldMessage} */
     const field = await getJson("/api/field");
-    for (const part of [topBar, drive, problems, tape, camera]) part.setField(field);
+    for (const part of [topBar, drive, home, problems, tape, camera]) part.setField(field);
     if (!known) view3d.setField(field);
     if (!known || floor === null) floor = await loadPicture("/api/field.png");
     map.setField(field, floor);

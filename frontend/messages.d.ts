@@ -170,6 +170,8 @@ export interface ExploreCommand {
 /** The field, the robot on it, and limits: what a page needs once, and after a calibration. */
 export interface FieldMessage {
   name: string;
+  /** xmin, ymin, xmax, ymax [m] of the free part, where robots drive. */
+  drive_area: number[];
   /** xmin, ymin, xmax, ymax [m] of ``/api/field.png``. */
   extent: number[];
   start: PoseMessage;
@@ -202,11 +204,17 @@ export interface FigureEightCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "figure_eight";
+  /** Whether to begin only where it fits: it is refused if the robot would leave the field. */
+  start?: boolean;
+  /** Along the circles [m/s]; null is as set. It may change on the way. */
+  speed?: number | null;
 }
 
 /** State of the filter. */
 export interface FilterMessage {
   paused: boolean;
+  /** Its name, one of those of the parameter ``filter``. */
+  kind: string;
   /** Measurement updates since the last set_pose, scatter or reset. */
   updates: number;
   /** How many changes of the belief ``undo`` can take back. */
@@ -482,6 +490,8 @@ export interface ParameterMessage {
   choices: string[];
   /** Whether only whole numbers are valid. */
   integer?: boolean;
+  /** Whether the chosen filter and models use it. */
+  used?: boolean;
 }
 
 /** The cloud of particles, and the hypotheses. */

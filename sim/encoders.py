@@ -38,6 +38,10 @@ class Encoders:
         self._past: deque[tuple[float, Array, Array]] = deque()
         """Stamps, true positions and reported positions of the last readings."""
 
+    def use(self, imperfections: Imperfections) -> None:
+        """Slip otherwise from now on; what slipped before stays, and the step as well."""
+        self._imperfections = imperfections
+
     def read(self, positions: Array, stamp: float) -> tuple[Array, Array]:
         """Return reported positions (j,) [rad] and velocities (j,) [rad/s] for true positions (j,).
 

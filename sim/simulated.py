@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from sim.bullet import BulletSettings
 from sim.encoders import Encoders
 from sim.exposures import Exposures
 from sim.floor_camera import CameraSettings, FloorCamera
-from sim.imperfections import Imperfections
+from sim.imperfections import Imperfections, bumped, draw
 from sim.world import World
 
 
@@ -84,6 +85,22 @@ def no_wait(stamp: float) -> None:
     """Do not wait: simulated time runs as fast as it can."""
 
 
+@dataclass(frozen=True)
+class Making:
+    """How a robot with imperfections was made, so that it can be made with others."""
+
+    imperfections: Imperfections
+    rng: np.random.Generator
+    """As it was before the robot was drawn: other imperfections are larger or smaller errors of the
+    same robot."""
+    world: Callable[[RobotSpec, Pose2], World]
+    """Makes a world of a robot as it truly is, at a pose."""
+
+    def drawn(self, spec: RobotSpec, imperfections: Imperfections) -> RobotSpec:
+        """Return the robot as it truly is with these imperfections."""
+        return draw(spec.as_drawn, imperfections, copy.deepcopy(self.rng))
+
+
 class SimulatedRobot:
     """Simulated robot with the interface of a real one; it can also be placed at a pose."""
 
@@ -99,17 +116,23 @@ class SimulatedRobot:
         wait: Callable[[float], None] = no_wait,
         view: FloorView | None = None,
         bump: tuple[float, FloorView] | None = None,
+        making: Making | None = None,
     ) -> None:
         """Build the robot.
 
         ``view`` is its camera's true view, if it is not as described; ``bump`` says from which
-        stamp [s] on it has another one.
+        stamp [s] on it has another one; ``making`` is how it was made, if it is not perfect.
         """
         self.name = name
         self.spec = spec
         self._world = world
         self._encoders = encoders
         self._settings = camera
+        self._floor = field.floor
+        self._making = making
+        self._rng = copy.deepcopy(rng)
+        self._turned = np.zeros(len(spec.joints))
+        """What the wheels had turned in an earlier world [rad]."""
         self._camera = FloorCamera(view or spec.floor_view, field.floor, camera, rng)
         self._bump = bump
         self._wait = wait
@@ -144,7 +167,8 @@ class SimulatedRobot:
                 self._remember(since_tick)
         self._tick += 1
         frame = self._frame()
-        positions, velocities = self._encoders.read(self._world.positions, self.stamp)
+        turned = self._turned + self._world.positions
+        positions, velocities = self._encoders.read(turned, self.stamp)
         self._wait(self.stamp)
         return Reading(self.stamp, positions, velocities, frame, None, self._world.pose)
 
@@ -163,6 +187,49 @@ class SimulatedRobot:
         self._remember()
         self._exposures.skip(self.stamp)
         self._plan()
+
+    @property
+    def settings(self) -> SimSettings:
+        """Camera and imperfections as they are now."""
+        if self._making is None:
+            return SimSettings(camera=self._settings)
+        return SimSettings(camera=self._settings, imperfections=self._making.imperfections)
+
+    @property
+    def has_imperfections(self) -> bool:
+        """Whether wheels and mounting can be imperfect."""
+        return self._making is not None
+
+    def change(self, settings: SimSettings) -> None:
+        """Change camera and imperfections; the robot goes on where it is.
+
+        A perfect robot takes the camera alone.
+        """
+        view = self.spec.floor_view
+        if self._making is not None:
+            view = self._change_robot(self._making, settings.imperfections)
+        self._settings = settings.camera
+        rng = copy.deepcopy(self._rng)
+        self._camera = FloorCamera(view, self._floor, settings.camera, rng)
+        self._exposures = Exposures(settings.camera, self.spec.lens.readout, rng.spawn(1)[0])
+        self._exposures.skip(self.stamp)
+        self._plan()
+
+    def _change_robot(self, making: Making, wanted: Imperfections) -> FloorView:
+        """Change wheels, slip and mounting; return the camera's true view."""
+        before = making.drawn(self.spec, making.imperfections)
+        true = making.drawn(self.spec, wanted)
+        if true.joints != before.joints or true.track != before.track:
+            world = making.world(true, self._world.pose)
+            self._turned = self._turned + self._world.positions
+            self._world.close()
+            self._world = world
+        self._encoders.use(wanted)
+        self._making = replace(making, imperfections=wanted)
+        over = wanted.bump != "none" and self.stamp >= wanted.bump_time
+        if over or wanted.bump == "none":
+            self._bump = None
+        return bumped(true, wanted).floor_view if over else true.floor_view
 
     def close(self) -> None:
         """Stop the joints; may be called twice."""

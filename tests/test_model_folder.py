@@ -7,7 +7,7 @@ from own_programs import FLAT, STILL, run
 from app.engine.commands import check
 from app.engine.own_models.own_models import OwnChoice
 from app.messages.commands import SetParametersCommand
-from app.page.telemetry import parameter_messages
+from app.page.parameters import parameter_messages
 from app.settings.config import Config
 from robot.errors import CommandError
 

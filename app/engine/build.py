@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,10 +18,12 @@ from app.engine.engine import Engine
 from app.engine.follower import Follower
 from app.engine.localization import Localization
 from app.engine.own_models.own_models import OwnModels
+from app.engine.parameter_changes import changed_values
 from app.engine.program import Program
 from app.engine.start_pose.pose_file import pose_path
 from app.engine.start_pose.start import Start, start
 from app.languages.marking import phrase
+from app.messages.commands import SetParametersCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import InitialPose
 from app.settings.profiles import profile_file
@@ -42,7 +46,7 @@ from robot.scanning.line_scanner import LineScanner
 from sim.bullet import BulletWorld, load_pybullet
 from sim.encoders import Encoders
 from sim.imperfections import Imperfections, bumped, draw
-from sim.simulated import SimulatedRobot, no_wait
+from sim.simulated import Making, SimulatedRobot, no_wait
 from sim.world import KinematicWorld
 
 
@@ -132,6 +136,43 @@ def build_on_map(
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
     return Program(engine, robot, field, config, path, own.choice, stopped=stopped)
+
+
+def build_on_field(
+    program: Program, name: str, wait: Callable[[float], None] = no_wait, *, stopped: bool = False
+) -> Program:
+    """Build a program on another field, after one that has ended but handed its robot over.
+
+    A simulated robot stands at the start of the new field, with its faults; a real one has to be
+    put there. The filter's parameters go on as they are.
+
+    Args:
+        program: the one that has ended.
+        name: of the field, as ``Config.map``.
+        wait: of a simulated robot, as in ``build_program``.
+        stopped: whether a stop holds that was given before.
+
+    Raises:
+        FieldError: there is no such field.
+    """
+    robot, parameters = program.robot, program.engine.controls.localization.parameters
+    if not isinstance(robot, SimulatedRobot):
+        start = load_field(name, MAPS).start
+        return build_on_map(
+            program, name, Hypothesis(1.0, start, parameters.filter.initial_covariance),
+            stopped=stopped,
+        )  # fmt: skip
+    faults = robot.settings
+    robot.close()
+    begins = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
+    following = build_program(replace(program.config, map=name, start_pose=begins), wait)
+    assert isinstance(following.robot, SimulatedRobot)
+    if faults != following.robot.settings:
+        following.robot.change(faults)
+    values = changed_values(parameters, program.config.localization)
+    if values:
+        following.engine.commands.put(SetParametersCommand(type="set_parameters", values=values))
+    return replace(following, stopped=stopped)
 
 
 def robot_spec(config: Config) -> RobotSpec:
@@ -250,6 +291,7 @@ def build_simulated(
 ) -> SimulatedRobot:
     """Build the simulated robot that the configuration names."""
     if config.robot == "sim":
+        drawing = copy.deepcopy(rng)
         true = draw(spec.as_drawn, config.sim.imperfections, rng)
         world = BulletWorld(true, field.start, settings=config.sim.physics)
         encoders = Encoders(spec, config.sim.imperfections, rng)
@@ -266,6 +308,7 @@ def build_simulated(
             wait,
             seen,
             None if imperfections.bump == "none" else bump,
+            Making(imperfections, drawing, partial(BulletWorld, settings=config.sim.physics)),
         )
     perfect = Encoders(spec, Imperfections.none(), rng)
     return SimulatedRobot(

@@ -14,6 +14,7 @@ from app.engine.calibration_commands import (
     profile_after,
 )
 from app.engine.controls import Controls
+from app.engine.fault_commands import check_faults, set_faults
 from app.engine.own_models.own_models import OwnChoice
 from app.engine.parameter_changes import with_values_and_models
 from app.engine.pose_commands import cloud_of, covariance_of
@@ -41,6 +42,7 @@ from app.messages.commands import (
     SaveMapCommand,
     ScatterCommand,
     SetCalibrationCommand,
+    SetFaultsCommand,
     SetParametersCommand,
     SetParticlesCommand,
     SetPoseCommand,
@@ -51,6 +53,7 @@ from app.messages.commands import (
     UndoCalibrationCommand,
     UndoCommand,
     UpdateCommand,
+    UseFieldCommand,
 )
 from robot.covariance import CovarianceError
 from robot.driving.odometry import OdometryState
@@ -129,8 +132,25 @@ def _drive(command: DriveCommand, controls: Controls, _odometry: OdometryState) 
     controls.driving.drive(Twist2(command.v, command.omega), controls.stamp)
 
 
-def _figure_eight(_command: Command, controls: Controls, _odometry: OdometryState) -> None:
-    controls.driving.figure_eight(controls.stamp)
+def _figure_eight(
+    command: FigureEightCommand, controls: Controls, _odometry: OdometryState
+) -> None:
+    controls.driving.figure_eight(controls.stamp, command.speed)
+
+
+def _check_figure_eight(command: FigureEightCommand, program: Program) -> None:
+    _check_driving(command, program)
+    latest = program.engine.latest.get()
+    # Where nobody knows the place, nobody knows whether it fits either.
+    if not command.start or latest is None or latest.pose is None or not latest.knows_place:
+        return
+    way = program.engine.controls.driving.figure_eight_path(latest.pose)
+    beyond = program.field.farthest_outside(way)
+    if beyond > 0:
+        raise CommandError(
+            f"from here the figure-eight would leave the field by {1000 * beyond:.0f} mm; drive "
+            "to where it fits, or go back to the start"
+        )
 
 
 def _calibrate(command: CalibrateCommand, controls: Controls, _odometry: OdometryState) -> None:
@@ -278,7 +298,7 @@ def _check_replay(_command: ReplayCommand, program: Program) -> None:
 RULES: Mapping[type[Command], Rule] = MappingProxyType(
     {
         DriveCommand: Rule(_drive, Repeat.NEVER, _check_driving, drives=True),
-        FigureEightCommand: Rule(_figure_eight, Repeat.NEVER, _check_driving, drives=True),
+        FigureEightCommand: Rule(_figure_eight, Repeat.NEVER, _check_figure_eight, drives=True),
         CalibrateCommand: Rule(
             _calibrate, Repeat.NEVER, _check_driving, check_calibrated_by_tape, drives=True
         ),
@@ -306,6 +326,8 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         ResetCommand: Rule(_reset, Repeat.SETTING),
         SetParametersCommand: Rule(_set_parameters, Repeat.SETTING, _check_parameters),
         SetCalibrationCommand: Rule(_set_calibration, Repeat.MOMENT, check_field=check_calibration),
+        SetFaultsCommand: Rule(set_faults, Repeat.NEVER, check_faults, slow=True),
+        UseFieldCommand: Rule(_nothing, Repeat.NEVER, _check_driving, slow=True),
         ShowCommand: Rule(_show, Repeat.NEVER),
         ReplayCommand: Rule(_nothing, Repeat.NEVER, _check_replay),
         RecordCommand: Rule(_nothing, Repeat.NEVER),

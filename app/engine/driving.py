@@ -10,7 +10,7 @@ from robot.driving.drive_controller import DriveController
 from robot.driving.figure_eight import FigureEight
 from robot.driving.odometry import OdometryState
 from robot.driving.route import Route
-from robot.geometry import Twist2
+from robot.geometry import Array, Pose2, Twist2
 
 GAP_S = 3.0
 """The drive of a calibration that is renewed again within this time goes on; it stands until then.
@@ -31,6 +31,8 @@ class Driving:
         self._controller = controller
         self._timeout = timeout
         self._eight = eight or FigureEight()
+        self._pace = 1.0
+        """Speed of the figure-eight, by the set one."""
         self._began = 0.0
         self._renewed = 0.0
         self._updated = 0.0
@@ -49,12 +51,20 @@ class Driving:
         self.mode = "drive"
         self._controller.command(twist, stamp)
 
-    def figure_eight(self, stamp: float) -> None:
-        """Start the figure-eight, or renew it."""
+    def figure_eight(self, stamp: float, speed: float | None = None) -> None:
+        """Start the figure-eight, or renew it; another speed [m/s] goes on at the same place."""
+        pace = 1.0 if speed is None else speed / self._eight.speed
         if self.mode != "figure_eight":
             self.mode = "figure_eight"
             self._began = stamp
+        elif pace != self._pace:
+            self._began = stamp - (stamp - self._began) * self._pace / pace
+        self._pace = pace
         self._renewed = stamp
+
+    def figure_eight_path(self, robot: Pose2) -> Array:
+        """Return the way (n, 2) of a figure-eight that begins at a pose [m]."""
+        return robot.apply(self._eight.path())
 
     def calibrate(self, stamp: float, *, start: bool) -> None:
         """Start the drive of a calibration, or renew the one that has begun."""
@@ -118,4 +128,6 @@ class Driving:
         elif self.mode == "calibrate":
             self._controller.command(programme.velocity(elapsed), stamp)
         else:
-            self._controller.command(self._eight.twist(elapsed), stamp)
+            twist = self._eight.twist(elapsed * self._pace)
+            twist = Twist2(twist.v * self._pace, twist.omega * self._pace)
+            self._controller.command(twist, stamp)

@@ -44,6 +44,18 @@ def changed(
     return LocalizationParameters(**groups)
 
 
+def changed_values(
+    parameters: LocalizationParameters, before: LocalizationParameters
+) -> dict[str, Any]:
+    """Return the values by name that differ from those of other parameters."""
+    values: dict[str, Any] = {}
+    for group in dataclasses.fields(parameters):
+        new, old = getattr(parameters, group.name), getattr(before, group.name)
+        names = [name for name in describe(new) if getattr(new, name) != getattr(old, name)]
+        values |= {name: getattr(new, name) for name in names}
+    return values
+
+
 def _whole(value: Any) -> Any:
     """Return a whole number as an int: values from a page do not distinguish 3.0 from 3."""
     return int(value) if isinstance(value, float) and value.is_integer() else value

@@ -15,7 +15,7 @@ from robot.description.spec import RobotSpec
 from robot.fields.grid_map import OccupancyGrid
 from robot.geometry import Array, Pose2, Twist2
 from robot.interface import Frame, Reading
-from robot.localization.estimate import Estimate, Integrity
+from robot.localization.estimate import Estimate, Integrity, State
 from robot.localization.filter import Cloud
 from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan, LineScanner
@@ -128,6 +128,11 @@ class Snapshot:
     """The map that is drawn by driving; None without one."""
     replay: ReplayState | None = None
     """State of the replay; None if this is not a replay."""
+
+    @property
+    def knows_place(self) -> bool:
+        """Whether the filter holds one place for the robot's."""
+        return self.integrity.state in (State.CERTAIN, State.APPROXIMATE)
 
     def failed(self, problems: Problems) -> Snapshot:
         """Return this snapshot for a failed engine: the robot stands and does not answer."""

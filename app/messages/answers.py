@@ -41,6 +41,8 @@ class FieldMessage(Message):
     """The field, the robot on it, and limits: what a page needs once, and after a calibration."""
 
     name: str
+    drive_area: list[float]
+    """xmin, ymin, xmax, ymax [m] of the free part, where robots drive."""
     extent: list[float]
     """xmin, ymin, xmax, ymax [m] of ``/api/field.png``."""
     start: PoseMessage
@@ -128,7 +130,7 @@ class ParameterMessage(Message):
     """One parameter of the filter, with its meaning."""
 
     name: str
-    group: Literal["motion", "sensor", "filter", "hypotheses"]
+    group: Literal["motion", "sensor", "filter", "hypotheses", "faults"]
     value: float | str | bool
     default: float | str | bool
     meaning: str
@@ -138,6 +140,23 @@ class ParameterMessage(Message):
     choices: list[str]
     integer: bool = False
     """Whether only whole numbers are valid."""
+    used: bool = True
+    """Whether the chosen filter and models use it."""
+
+
+class FaultsMessage(Message):
+    """What can be wrong with a simulated robot and its camera."""
+
+    faults: list[ParameterMessage]
+    """Each with its value now; the default is the value at the start."""
+    conditions: dict[str, dict[str, float | str]]
+    """Values of each named condition of `brickpose evaluate integrity`."""
+
+
+class FieldsMessage(Message):
+    """The fields that the page can load."""
+
+    names: list[str]
 
 
 class ProfileMessage(Message):

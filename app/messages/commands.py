@@ -49,6 +49,10 @@ class FigureEightCommand(CommandMessage):
     """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
 
     type: Literal["figure_eight"]
+    start: bool = False
+    """Whether to begin only where it fits: it is refused if the robot would leave the field."""
+    speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
+    """Along the circles [m/s]; null is as set. It may change on the way."""
 
 
 class CalibrateCommand(CommandMessage):
@@ -270,6 +274,25 @@ class SetParametersCommand(CommandMessage):
     values: Annotated[dict[str, float | str | bool], Field(min_length=1, max_length=64)]
 
 
+class SetFaultsCommand(CommandMessage):
+    """Change what is wrong with the simulated robot and its camera; the robot goes on."""
+
+    type: Literal["set_faults"]
+    values: Annotated[dict[str, float | str], Field(min_length=1, max_length=32)]
+    """By name; ``/api/faults`` lists what can be wrong."""
+
+
+class UseFieldCommand(CommandMessage):
+    """Go on with another field: a simulated robot is on it, a real one has to be put there.
+
+    The robot stands meanwhile, and a recording ends.
+    """
+
+    type: Literal["use_field"]
+    name: Annotated[str, Field(min_length=1, max_length=200)]
+    """One of ``/api/fields``, or generated- and a number."""
+
+
 class ShowCommand(CommandMessage):
     """Switch a layer of the 3D view on or off; all viewers share that view."""
 
@@ -332,6 +355,8 @@ Command = Annotated[
     | ResetCommand
     | SetParametersCommand
     | SetCalibrationCommand
+    | SetFaultsCommand
+    | UseFieldCommand
     | ShowCommand
     | RecordCommand
     | ReplayCommand

@@ -83,6 +83,9 @@ class RobotMessage(Message):
     connected: bool
     battery_v: float | None
     can_be_placed: bool
+    faults: dict[str, float | str]
+    """What is wrong with a simulated robot and was not at the start, by its name in
+    ``/api/faults``."""
     calibrated: float | None
     """The robot's clock at the last calibration since the start [s]: ``/api/field`` is another
     since then; null before the first."""
@@ -103,6 +106,8 @@ class FilterMessage(Message):
     """State of the filter."""
 
     paused: bool
+    kind: str
+    """Its name, one of those of the parameter ``filter``."""
     updates: int
     """Measurement updates since the last set_pose, scatter or reset."""
     undoable: int

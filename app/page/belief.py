@@ -78,6 +78,7 @@ def filter_message(snapshot: Snapshot) -> FilterMessage:
     """Return the state of the filter."""
     return FilterMessage(
         paused=snapshot.paused,
+        kind=snapshot.parameters.filter.filter,
         updates=snapshot.updates,
         undoable=snapshot.undoable,
         broken=snapshot.fault,

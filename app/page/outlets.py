@@ -27,6 +27,7 @@ from app.messages.commands import (
     SaveMapCommand,
     StartMapCommand,
     UndoCalibrationCommand,
+    UseFieldCommand,
 )
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
@@ -35,13 +36,15 @@ from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
 from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import MAPS
+from app.settings.field_names import field_named
 from robot.errors import CommandError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
 
-ChangeMap = Callable[[str, Hypothesis], None]
-"""Goes on in another map, by its name, and with where the robot is in it."""
+ChangeMap = Callable[[str, Hypothesis | None], None]
+"""Goes on in another map, by its name, and with where the robot is in it; None is on another field,
+at its start."""
 
 
 class LiveRoute(Protocol):
@@ -174,6 +177,22 @@ class Outlets:
                 raise CommandError(f"the map is saved, but the robot is off it: {error}") from error
             self._change_map(str(path), place)
 
+    def use_field(self, driver: Driver, command: UseFieldCommand) -> None:
+        """Go on with another field.
+
+        Raises:
+            CommandError: there is no such field, or another client drives.
+        """
+        if self._change_map is None:
+            raise CommandError("this program cannot load another field; start it anew")
+        self.drivers.require_free(driver)
+        name = field_named(command.name, self._maps)
+        try:
+            load_field(name, MAPS)
+        except FieldError as error:
+            raise CommandError(str(error)) from error
+        self._change_map(name, None)
+
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
@@ -213,6 +232,7 @@ ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingPr
         ExploreCommand: lambda outlets, driver, command: outlets.explore(driver, command),
         DiscardMapCommand: lambda outlets, *_: outlets.mapping.discard(),
         SaveMapCommand: lambda outlets, driver, command: outlets.save_map(driver, command),
+        UseFieldCommand: lambda outlets, driver, command: outlets.use_field(driver, command),
     }
 )
 """What carries out the commands that are not the engine's."""

@@ -23,6 +23,7 @@ from app.engine.start_pose.keeping import PoseKeeper
 from app.messages.answers import (
     AccessMessage,
     FieldMessage,
+    FieldsMessage,
     HealthMessage,
     ParameterMessage,
     ProblemMessage,
@@ -36,6 +37,7 @@ from app.page.access import SameOriginOnly, own_names
 from app.page.calibration import calibration_router
 from app.page.camera_stream import STREAM, CameraStream
 from app.page.docs_page import docs_page
+from app.page.faults import faults_router
 from app.page.floor_grid import floor_grid_router
 from app.page.language import language_router, page
 from app.page.lens.routes import lens_router
@@ -43,7 +45,8 @@ from app.page.live import Live
 from app.page.mapping import mapping_router, sketch_of
 from app.page.outlets import Outlets
 from app.page.profile import RayError, profile
-from app.page.telemetry import field_message, parameter_messages
+from app.page.parameters import parameter_messages
+from app.page.telemetry import field_message
 from app.page.thresholds import STALE_S
 from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
@@ -52,6 +55,7 @@ from app.recordings.contents import contents_of
 from app.recordings.routes import contents_router, recordings_router
 from app.ros2.websocket_routes import Foxglove, Rosbridge
 from app.settings.config import FRONTEND
+from app.settings.field_names import loadable_fields
 
 FOXGLOVE = "/foxglove"
 NO_PICTURE = refusal(503, "before the camera's first picture")
@@ -114,6 +118,7 @@ def create_app(
     app.include_router(lens_router(program))
     app.include_router(calibration_router(program, outlets.calibrator))
     app.include_router(mapping_router(outlets.mapping))
+    app.include_router(faults_router(program))
     app.include_router(recordings_router(program.config.recording.path))
     app.include_router(contents_router(lambda: contents_of(program)))
     for router in routers:
@@ -251,6 +256,11 @@ def _add_field(app: FastAPI, program: Program) -> None:
     def field_picture() -> Response:
         """The floor from above."""
         return Response(png, media_type="image/png", headers={"Cache-Control": "no-cache"})
+
+    @app.get("/api/fields")
+    def fields() -> FieldsMessage:
+        """The fields that can be loaded: those at hand, and maps that were saved."""
+        return FieldsMessage(names=list(loadable_fields(program.config.mapping.path())))
 
     @app.get("/api/parameters")
     def parameters() -> list[ParameterMessage]:

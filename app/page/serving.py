@@ -12,7 +12,7 @@ import uvicorn
 from anyio import from_thread
 from fastapi import APIRouter
 
-from app.engine.build import build_on_map
+from app.engine.build import build_on_field, build_on_map
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import CLIENTS_LOG
 from app.engine.program import Program
@@ -25,6 +25,7 @@ from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
 from robot.localization.estimate import Hypothesis
+from sim.real_time import RealTime
 
 HAND_OVER_S = 0.001
 """Threads hand over Python's lock after this time [s]: a view must not delay the engine's step."""
@@ -44,8 +45,9 @@ class Server:
         routers: Sequence[APIRouter] = (),
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
-        self.successor: tuple[str, Hypothesis] | None = None
-        """The map to go on in, and where the robot is in it; None is to end."""
+        self.successor: tuple[str, Hypothesis | None] | None = None
+        """The map to go on in, and where the robot is in it, or None for another field's start; no
+        successor is to end."""
         self._engine = program.engine
         self._thread = EngineThread(program.engine, program.loop)
         self._outlets = Outlets(program, None if program.loop else self._change_map)
@@ -78,7 +80,7 @@ class Server:
             self._thread.stopping.set()
             self._outlets.close()
 
-    def _change_map(self, name: str, place: Hypothesis) -> None:
+    def _change_map(self, name: str, place: Hypothesis | None) -> None:
         """Go on in another map soon; from a thread of the event loop's."""
         self.successor = name, place
         self._engine.handed_over = True
@@ -128,12 +130,20 @@ def serve(
             announce()
             server.run(listening)
             if server.successor is not None and not asked():
-                following = build_on_map(program, *server.successor, stopped=server.stopped)
+                following = _successor(program, *server.successor, stopped=server.stopped)
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.
             program.robot.close()
     return following
+
+
+def _successor(
+    program: Program, name: str, place: Hypothesis | None, *, stopped: bool
+) -> Program:
+    if place is None:
+        return build_on_field(program, name, RealTime(), stopped=stopped)
+    return build_on_map(program, name, place, stopped=stopped)
 
 
 class _StopsTheRobotFirst(uvicorn.Server):

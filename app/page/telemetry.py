@@ -6,10 +6,9 @@ import dataclasses
 import math
 
 from app.engine.drivers import DriveState
-from app.engine.own_models.own_models import OwnChoice
 from app.engine.program import Program
 from app.engine.snapshot import LAYERS, ReplayState, Snapshot
-from app.messages.answers import FieldMessage, ParameterMessage
+from app.messages.answers import FieldMessage
 from app.messages.telemetry import (
     DriverMessage,
     LoopMessage,
@@ -30,11 +29,11 @@ from app.page.calibration import drive_message
 from app.page.mapping import mapping_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
+from app.settings.faults import changed_faults
 from robot.geometry import Array, Pose2
 from robot.interface import RepositionableRobot
-from robot.localization.parameters import LocalizationParameters
 from robot.scanning.line_scanner import LineScan
-from robot.settings import Setting, describe
+from sim.simulated import SimulatedRobot
 
 
 class TelemetryWriter:
@@ -43,6 +42,7 @@ class TelemetryWriter:
     def __init__(self, program: Program, outlets: Outlets) -> None:
         self._field = program.field
         self._robot = program.robot
+        self._sim = program.config.sim
         self._outlets = outlets
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
@@ -64,6 +64,7 @@ class TelemetryWriter:
                 connected=snapshot.connected,
                 battery_v=snapshot.battery_v,
                 can_be_placed=isinstance(self._robot, RepositionableRobot),
+                faults=self._faults(),
                 calibrated=snapshot.calibrated if math.isfinite(snapshot.calibrated) else None,
             ),
             loop=LoopMessage(**dataclasses.asdict(snapshot.loop)),
@@ -76,6 +77,13 @@ class TelemetryWriter:
             replay=_replay_message(snapshot.replay),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )
+
+
+    def _faults(self) -> dict[str, float | str]:
+        robot = self._robot
+        if not isinstance(robot, SimulatedRobot):
+            return {}
+        return changed_faults(robot.settings, self._sim)
 
 
 def _scan_message(snapshot: Snapshot) -> ScanMessage:
@@ -141,6 +149,7 @@ def field_message(program: Program) -> FieldMessage:
     lines = scanner.table.lines(9).round(1).tolist()
     return FieldMessage(
         name=field.name,
+        drive_area=list(field.drive_area),
         extent=list(field.floor.extent),
         start=PoseMessage(x=field.start.x, y=field.start.y, theta=field.start.theta),
         robot_outline=[(x, y) for x, y in spec.outline.round(4).tolist()],
@@ -156,62 +165,6 @@ def field_message(program: Program) -> FieldMessage:
         image_height=spec.lens.height,
         tape_width=scanner.main_width,
         rays_px=[[(u, v) for u, v in line] for line in lines],
-    )
-
-
-def parameter_messages(
-    localization_parameters: LocalizationParameters,
-    default: LocalizationParameters,
-    own: OwnChoice,
-    given: OwnChoice,
-) -> list[ParameterMessage]:
-    """Return each parameter of the filter with its meaning; the user's models are choices, too.
-
-    Args:
-        localization_parameters: the present parameters.
-        default: the parameters at the start.
-        own: the user's own models, in use and on offer.
-        given: the user's own models at the start.
-    """
-    result = []
-    models = {
-        "laser_model_type": (own.sensor, given.sensor, own.sensors),
-        "robot_model_type": (own.motion, given.motion, own.motions),
-    }
-    for group in dataclasses.fields(localization_parameters):
-        values, defaults = (
-            getattr(localization_parameters, group.name),
-            getattr(default, group.name),
-        )
-        for name, known in describe(values).items():
-            chosen, first, offered = models.get(name, ("", "", ()))
-            value = chosen or getattr(values, name)
-            standard = first or getattr(defaults, name)
-            result.append(_parameter(group.name, name, known, value, standard, offered))
-    return result
-
-
-def _parameter(
-    group: str,
-    name: str,
-    known: Setting,
-    value: object,
-    default: object,
-    more_choices: tuple[str, ...],
-) -> ParameterMessage:
-    return ParameterMessage.model_validate(
-        {
-            "name": name,
-            "group": group,
-            "value": value,
-            "default": default,
-            "meaning": known.meaning,
-            "unit": known.unit,
-            "low": known.low if math.isfinite(known.low) else None,
-            "high": known.high if math.isfinite(known.high) else None,
-            "choices": [*known.choices, *more_choices],
-            "integer": isinstance(default, int) and not isinstance(default, bool),
-        }
     )
 
 

@@ -53,8 +53,8 @@ export class FloorGrid {
     context.beginPath();
     context.rect(0, 0, width, height);
     context.clip();
-    stroke(context, across, palette["floor-truth"], 1.2 / scale);
-    stroke(context, ahead, palette["floor-draft"], 1.8 / scale);
+    stroke(context, across, palette["floor-grid"], 1.2 / scale);
+    stroke(context, ahead, palette["floor-grid"], 1.8 / scale);
     drawLabels(context, this.#grid.labels, 1 / scale);
     context.restore();
   }
@@ -70,7 +70,7 @@ function drawLabels(context, labels, pixel) {
   context.font = `${palette.fontSize * pixel}px system-ui, sans-serif`;
   context.lineWidth = 3 * pixel;
   context.strokeStyle = palette["floor-halo"];
-  context.fillStyle = palette["floor-draft"];
+  context.fillStyle = palette["floor-grid"];
   let last = Infinity;
   for (const { u, v, distance } of labels) {
     if (last - v < 1.2 * palette.fontSize * pixel) continue;

@@ -11,6 +11,8 @@ import { palette } from "../page/palette.js";
 const MOST_POINTS = 16;
 /** Radius of a mark [CSS px]. */
 const RING = 2.8;
+/** One of so many rays is drawn with its marks: all of them would hide the floor. */
+const EVERY = 3;
 
 /** Drop points of a ray, but keep enough for its bend by the lens. @param {Point[]} ray */
 export function thin(ray) {
@@ -78,6 +80,7 @@ function drawRays(context, rays, edges, pixel) {
   const hits = new Path2D();
   const misses = new Path2D();
   rays.forEach((ray, i) => {
+    if (i % EVERY !== 0) return;
     const entry = edges.entry_px[i];
     trace(entry ? hits : misses, entry ? cut(ray, entry) : ray);
   });
@@ -106,19 +109,19 @@ function drawSelected(context, ray, pixel) {
 /** @param {CanvasRenderingContext2D} context @param {EdgesMessage} edges @param {number} pixel */
 function drawEntries(context, edges, pixel) {
   const rings = new Path2D();
-  for (const point of edges.entry_px) {
-    if (!point) continue;
+  for (const [i, point] of edges.entry_px.entries()) {
+    if (!point || i % EVERY !== 0) continue;
     rings.moveTo(point[0] + RING * pixel, point[1]);
     rings.arc(point[0], point[1], RING * pixel, 0, 2 * Math.PI);
   }
-  twice(context, rings, pixel, "#fff", palette["floor-draft"]);
+  twice(context, rings, pixel, "#fff", palette["floor-hits"]);
 }
 
 /** @param {CanvasRenderingContext2D} context @param {EdgesMessage} edges @param {number} pixel */
 function drawExits(context, edges, pixel) {
   const bars = new Path2D();
-  for (const point of edges.exit_px) {
-    if (!point) continue;
+  for (const [i, point] of edges.exit_px.entries()) {
+    if (!point || i % EVERY !== 0) continue;
     bars.moveTo(point[0], point[1] - RING * pixel);
     bars.lineTo(point[0], point[1] + RING * pixel);
   }

@@ -93,6 +93,11 @@ export class Drive {
     this.#forget();
   }
 
+  /** Whether a programme could begin now: this page may drive, and no other one does. */
+  get mayBegin() {
+    return this.possible && this.other === null;
+  }
+
   /** Start a programme, or end it. @param {Programme | null} programme */
   setProgramme(programme) {
     if (!this.possible || (programme && this.other !== null)) return;
@@ -152,7 +157,13 @@ export class Drive {
     // Half a timer interval early counts as on time.
     if (this.programme && now - this.#sent < this.timeout / RENEWALS - RENEW_MS / 2) return;
     this.#sent = now;
-    this.send(this.programme ? { type: this.programme } : this.#command());
+    this.send(this.programme ? this.programmed(this.programme) : this.#command());
+  }
+
+  /** The command that drives a programme. @param {Programme} programme */
+  programmed(programme) {
+    const speed = Math.min(this.speed, this.maxV);
+    return programme === "figure_eight" ? { type: programme, speed } : { type: programme };
   }
 
   /** @returns {Command} */

@@ -15,7 +15,7 @@ export class OwnDrive {
   /**
    * @param {Drive} drive
    * @param {(command: Command) => Promise<boolean>} order
-   * @param {"calibrate" | "explore"} programme
+   * @param {"calibrate" | "explore" | "figure_eight"} programme
    */
   constructor(drive, order, programme) {
     this.drive = drive;
@@ -31,7 +31,7 @@ export class OwnDrive {
   async begin() {
     // These two are answered: the renewals that follow are not.
     if (!(await this.order({ type: "take" }))) return;
-    if (!(await this.order({ type: this.programme, start: true }))) return;
+    if (!(await this.order({ ...this.drive.programmed(this.programme), start: true }))) return;
     this.#started = performance.now();
     this.#seen = false;
     this.drive.setProgramme(this.programme);

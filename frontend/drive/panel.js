@@ -6,8 +6,10 @@ import { GamepadInput } from "./gamepad.js";
 import { Joystick } from "./joystick.js";
 import { Keys } from "./keys.js";
 import { Drive } from "./lease.js";
+import { OwnDrive } from "./own_drive.js";
 
 /** @typedef {import("../messages").AccessMessage} AccessMessage */
+/** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
 /** @typedef {import("../messages").TelemetryMessage} TelemetryMessage */
 /** @typedef {import("../wire/connection.js").Connection} Connection */
@@ -20,11 +22,16 @@ export class DrivePanel {
   #pad = find("gamepad", HTMLElement);
   #who = find("drive-who", HTMLElement);
   #take = findButton("take");
+  /** @type {OwnDrive} */
+  #ownEight;
   #replayed = false;
   #watches = false;
 
-  /** @param {Connection} connection */
-  constructor(connection) {
+  /**
+   * @param {Connection} connection
+   * @param {(command: Command) => Promise<boolean>} order
+   */
+  constructor(connection, order) {
     this.drive = new Drive(
       (command) => connection.post(command),
       () => this.#show(),
@@ -34,7 +41,9 @@ export class DrivePanel {
     this.keys = new Keys(this.drive);
     this.gamepad = new GamepadInput(this.drive, (name) => setText(this.#pad, padText(name)));
     for (const stop of ["stop", "stop-thumb"]) this.#wireStop(findButton(stop));
-    this.#eight.onclick = () => this.drive.setProgramme(this.#drivesEight ? null : "figure_eight");
+    const eight = new OwnDrive(this.drive, order, "figure_eight");
+    this.#ownEight = eight;
+    this.#eight.onclick = () => (eight.mine ? eight.end() : this.drive.mayBegin && eight.begin());
     this.#take.onclick = () => this.drive.take();
     this.#slider.addEventListener("input", () => this.#setSpeed());
     connection.onState((state) => state === "lost" && this.#lost());
@@ -68,7 +77,8 @@ export class DrivePanel {
   }
 
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
-  follow({ driver: { name, mine, stopped } }) {
+  follow({ mode, driver: { name, mine, stopped } }) {
+    this.#ownEight.follow(mode === "figure_eight");
     this.drive.follow(mine ? null : name);
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";
@@ -76,10 +86,6 @@ export class DrivePanel {
     setText(this.#who, this.#watches ? t("this link only watches") : words);
     this.#take.hidden = other === null || !possible;
     this.#hint.hidden = this.#who.textContent !== "";
-  }
-
-  get #drivesEight() {
-    return this.drive.programme === "figure_eight";
   }
 
   /** Stop acts on the press, not on the release. @param {HTMLButtonElement} button */
@@ -105,7 +111,7 @@ export class DrivePanel {
   }
 
   #show() {
-    this.#eight.setAttribute("aria-pressed", String(this.#drivesEight));
+    this.#eight.setAttribute("aria-pressed", String(this.drive.programme === "figure_eight"));
     this.joystick?.show();
   }
 }

@@ -81,9 +81,7 @@ export class FilterPanel {
 
   /** @param {TelemetryMessage} telemetry */
   describe({ particles, filter }) {
-    const words = tn("{count} particle, {effective} effective", "{count} particles, {effective} effective", particles.count, {
-      effective: plain(particles.effective),
-    });
+    const words = contents(filter.kind, particles);
     setText(this.#hint, filter.paused ? t("paused, {words}", { words }) : words);
     this.#paused = filter.paused;
     setText(this.#pause, filter.paused ? t("resume") : t("pause"));
@@ -103,9 +101,10 @@ export class FilterPanel {
       parameters.length === this.#rows.size &&
       parameters.every((one) => this.#rows.get(one.name)?.offers(one));
     if (!same) this.#build(parameters);
-    for (const { name, value } of parameters) {
+    for (const { name, value, used } of parameters) {
       const row = this.#rows.get(name);
       if (row && !row.busy && row.parameter.value !== value) row.accept(value);
+      row?.use(used ?? true);
     }
   }
 
@@ -169,7 +168,22 @@ export class FilterPanel {
     for (const [name, value] of Object.entries(values)) {
       if (!this.#wanted.has(name)) this.#rows.get(name)?.accept(value);
     }
+    // A choice decides which of the others are used.
+    if (Object.values(values).some((value) => typeof value !== "number")) this.load();
   }
+}
+
+/**
+ * What a filter's belief consists of: not all have particles.
+ * @param {string} kind
+ * @param {TelemetryMessage["particles"]} particles
+ */
+function contents(kind, { count, effective }) {
+  if (kind === "kalman") return "one normal distribution, no particles";
+  if (kind === "grid") return `${count} cells of the pose grid`;
+  return tn("{count} particle, {effective} effective", "{count} particles, {effective} effective", count, {
+    effective: plain(effective),
+  });
 }
 
 /**

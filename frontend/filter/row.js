@@ -54,6 +54,16 @@ export class ParameterRow {
     this.#back.disabled = standard;
   }
 
+  /** Only what the chosen filter and models use can be changed. @param {boolean} used */
+  use(used) {
+    this.element.dataset.used = String(used);
+    this.element.title = used ? "" : "The chosen filter and models do not use it";
+    for (const part of this.element.querySelectorAll("input, select, button")) {
+      part.toggleAttribute("disabled", !used);
+    }
+    if (used) this.#back.disabled = this.parameter.value === this.parameter.default;
+  }
+
   /** Whether another message has the same choices. @param {ParameterMessage} other */
   offers({ choices }) {
     return choices.join() === this.parameter.choices.join();

@@ -120,7 +120,7 @@ function drawCorners(context, { look }, pixel) {
   context.strokeStyle = "#fff";
   context.lineWidth = 3.5 * pixel;
   context.stroke(rings);
-  context.strokeStyle = look.verdict === "taken" ? palette["floor-truth"] : palette["floor-draft"];
+  context.strokeStyle = look.verdict === "taken" ? palette["floor-truth"] : palette["floor-drawn"];
   context.lineWidth = 2 * pixel;
   context.stroke(rings);
 }

@@ -1,5 +1,6 @@
 // @ts-check
 import { palette } from "../page/palette.js";
+import { millimetres } from "../page/format.js";
 import { ellipse, RADII_95 } from "./places.js";
 import { roundUp } from "../plots/scale.js";
 
@@ -13,6 +14,8 @@ import { roundUp } from "../plots/scale.js";
 
 /** A smaller bound on the screen [CSS px] cannot be distinguished from the place itself. */
 const SEEN = 4;
+/** One of so many rays is drawn, as in the camera's picture. */
+const EVERY = 3;
 /** Largest length of the wedge of headings [CSS px] and [m]. */
 const WEDGE = 70;
 const WEDGE_M = 0.3;
@@ -34,14 +37,16 @@ export function drawScan(context, { robot, robot_from_scan: offset, bearings, ra
     const range = ranges[i];
     if (range === null || range === undefined) return;
     const [x, y] = [range * Math.cos(bearing), range * Math.sin(bearing)];
-    rays.moveTo(0, 0);
-    rays.lineTo(x, y);
+    if (i % EVERY === 0) {
+      rays.moveTo(0, 0);
+      rays.lineTo(x, y);
+    }
     hits.moveTo(x + 1.8 * pixel, y);
     hits.arc(x, y, 1.8 * pixel, 0, 2 * Math.PI);
   });
   stroke(context, rays, palette["floor-rays"], 0.7 * pixel, 0.35);
   stroke(context, hits, palette["floor-halo"], 2 * pixel, 0.9);
-  context.fillStyle = palette["floor-rays"];
+  context.fillStyle = palette["floor-hits"];
   context.fill(hits);
   context.restore();
 }
@@ -175,6 +180,31 @@ export function drawScaleBar(context, view) {
     right,
     bottom - 9,
   );
+}
+
+/**
+ * Draw a line that was measured, with its length.
+ * @param {Context} context
+ * @param {MapView} view
+ * @param {[number, number]} from [m]
+ * @param {[number, number]} end [m]
+ */
+export function drawMeasure(context, view, from, end) {
+  const [a, b] = [view.toScreen(...from), view.toScreen(...end)];
+  const line = new Path2D();
+  line.moveTo(...a);
+  line.lineTo(...b);
+  for (const [u, v] of [a, b]) {
+    line.moveTo(u + 3, v);
+    line.arc(u, v, 3, 0, 2 * Math.PI);
+  }
+  stroke(context, line, palette["floor-halo"], 6, 0.9);
+  stroke(context, line, palette["floor-draft"], 2, 1);
+  context.font = `bold ${palette.font}`;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  const way = Math.hypot(end[0] - from[0], end[1] - from[1]);
+  label(context, millimetres(way), (a[0] + b[0]) / 2, (a[1] + b[1]) / 2 - 14);
 }
 
 /**

@@ -122,10 +122,16 @@ export class Gestures {
     if (event.key === "+" || event.key === "=") this.zoom(1);
     else if (event.key === "-") this.zoom(-1);
     else if (event.key === "0") this.fit();
-    else if (event.key === "Escape") for (const tool of this.tools) tool.cancel();
+    else if (event.key === "Escape") return void this.#cancel();
     else if (event.shiftKey && event.key.startsWith("Arrow")) this.#panBy(event.key);
     else return;
     event.preventDefault();
+    this.changed();
+  }
+
+  /** Another part of the page may use Escape, too. */
+  #cancel() {
+    for (const tool of this.tools) tool.cancel();
     this.changed();
   }
 

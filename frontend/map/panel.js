@@ -7,8 +7,11 @@ import { Surface } from "../page/surface.js";
 import { Doubts } from "./doubts.js";
 import { Gestures } from "./gestures.js";
 import { NumbersForm } from "./numbers.js";
+import { MeasureTool } from "./measure.js";
 import { certainty, claim } from "./places.js";
+import { AwayWord } from "./away_word.js";
 import { Scene } from "./scene.js";
+import { shownArea, whereRobotIs } from "./shown_area.js";
 import { Telling } from "./telling.js";
 import { PoseTool } from "./tools.js";
 import { MapView } from "./view.js";
@@ -27,6 +30,7 @@ const HINTS = {
   look: "",
   set_pose: t("Press where the robot is, drag in the direction it faces."),
   place: t("Press where to put the robot, drag in the direction it faces."),
+  measure: t("Drag from one point to another, or press at both."),
 };
 
 /** The field from above: the robot's true and estimated poses, and tools to set them. */
@@ -34,8 +38,11 @@ export class MapPanel {
   #view = new MapView();
   #hint = find("map-hint", HTMLElement);
   #certainty = find("map-certainty", HTMLElement);
+  /** @type {AwayWord} */
+  #away;
   #doubts = new Doubts(find("map-doubts", HTMLElement));
   #text = find("map-text", HTMLElement);
+  #measured = find("map-measured", HTMLElement);
   #tools = [...document.querySelectorAll("button[data-tool]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
   );
@@ -43,12 +50,15 @@ export class MapPanel {
   #field = null;
   /** Whether the view was moved by hand; until then it shows the whole field. */
   #moved = false;
+  /** The area that is shown until then. */
+  #area = "";
 
   /**
    * @param {DrawLoop} loop
    * @param {(command: Command) => Promise<boolean>} order sends; tells whether it was accepted
+   * @param {() => void} goHome
    */
-  constructor(loop, order) {
+  constructor(loop, order, goHome) {
     this.surface = new Surface(find("map-canvas", HTMLCanvasElement), () => this.#resized());
     this.scene = new Scene(this.surface, this.#view);
     const visible = () => this.surface.visible;
@@ -58,17 +68,27 @@ export class MapPanel {
     this.tool = new PoseTool(
       () => this.scene.telemetry?.estimate?.theta ?? 0,
       () => this.#view.scale,
-      (tool, pose) => this.#tell(tool, pose),
+      (tool, pose) => {
+        this.#tell(tool, pose);
+        // The next drag shall not move the robot again.
+        this.#choose("look");
+      },
     );
+    this.measure = new MeasureTool(
+      () => this.#view.scale,
+      () => this.#choose("look"),
+    );
+    this.scene.measure = this.measure;
     const changed = () => {
       this.#moved = true;
       this.refresh();
     };
     const ends = new EndTool(() => this.scene.finished, () => this.#view.scale, order);
     this.scene.ends = ends;
-    const tools = [ends, this.tool];
+    const tools = [ends, this.measure, this.tool];
     this.gestures = new Gestures(this.surface, this.#view, tools, changed, () => this.#fit());
     this.#wire();
+    this.#away = new AwayWord(goHome);
   }
 
   /** @param {FieldMessage} field @param {ImageBitmap} picture */
@@ -77,6 +97,7 @@ export class MapPanel {
     this.#field = field;
     this.scene.setField(field, picture);
     if (known) return this.refresh();
+    this.measure.clear();
     // In an open form, the user may have typed something already.
     if (find("numbers", HTMLElement).hidden) this.numbers.setField(field);
     this.#fit();
@@ -98,6 +119,7 @@ export class MapPanel {
   show(telemetry) {
     this.scene.telemetry = telemetry;
     this.scene.paths.add(telemetry);
+    if (!this.#moved && this.#wanted.join() !== this.#area) this.#fit();
     this.refresh();
   }
 
@@ -112,6 +134,7 @@ export class MapPanel {
     this.#certainty.title = claim(integrity);
     setText(this.#certainty, words);
     this.#doubts.show(integrity.alerts);
+    this.#away.show(this.#field, telemetry);
     this.telling.show(telemetry.filter);
     setText(this.#text, `${whereabouts(telemetry)} ${words}`);
     const { can_be_placed } = telemetry.robot;
@@ -137,15 +160,25 @@ export class MapPanel {
     for (const button of this.#tools) {
       button.onclick = () => this.#choose(/** @type {Tool} */ (button.dataset.tool));
     }
+    this.surface.canvas.addEventListener("keydown", (event) => this.#disarm(event), { capture: true });
     findButton("map-in").onclick = () => this.gestures.zoom(1);
     findButton("map-out").onclick = () => this.gestures.zoom(-1);
     findButton("map-fit").onclick = () => this.#fit();
     findButton("map-clear").onclick = () => {
       this.scene.paths.clear();
+      this.measure.clear();
       this.refresh();
     };
     const toggle = findButton("numbers-toggle");
     toggle.onclick = () => this.#openNumbers(toggle.getAttribute("aria-expanded") !== "true");
+  }
+
+  /** Escape lays a tool down. @param {KeyboardEvent} event */
+  #disarm(event) {
+    if (event.key !== "Escape" || (!this.measure.line && !this.measure.armed && !this.tool.wants())) return;
+    this.measure.clear();
+    this.#choose("look");
+    event.preventDefault();
   }
 
   /** @param {boolean} open */
@@ -160,6 +193,7 @@ export class MapPanel {
   #choose(tool) {
     this.tool.tool = tool;
     this.tool.cancel();
+    this.measure.arm(tool === "measure");
     for (const button of this.#tools) {
       button.setAttribute("aria-pressed", String(button.dataset.tool === tool));
     }
@@ -174,9 +208,19 @@ export class MapPanel {
     this.telling.tell(tool, pose, this.numbers);
   }
 
+  /** The area that is shown until the view is moved by hand. */
+  get #wanted() {
+    if (!this.#field) return [];
+    return shownArea(this.#field, this.scene.drawing, whereRobotIs(this.scene.telemetry));
+  }
+
   #fit() {
     this.#moved = false;
-    if (this.#field && this.surface.visible) this.#view.fit(around(this.#field.extent, this.scene.drawing));
+    const area = this.#wanted;
+    if (area.length > 0 && this.surface.visible) {
+      this.#view.fit(area);
+      this.#area = area.join();
+    }
     this.refresh();
   }
 
@@ -188,21 +232,11 @@ export class MapPanel {
   }
 
   #paint() {
+    setText(this.#measured, this.measure.words);
     const pose = this.tool.draft;
     const spread = this.tool.tool === "set_pose" ? this.numbers.sdXy : null;
     this.scene.paint(pose && { pose, spread });
   }
-}
-
-/**
- * Return the extent of the field and of a map that is drawn on it [m].
- * @param {number[]} extent xmin, ymin, xmax, ymax
- * @param {MapDrawingMessage | null} drawing
- */
-function around([xmin, ymin, xmax, ymax], drawing) {
-  const points = (drawing?.strokes ?? []).flatMap((stroke) => stroke.points);
-  const [xs, ys] = [points.map(([x]) => x), points.map(([, y]) => y)];
-  return [Math.min(xmin, ...xs), Math.min(ymin, ...ys), Math.max(xmax, ...xs), Math.max(ymax, ...ys)];
 }
 
 /** @param {TelemetryMessage} telemetry */

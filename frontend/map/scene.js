@@ -33,6 +33,8 @@ export class Scene {
   chosen = -1;
   /** Drags ends of that map. @type {EndTool | null} */
   ends = null;
+  /** What is measured. @type {import("./measure.js").MeasureTool | null} */
+  measure = null;
   /** @type {Floor | null} */
   #floor = null;
   /** @type {[number, number][]} */
@@ -60,12 +62,13 @@ export class Scene {
   paint(draft) {
     const context = this.surface.begin();
     const pixel = 1 / this.view.scale;
-    context.globalAlpha = this.drawing ? FAINT : 1;
+    context.globalAlpha = (this.drawing ? FAINT : 1) * Number(palette["floor-light"]);
     this.#floor?.draw(context, this.view, this.surface.ratio);
     context.globalAlpha = 1;
     if (this.drawing) this.#paintMapping(context, this.drawing, pixel);
     else if (this.telemetry) this.#paintBelief(context, this.telemetry, pixel);
     if (draft) this.#paintDraft(context, draft, pixel);
+    if (this.measure?.line) drawing.drawMeasure(context, this.view, ...this.measure.line);
     drawing.drawScaleBar(context, this.view);
   }
 

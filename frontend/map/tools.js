@@ -1,6 +1,6 @@
 // @ts-check
 /** @typedef {import("../messages").PoseMessage} PoseMessage */
-/** @typedef {"look" | "set_pose" | "place"} Tool */
+/** @typedef {"look" | "set_pose" | "place" | "measure"} Tool */
 
 /** A drag shorter than this [CSS px] sets no heading. */
 const SHORTEST = 8;
@@ -24,7 +24,7 @@ export class PoseTool {
   }
 
   wants() {
-    return this.tool !== "look";
+    return this.tool === "set_pose" || this.tool === "place";
   }
 
   /** @param {number} x @param {number} y */

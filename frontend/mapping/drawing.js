@@ -26,9 +26,9 @@ export function drawMapping(context, { strokes, path, edges, unseen_ends }, pixe
   for (const [number, { points, interval }] of strokes.entries()) {
     const tape = line(points);
     if (number === chosen) stroke(context, tape, palette["floor-beam"], 4 * LINE * pixel, 1);
-    if (interval > SEEN * pixel) stroke(context, tape, palette["floor-draft"], 2 * interval, 0.25);
+    if (interval > SEEN * pixel) stroke(context, tape, palette["floor-drawn"], 2 * interval, 0.25);
     stroke(context, tape, palette["floor-halo"], (LINE + 3) * pixel, 0.8);
-    stroke(context, tape, palette["floor-draft"], LINE * pixel, 1);
+    stroke(context, tape, palette["floor-drawn"], LINE * pixel, 1);
   }
   for (const [x, y] of unseen_ends) {
     const ring = new Path2D();
@@ -50,10 +50,10 @@ export function drawEnds(context, drawing, pixel, held) {
     const isHeld = held !== null && held.stroke === number && held.last === last;
     const handle = new Path2D();
     handle.arc(...(isHeld ? held.place : place), 4 * pixel, 0, 2 * Math.PI);
-    if (isHeld) stroke(context, line([place, held.place]), palette["floor-draft"], 2 * pixel, 1);
+    if (isHeld) stroke(context, line([place, held.place]), palette["floor-drawn"], 2 * pixel, 1);
     context.fillStyle = palette["floor-halo"];
     context.fill(handle);
-    stroke(context, handle, palette["floor-draft"], 1.5 * pixel, 1);
+    stroke(context, handle, palette["floor-drawn"], 1.5 * pixel, 1);
   }
 }
 

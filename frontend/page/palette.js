@@ -21,8 +21,12 @@ const NAMES = /** @type {const} */ ([
   "floor-estimate",
   "floor-rays",
   "floor-then",
+  "floor-hits",
+  "floor-drawn",
   "floor-draft",
+  "floor-grid",
   "floor-halo",
+  "floor-light",
   "floor-beam",
 ]);
 

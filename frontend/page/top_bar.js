@@ -39,6 +39,7 @@ export class TopBar {
     this.#enter(robot.connected ? mode : t("not ready"), robot.connected);
     setText(this.#field, telemetry.map);
     setText(this.#time, minutes(telemetry.stamp));
+    find("battery", HTMLElement).hidden = robot.battery_v === null;
     setText(this.#battery, robot.battery_v === null ? "–" : `${plain(robot.battery_v, 1)} V`);
     setText(this.#error, millimetres(truth && estimate && distance(truth, estimate), 1));
     setText(this.#loop, `${plain(telemetry.loop.step_hz)} Hz`);

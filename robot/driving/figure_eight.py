@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from robot.geometry import Twist2
+import numpy as np
+
+from robot.geometry import Array, Twist2
 from robot.settings import check_settings, setting
 
 
@@ -26,6 +28,12 @@ class FigureEight:
     def lap(self) -> float:
         """Time for both circles [s]; 15.9 s with the defaults."""
         return 4 * math.pi * self.radius / self.speed
+
+    def path(self, points: int = 60) -> Array:
+        """Return places (points, 2) on both circles [m], relative to the pose at their touch."""
+        angles = np.linspace(0, 2 * math.pi, points // 2, endpoint=False)
+        left = self.radius * np.column_stack([np.sin(angles), 1 - np.cos(angles)])
+        return np.concatenate([left, left * (1, -1)])
 
     def twist(self, elapsed: float) -> Twist2:
         """Return the twist to command at a time [s] after the start; the laps repeat."""

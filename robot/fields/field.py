@@ -175,6 +175,11 @@ class Field:
             return self.extent
         return box
 
+    def farthest_outside(self, points: Array) -> float:
+        """Return how far points (n, 2) reach beyond the drive area [m]; 0 is not at all."""
+        low, high = np.array(self.drive_area[:2]), np.array(self.drive_area[2:])
+        return float(max((low - points).max(), (points - high).max(), 0.0))
+
     @cached_property
     def _tape_box(self) -> Extent:
         points = self.edges.reshape(-1, 2)

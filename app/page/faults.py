@@ -1,0 +1,49 @@
+"""What can be wrong with a simulated robot and its camera, for sliders on the page."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.engine.program import Program
+from app.messages.answers import FaultsMessage, ParameterMessage
+from app.page.parameters import parameter_message
+from app.settings.conditions import CONDITIONS
+from app.settings.faults import ROBOT, TABLES, condition_faults, fault_values
+from robot.settings import describe
+from sim.simulated import SimulatedRobot
+
+
+def faults_router(program: Program) -> APIRouter:
+    """Return the route that lists the faults."""
+    router = APIRouter()
+
+    @router.get("/api/faults")
+    def faults() -> FaultsMessage:
+        """What can be wrong, and with which value it is; empty for a real robot."""
+        robot = program.robot
+        if not isinstance(robot, SimulatedRobot):
+            return FaultsMessage(faults=[], conditions={})
+        rows = _rows(robot, program)
+        names = {row.name for row in rows}
+        presets = {name: condition_faults(name) for name in CONDITIONS}
+        return FaultsMessage(
+            faults=rows,
+            conditions={name: preset for name, preset in presets.items() if names >= set(preset)},
+        )
+
+    return router
+
+
+def _rows(robot: SimulatedRobot, program: Program) -> list[ParameterMessage]:
+    values, defaults = fault_values(robot.settings), fault_values(program.config.sim)
+    return [
+        parameter_message(
+            "faults",
+            name,
+            describe(getattr(robot.settings, table))[name],
+            values[name],
+            defaults[name],
+        )
+        for name, table in TABLES.items()
+        if robot.has_imperfections or name not in ROBOT
+    ]

@@ -1,0 +1,76 @@
+"""Which parameters have no effect, as the chosen filter and models do not use them."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from robot.localization.models.motion_parameters import MotionParameters
+from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.parameters import HypothesisParameters, LocalizationParameters
+
+BEAM = frozenset(["z_short", "z_max", "lambda_short"])
+"""Of the beam model alone."""
+SKIPPING = frozenset(["beam_skip_distance", "beam_skip_threshold", "beam_skip_error_threshold"])
+"""Of beam skipping."""
+MODEL = BEAM | SKIPPING | {"laser_model_type", "z_hit", "z_rand", "do_beamskip"}
+"""Of sensor models: a Kalman filter lays rays on edges and has none."""
+PARTICLES = frozenset(
+    [
+        "min_particles",
+        "max_particles",
+        "pf_err",
+        "pf_z",
+        "recovery_alpha_slow",
+        "recovery_alpha_fast",
+        "resample_interval",
+        "selective_resampling",
+        "min_effective",
+        "regularization",
+        "cell_xy",
+        "cell_theta",
+    ]
+)
+"""Of filters with particles."""
+EVIDENCE = frozenset(["fit_sd", "fit_gate"])
+"""Of all filters: places are weighed by them, and whether an estimate can be relied on."""
+
+
+def _names(group: type) -> frozenset[str]:
+    return frozenset(field.name for field in dataclasses.fields(group))
+
+
+def idle_parameters(
+    parameters: LocalizationParameters, *, own_motion: bool = False, own_sensor: bool = False
+) -> frozenset[str]:
+    """Return the names of the parameters that have no effect now.
+
+    Args:
+        parameters: the present ones.
+        own_motion: whether a user's own motion model is used, which has its own parameters.
+        own_sensor: whether a user's own sensor model is used.
+    """
+    kind = parameters.filter.filter
+    idle = _idle_motion("own" if own_motion else parameters.motion.robot_model_type)
+    idle |= MODEL if kind == "kalman" else _idle_sensor(parameters.sensor, own=own_sensor)
+    if kind in ("kalman", "grid"):
+        idle |= PARTICLES
+    if kind != "hypotheses":
+        idle |= _names(HypothesisParameters) - EVIDENCE
+    return idle
+
+
+def _idle_motion(model: str) -> frozenset[str]:
+    others = _names(MotionParameters) - {"robot_model_type"}
+    prefix = {"differential": "alpha", "omni": "alpha"}.get(model, model)
+    used = {name for name in others if name.startswith(prefix)}
+    return others - used | ({"alpha5"} if model == "differential" else set())
+
+
+def _idle_sensor(sensor: SensorParameters, *, own: bool) -> frozenset[str]:
+    if own:
+        return MODEL - {"laser_model_type"}
+    if sensor.laser_model_type == "beam":
+        return SKIPPING | {"do_beamskip"}
+    if sensor.laser_model_type != "likelihood_field_prob":
+        return BEAM | SKIPPING | {"do_beamskip"}
+    return BEAM if sensor.do_beamskip else BEAM | SKIPPING
