@@ -22,6 +22,7 @@ export type Command =
   | SaveMapCommand
   | ScatterCommand
   | SetCalibrationCommand
+  | SetFaultsCommand
   | SetParametersCommand
   | SetParticlesCommand
   | SetPoseCommand
@@ -31,7 +32,8 @@ export type Command =
   | TakeCommand
   | UndoCalibrationCommand
   | UndoCommand
-  | UpdateCommand;
+  | UpdateCommand
+  | UseFieldCommand;
 
 /** What the token of a request allows. */
 export interface AccessMessage {
@@ -480,7 +482,7 @@ export interface MoveEndCommand {
 /** One parameter of the filter, with its meaning. */
 export interface ParameterMessage {
   name: string;
-  group: "motion" | "sensor" | "filter" | "hypotheses";
+  group: "motion" | "sensor" | "filter" | "hypotheses" | "faults";
   value: number | string | boolean;
   default: number | string | boolean;
   meaning: string;
@@ -674,6 +676,8 @@ export interface RobotMessage {
   connected: boolean;
   battery_v: number | null;
   can_be_placed: boolean;
+  /** What is wrong with a simulated robot and was not at the start, by its name in ``/api/faults``. */
+  faults: Record<string, number | string>;
   /**
    * The robot's clock at the last calibration since the start [s]: ``/api/field`` is another since
    * then; null before the first.
@@ -735,6 +739,15 @@ export interface SetCalibrationCommand {
   made?: string | null;
   /** What it was measured from. */
   source?: string;
+}
+
+/** Change what is wrong with the simulated robot and its camera; the robot goes on. */
+export interface SetFaultsCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "set_faults";
+  /** By name; ``/api/faults`` lists what can be wrong. */
+  values: Record<string, number | string>;
 }
 
 /** Change parameters of the filter: all or none; ``/api/parameters`` lists their names. */
@@ -869,4 +882,16 @@ export interface UpdateCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "update";
+}
+
+/**
+ * Go on with another field: a simulated robot is on it, a real one has to be put there. The robot
+ * stands meanwhile, and a recording ends.
+ */
+export interface UseFieldCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "use_field";
+  /** One of ``/api/fields``, or generated- and a number. */
+  name: string;
 }

@@ -27,7 +27,7 @@ def check_faults(command: SetFaultsCommand, program: Program) -> None:
     """
     robot = program.robot
     if not isinstance(robot, SimulatedRobot):
-        raise CommandError(f"{robot.name} has faults of its own; only a simulated one can be given any")
+        raise CommandError(f"{robot.name} is real or recorded; faults are for simulated robots")
     perfect = [name for name in command.values if name in ROBOT and not robot.has_imperfections]
     if perfect:
         raise CommandError(f"{robot.name} has perfect wheels and mounting: no {perfect[0]}")

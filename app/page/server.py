@@ -44,8 +44,8 @@ from app.page.lens.routes import lens_router
 from app.page.live import Live
 from app.page.mapping import mapping_router, sketch_of
 from app.page.outlets import Outlets
-from app.page.profile import RayError, profile
 from app.page.parameters import parameter_messages
+from app.page.profile import RayError, profile
 from app.page.telemetry import field_message
 from app.page.thresholds import STALE_S
 from app.page.token_guard import TokenRequired, role_in

@@ -138,9 +138,7 @@ def serve(
     return following
 
 
-def _successor(
-    program: Program, name: str, place: Hypothesis | None, *, stopped: bool
-) -> Program:
+def _successor(program: Program, name: str, place: Hypothesis | None, *, stopped: bool) -> Program:
     if place is None:
         return build_on_field(program, name, RealTime(), stopped=stopped)
     return build_on_map(program, name, place, stopped=stopped)

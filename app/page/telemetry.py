@@ -78,7 +78,6 @@ class TelemetryWriter:
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )
 
-
     def _faults(self) -> dict[str, float | str]:
         robot = self._robot
         if not isinstance(robot, SimulatedRobot):

@@ -1,6 +1,7 @@
 // @ts-check
 import { findButton } from "../page/elements.js";
 import { degrees, millimetres } from "../page/format.js";
+import { t } from "../page/language.js";
 
 /** @typedef {import("../messages").Command} Command */
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -41,4 +42,8 @@ export class Home {
 
 /** @param {import("../messages").PoseMessage} start */
 const whereToPut = ({ x, y, theta }) =>
-  `Put the robot at x ${millimetres(x)}, y ${millimetres(y)}, heading ${degrees(theta)}: there the filter believes it now.`;
+  t("Put the robot at x {x}, y {y}, heading {heading}: there the filter believes it now.", {
+    x: millimetres(x),
+    y: millimetres(y),
+    heading: degrees(theta),
+  });

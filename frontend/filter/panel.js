@@ -179,8 +179,8 @@ export class FilterPanel {
  * @param {TelemetryMessage["particles"]} particles
  */
 function contents(kind, { count, effective }) {
-  if (kind === "kalman") return "one normal distribution, no particles";
-  if (kind === "grid") return `${count} cells of the pose grid`;
+  if (kind === "kalman") return t("one normal distribution, no particles");
+  if (kind === "grid") return t("{count} cells of the pose grid", { count });
   return tn("{count} particle, {effective} effective", "{count} particles, {effective} effective", count, {
     effective: plain(effective),
   });

@@ -57,7 +57,7 @@ export class ParameterRow {
   /** Only what the chosen filter and models use can be changed. @param {boolean} used */
   use(used) {
     this.element.dataset.used = String(used);
-    this.element.title = used ? "" : "The chosen filter and models do not use it";
+    this.element.title = used ? "" : t("The chosen filter and models do not use it");
     for (const part of this.element.querySelectorAll("input, select, button")) {
       part.toggleAttribute("disabled", !used);
     }

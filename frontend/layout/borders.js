@@ -1,5 +1,6 @@
 // @ts-check
 import { make } from "../page/elements.js";
+import { t } from "../page/language.js";
 import { bordersOf, moved, panelsOf } from "./tree.js";
 
 /** @typedef {import("./tree.js").Border} Border */
@@ -65,7 +66,7 @@ export class Borders {
     const [before, after] = neighbours(this.#tree, path, place);
     element.setAttribute("aria-orientation", beside ? "vertical" : "horizontal");
     element.setAttribute("aria-valuenow", percent);
-    element.setAttribute("aria-label", `Border between ${before} and ${after}`);
+    element.setAttribute("aria-label", t("Border between {before} and {after}", { before, after }));
   }
 
   /** @param {string} key @param {PointerEvent} event */

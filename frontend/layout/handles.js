@@ -1,5 +1,6 @@
 // @ts-check
 import { make } from "../page/elements.js";
+import { t } from "../page/language.js";
 
 /** @typedef {import("./layout.js").Layout} Layout */
 
@@ -14,8 +15,8 @@ export function addHandles(
   /** @type {HTMLElement} */ panel,
 ) {
   const title = panel.querySelector("h2")?.textContent ?? name;
-  const move = button("move", DOTS, `Move ${title}: drag it onto another panel; arrow keys swap`);
-  const large = button("enlarge", LARGE, `Enlarge ${title}; Escape goes back`);
+  const move = button("move", DOTS, t("Move {title}: drag it onto another panel; arrow keys swap", { title }));
+  const large = button("enlarge", LARGE, t("Enlarge {title}; Escape goes back", { title }));
   move.toggleAttribute("data-own-arrows", true);
   panel.querySelector("header")?.append(make("div", { class: "handles" }, move, large));
   large.onclick = () => layout.enlarge(name);

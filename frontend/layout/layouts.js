@@ -1,4 +1,5 @@
 // @ts-check
+import { t } from "../page/language.js";
 import { panelsOf } from "./tree.js";
 
 /** @typedef {import("./tree.js").Tree} Tree */
@@ -42,14 +43,14 @@ export function read(text, known) {
   try {
     content = JSON.parse(text);
   } catch {
-    throw new Error("This is no layout: it is not JSON.");
+    throw new Error(t("This is no layout: it is not JSON."));
   }
   const { kind, tree } = /** @type {{kind?: unknown, tree?: unknown}} */ (content ?? {});
-  if (kind !== KIND) throw new Error(`This is no layout: its kind is not ${KIND}.`);
+  if (kind !== KIND) throw new Error(t("This is no layout: its kind is not {kind}.", { kind: KIND }));
   const result = checked(tree, known, 0);
   const names = panelsOf(result);
   const twice = names.find((name, i) => names.indexOf(name) !== i);
-  if (twice) throw new Error(`This layout has the panel ${twice} twice.`);
+  if (twice) throw new Error(t("This layout has the panel {name} twice.", { name: twice }));
   return result;
 }
 
@@ -57,10 +58,10 @@ export function read(text, known) {
 function checked(tree, known, depth) {
   if (typeof tree === "string") {
     if (known.includes(tree)) return tree;
-    throw new Error(`There is no panel ${tree}; valid are ${known.join(", ")}.`);
+    throw new Error(t("There is no panel {name}; valid are {known}.", { name: tree, known: known.join(", ") }));
   }
   const { split, shares, parts } = /** @type {Record<string, unknown>} */ (tree ?? {});
-  const wrong = new Error("This layout is damaged: a split needs parts and a share for each.");
+  const wrong = new Error(t("This layout is damaged: a split needs parts and a share for each."));
   if ((split !== "row" && split !== "column") || depth > DEEPEST) throw wrong;
   if (!Array.isArray(parts) || !Array.isArray(shares) || parts.length < 2) throw wrong;
   const valid = shares.every((share) => Number.isFinite(share) && share > 0);

@@ -1,5 +1,6 @@
 // @ts-check
 import { find, findButton, findInput, make } from "../page/elements.js";
+import { t } from "../page/language.js";
 import { Popover } from "../page/popover.js";
 import { written } from "./layouts.js";
 
@@ -57,10 +58,10 @@ export class LayoutMenu {
     const { link } = this.layout;
     try {
       await navigator.clipboard.writeText(link);
-      toasts.show("The link to this layout is copied.", "note");
+      toasts.show(t("The link to this layout is copied."), "note");
     } catch {
       // Browsers copy only on pages that came by HTTPS or from this computer.
-      prompt("The link to this layout:", link);
+      prompt(t("The link to this layout:"), link);
     }
   }
 

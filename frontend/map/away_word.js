@@ -1,5 +1,6 @@
 // @ts-check
 import { find, make } from "../page/elements.js";
+import { t } from "../page/language.js";
 import { hasLeft, whereRobotIs } from "./shown_area.js";
 
 /** @typedef {import("../messages").FieldMessage} FieldMessage */
@@ -23,9 +24,9 @@ export class AwayWord {
     this.#shown = left;
     this.#line.replaceChildren();
     if (!left) return;
-    this.#line.append("The robot has left the field.");
+    this.#line.append(t("The robot has left the field."));
     if (telemetry.replay) return;
-    const button = make("button", { type: "button" }, "Back to start");
+    const button = make("button", { type: "button" }, t("Back to start"));
     button.onclick = this.goHome;
     this.#line.append(button);
   }

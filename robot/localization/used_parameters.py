@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from robot.localization.models.motion_parameters import MotionParameters
-from robot.localization.models.sensor_parameters import SensorParameters
+from robot.localization.models.motion_models import MotionParameters
+from robot.localization.models.sensor_models import SensorParameters
 from robot.localization.parameters import HypothesisParameters, LocalizationParameters
 
 BEAM = frozenset(["z_short", "z_max", "lambda_short"])
