@@ -133,6 +133,7 @@ def test_a_ray_shows_its_profile(page, live):
 def test_the_3d_view_shows_the_scene(chromium, server):
     browser = chromium(SOFTWARE_GL)
     for page in opened(browser, server, width=760, height=620, view=True):
+        page.locator("#view .enlarge").click()
         frame = page.frame_locator("iframe")
         frame.locator("canvas").first.wait_for()
         dark = 0.0

@@ -70,7 +70,8 @@ def test_another_field_is_loaded_and_the_page_finds_it(page, server):
         now = until(live, lambda now: now["map"] == "kitchen" and now["estimate"], START_S)
         # What was set goes on.
         assert now["robot"]["faults"] == {"noise": 20}
-        until(live, lambda now: now["particles"]["count"] <= 700)
+        rows = page.evaluate("fetch('/api/parameters').then((answer) => answer.json())")
+        assert {row["name"]: row["value"] for row in rows}["max_particles"] == 700
         ask(live, type="use_field", name="generated-17")
     expect(page.locator("#stat-field")).to_have_text("generated-17")
     expect(page.locator("#stat-faults")).to_have_text("1 fault")

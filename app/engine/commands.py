@@ -62,6 +62,9 @@ from robot.fields.field import Field
 from robot.geometry import Pose2, Twist2
 from robot.interface import RepositionableRobot
 
+LEFT_M = 0.05
+"""A robot whose middle is farther than this beyond the tape has left the field."""
+
 MOST_WAITING = 1000
 """Most commands that may wait: if the engine hangs, a flood of them must not fill the memory."""
 MOST_WAITING_SETS = 20
@@ -146,7 +149,7 @@ def _check_figure_eight(command: FigureEightCommand, program: Program) -> None:
         return
     way = program.engine.controls.driving.figure_eight_path(latest.pose)
     beyond = program.field.farthest_outside(way)
-    if beyond > 0:
+    if beyond > LEFT_M:
         raise CommandError(
             f"from here the figure-eight would leave the field by {1000 * beyond:.0f} mm; drive "
             "to where it fits, or go back to the start"

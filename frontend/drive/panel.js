@@ -77,8 +77,9 @@ export class DrivePanel {
   }
 
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
-  follow({ mode, driver: { name, mine, stopped } }) {
-    this.#ownEight.follow(mode === "figure_eight");
+  follow({ mode, filter, driver: { name, mine, stopped } }) {
+    // With a model of the user's own that is broken, it goes on when that is mended.
+    this.#ownEight.follow(mode === "figure_eight" || filter.broken !== null);
     this.drive.follow(mine ? null : name);
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";

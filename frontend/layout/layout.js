@@ -1,7 +1,7 @@
 // @ts-check
 import { find } from "../page/elements.js";
 import { Borders } from "./borders.js";
-import { READY, read, written } from "./layouts.js";
+import { COMPACT, READY, read, written } from "./layouts.js";
 import { addHandles } from "./handles.js";
 import { added, boxesOf, neighbour, panelsOf, swapped, without } from "./tree.js";
 
@@ -10,6 +10,8 @@ import { added, boxesOf, neighbour, panelsOf, swapped, without } from "./tree.js
 
 const KEPT = "brickpose.layout";
 const LINK = "#layout=";
+/** Below this width of the window fewer panels are shown at first [CSS px]. */
+const NARROW = 1000;
 
 /** Where the panels are on a wide screen; on a phone they are tabs (style/phone.css). */
 export class Layout {
@@ -124,15 +126,15 @@ export class Layout {
     /** @type {HTMLElement | null | undefined} */ (panel?.querySelector(".enlarge"))?.focus();
   }
 
-  /** Without WebGL there is nothing to see in 3D. */
   #usual() {
-    return this.#readied("drive");
+    return this.#readied(innerWidth < NARROW ? "compact" : "drive");
   }
 
-  /** @param {ReadyName} name @returns {Tree} */
+  /** Without WebGL there is nothing to see in 3D. @param {ReadyName | "compact"} name @returns {Tree} */
   #readied(name) {
+    const tree = name === "compact" ? COMPACT : READY[name];
     const seen = document.documentElement.dataset.webgl !== "none";
-    return (seen ? null : without(READY[name], "view")) ?? READY[name];
+    return (seen ? null : without(tree, "view")) ?? tree;
   }
 
   #apply() {

@@ -25,6 +25,13 @@ export const READY = {
   present: row([60, 40], "map", column([58, 42], "camera", "plots")),
 };
 
+/** What a window that is not wide begins with. @type {Tree} */
+export const COMPACT = column(
+  [62, 38],
+  row([60, 40], "map", column([50, 50], "camera", "view")),
+  row([36, 64], "drive", "filter"),
+);
+
 /** A file or link says that it is a layout, and of which kind. */
 const KIND = "brickpose-layout-1";
 const DEEPEST = 8;
