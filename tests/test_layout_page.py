@@ -1,6 +1,7 @@
 """Where the panels are: ready layouts, borders, swaps, enlarging, links; and the map's size."""
 
 import json
+import re
 
 import pytest
 from browsing import opened
@@ -197,7 +198,9 @@ class TestNeverStuck:
                     "aria-pressed", "true"
                 )
         expect(page.locator("button[data-tool=look]")).to_have_attribute("aria-pressed", "true")
-        expect(page.locator("#map-measured")).to_have_text("300 mm")
+        expect(page.locator("#map-measured")).to_have_text(
+            re.compile(r"^(29[6-9]|30[0-4]) mm$")  # a pixel is 3 mm
+        )
 
     def test_the_figure_eight_says_where_it_does_not_fit_and_obeys_the_speed(self, page, server):
         with server.live() as live:

@@ -72,14 +72,16 @@ export class DrivePanel {
   }
 
   /** @param {TelemetryMessage} telemetry */
-  describe({ twist: { v, omega } }) {
+  describe({ mode, twist: { v, omega } }) {
+    // It goes on by itself when what holds it up is mended.
+    if (this.#ownEight.mine && mode !== "figure_eight") {
+      return setText(this.#hint, t("the figure-eight waits"));
+    }
     setText(this.#hint, `${plain(v, 2)} m/s, ${plain(omega, 1)} rad/s`);
   }
 
   /** Show who drives, at once. @param {TelemetryMessage} telemetry */
-  follow({ mode, filter, driver: { name, mine, stopped } }) {
-    // With a model of the user's own that is broken, it goes on when that is mended.
-    this.#ownEight.follow(mode === "figure_eight" || filter.broken !== null);
+  follow({ driver: { name, mine, stopped } }) {
     this.drive.follow(mine ? null : name);
     const { other, possible } = this.drive;
     const held = stopped ? t("stopped; a new press drives on") : "";
