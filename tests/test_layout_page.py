@@ -203,25 +203,27 @@ class TestNeverStuck:
         )
 
     def test_the_figure_eight_says_where_it_does_not_fit_and_obeys_the_speed(self, page, server):
+        def wait(condition) -> None:
+            with server.live() as live:
+                until(live, condition)
+
+        pose = {"x": 0.35, "y": -0.35, "theta": -1.57}
         with server.live() as live:
-            pose = {"x": 0.35, "y": -0.35, "theta": -1.57}
             ask(live, type="place", **pose)
             ask(live, type="set_pose", **pose, sd_xy=0.002, sd_theta=0.02)
-            until(live, lambda now: now["integrity"]["state"] in ("certain", "approximate"))
-            page.locator("#figure-eight").click()
-            expect(page.locator("#toasts")).to_contain_text(
-                "the figure-eight would leave the field"
-            )
-            expect(page.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
-            page.locator("#home").click()
-            until(live, lambda now: now["estimate"] and abs(now["estimate"]["x"]) < 0.02)
-            page.locator("#speed").fill("0.25")
-            page.locator("#figure-eight").click()
-            until(live, lambda now: abs(now["twist"]["v"] - 0.25) < 1e-6)
-            page.locator("#speed").fill("0.1")
-            until(live, lambda now: abs(now["twist"]["v"] - 0.1) < 1e-6)
-            page.locator("#stop").click()
-            until(live, lambda now: now["mode"] == "idle")
+        wait(lambda now: now["integrity"]["state"] in ("certain", "approximate"))
+        page.locator("#figure-eight").click()
+        expect(page.locator("#toasts")).to_contain_text("the figure-eight would leave the field")
+        expect(page.locator("#figure-eight")).to_have_attribute("aria-pressed", "false")
+        page.locator("#home").click()
+        wait(lambda now: now["estimate"] and abs(now["estimate"]["x"]) < 0.1)
+        page.locator("#speed").fill("0.25")
+        page.locator("#figure-eight").click()
+        wait(lambda now: abs(now["twist"]["v"] - 0.25) < 1e-6)
+        page.locator("#speed").fill("0.1")
+        wait(lambda now: abs(now["twist"]["v"] - 0.1) < 1e-6)
+        page.locator("#stop").click()
+        wait(lambda now: now["mode"] == "idle")
 
 
 def test_only_parameters_that_are_used_can_be_changed(page, server):
