@@ -13,6 +13,7 @@ from benchmarks import (
     crowd,
     live,
     loop,
+    mapping,
     recovery,
     render,
     scan,
@@ -39,6 +40,7 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "laser": laser.measure,
     "loop": loop.measure,
     "live": live.measure,
+    "mapping": mapping.measure,
     "official_library": official_library.measure,
     "recording": recording.measure,
     "recovery": recovery.measure,
@@ -55,7 +57,17 @@ BENCHMARKS: dict[str, Callable[[], Result]] = {
     "worth": worth.measure,
 }
 
-LONG = ("crowd", "lane", "official_library", "ros2", "routes", "serial_line", "soak", "wean")
+LONG = (
+    "crowd",
+    "lane",
+    "mapping",
+    "official_library",
+    "ros2",
+    "routes",
+    "serial_line",
+    "soak",
+    "wean",
+)
 """Benchmarks that take minutes each, most in processes of their own; they run only if named."""
 
 

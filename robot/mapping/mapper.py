@@ -129,7 +129,7 @@ class Mapper:
             MappingError: the drive shows no tape, or the robot stood still.
         """
         _check(log)
-        self._log = log.some(_moving(log, self._spec))
+        self._log = log.some(moving(log, self._spec))
         self._seen = Sightings.of_edges(self._log, self._spec, self._nothing.edges)
 
     def run(self, report: Callable[[float], None] = lambda seconds: None) -> TapeMap:
@@ -285,7 +285,7 @@ def _traced(middles: Middles, least_pictures: int) -> tuple[Stroke, ...]:
     return tuple(stroke for stroke in fitted if stroke is not None)
 
 
-def _moving(log: DriveLog, spec: RobotSpec) -> NDArray[np.intp]:
+def moving(log: DriveLog, spec: RobotSpec) -> NDArray[np.intp]:
     """Return which pictures are used: the robot has moved since the last one."""
     steps, _ = WheelMotion.of(log, spec).steps(np.zeros(COUNT), np.zeros((len(log.stamps) - 1, 2)))
     kept, way, turn = [0], 0.0, 0.0

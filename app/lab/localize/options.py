@@ -45,7 +45,7 @@ def add_localize(commands: Commands) -> None:
         help="where the results go: a folder for a bag, a .tum file for pictures (default: "
         "localized/ and the recording's name)",
     )  # fmt: skip
-    _add_topics(command)
+    add_topics(command)
     _add_start(command)
     _add_pictures(command)
     command.add_argument(
@@ -58,7 +58,8 @@ def add_localize(commands: Commands) -> None:
     command.set_defaults(command=_localize)
 
 
-def _add_topics(command: argparse.ArgumentParser) -> None:
+def add_topics(command: argparse.ArgumentParser) -> None:
+    """Add the options that say what is read of a laser's bag."""
     command.add_argument(
         "--scan-topic", metavar="NAME", help="which LaserScan (default: the only one)"
     )

@@ -6,28 +6,47 @@ import argparse
 from pathlib import Path
 
 from app.interruption import interruptible
+from app.lab.localize.options import add_topics
 from app.options import Commands
 
-OUT = Path("field.svg")
+METHODS = ("strokes", "grid")
 
 
 def add_map_command(commands: Commands) -> None:
     """Add the command ``map``."""
     command = commands.add_parser(
         "map",
-        help="draw the tape of a floor from a recorded drive",
+        help="draw the tape of a floor from a recorded drive, or walls from a laser's bag",
         description="Draw the tape that a robot saw while it drove, and correct its path. Nothing "
         "has to be known of the floor but the tape's width. Writes a field for `brickpose run "
-        "--map`, a ROS map of the same name (.yaml and .pgm) and a report. Metres, radians.",
+        "--map`, a ROS map of the same name (.yaml and .pgm) and a report. Of the bag of a robot "
+        "with a laser, or with --method grid, it writes a ROS map and the robot's path (.tum). "
+        "Metres, radians.",
     )
-    command.add_argument("recording", type=Path, metavar="RECORDING", help="a recorded drive")
+    command.add_argument(
+        "recording",
+        type=Path,
+        metavar="RECORDING|BAG",
+        help="a recorded drive; or a laser's .bag, .mcap, .db3, ROS 2 bag folder or CARMEN .log",
+    )
     command.add_argument(
         "--out",
         type=Path,
-        default=OUT,
-        metavar="FIELD.svg",
-        help="the drawing (default: %(default)s)",
+        default=None,
+        metavar="FIELD.svg|MAP.yaml",
+        help="the drawing, or the ROS map (default: field.svg, or field.yaml)",
     )
+    command.add_argument(
+        "--method",
+        choices=METHODS,
+        default=None,
+        help="strokes: tape as lines, adjusted as a whole; grid: an occupancy grid by particles "
+        "(FastSLAM, for teaching, and for lasers; default: strokes, and grid for a laser)",
+    )
+    command.add_argument(
+        "--seed", type=int, default=0, help="of the particles (default: %(default)s)"
+    )
+    add_topics(command)
     command.add_argument(
         "--start",
         type=float,
@@ -59,8 +78,18 @@ def add_map_command(commands: Commands) -> None:
 
 def _map(parsed: argparse.Namespace) -> int:
     from app.lab.mapping.command import map_recording  # noqa: PLC0415
+    from app.lab.mapping.grid_command import is_laser_bag, map_by_particles  # noqa: PLC0415
+    from robot.settings import SettingError  # noqa: PLC0415
 
     with interruptible():
+        laser = is_laser_bag(parsed.recording)
+        if laser and parsed.method == "strokes":
+            raise SettingError("--method strokes needs pictures of tape; valid for a laser is grid")
+        grid = laser or parsed.method == "grid"
+        if parsed.out is None:
+            parsed.out = Path("field.yaml" if grid else "field.svg")
+        if grid:
+            return map_by_particles(parsed, laser=laser)
         return map_recording(
             parsed.recording,
             parsed.out,
