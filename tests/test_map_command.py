@@ -15,6 +15,7 @@ from app.settings.config import Config
 from robot.calibration.profile import load_profile
 from robot.calibration.unknowns import NAMES
 from robot.fields.field_loading import load_field
+from robot.fields.grid_map import load_map_yaml
 from robot.interface import RobotError
 from robot.localization.estimate import State
 
@@ -88,3 +89,18 @@ def test_a_recording_without_pictures_is_refused(
     assert main(["map", str(folder), "--out", str(tmp_path / "none.svg")]) == 1
     assert "no picture" in capsys.readouterr().err
     assert not (tmp_path / "none.svg").exists()
+
+
+def test_particles_draw_the_same_floor_in_cells(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "floor.yaml"
+    assert main(["map", str(recording), "--method", "grid", "--out", str(out)]) == 0
+    assert f"the map is {out}" in capsys.readouterr().out
+    grid = load_map_yaml(out)
+    places = grid.origin.apply((np.argwhere(grid.occupied)[:, ::-1] + 0.5) * grid.resolution)
+    # Of the tape's centre lines, 1 m apart, and 50 mm wide.
+    aside = np.abs(np.abs(places).max(axis=1) - 0.5)
+    assert np.quantile(aside, 0.9) < 0.025 + 0.03
+    assert 0.6 < len(places) * grid.resolution**2 / (4 * 0.05) < 1.5
+    assert load_field(str(out), tmp_path).grid is not None
