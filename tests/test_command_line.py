@@ -30,6 +30,7 @@ def brickpose(*arguments, code=None):
     )
 
 
+WRONG_MAP = ("run", "--map", "moon", "--port", "0")
 WRONG = [
     (("fly",), "invalid choice: 'fly'"),
     ((), "required"),
@@ -45,7 +46,7 @@ WRONG = [
     (("run", "--port", "0", "--motion-model", "nowhere.py:Mine"), "there is no file .*nowhere.py"),
     (("run", "--port", "0", "--models", "nowhere"), "there is no folder .*nowhere"),
     (("bench", "nothing"), "valid are .*loop"),
-    (("run", "--map", "moon", "--port", "0"), "valid are square, .*town"),
+    (WRONG_MAP, "valid are square, .*town"),
     (("run", "--record", ""), "--record is ''; valid is a folder"),
     (("run", "--config", "tests"), "tests cannot be read: Is a directory"),
     (("run", "--port", "0", "--token", "a b"), "valid are 6 to 100 letters"),
@@ -53,6 +54,13 @@ WRONG = [
     (("run", "--keyfile", "key.pem"), "no effect without --certfile"),
     (("run", "--certfile", "nowhere.pem"), "nowhere.pem cannot be used"),
 ]
+
+
+AS_TYPED = [one for one in WRONG if one[0] in (("fly",), WRONG_MAP)]
+"""These run as programs: one is refused by the parser, one by what it starts."""
+
+LONGEST_S = 60
+"""A command that is not refused would serve for ever [s]."""
 
 
 def refuse(error):
@@ -79,7 +87,7 @@ sys.exit(main(['run', '--robot', 'sim', '--port', '0']))
 def ended():
     """Programs that end by themselves: two run at a time, for most of each is Python's start."""
     pool = ThreadPoolExecutor(2)
-    typed = [*(arguments for arguments, _ in WRONG), HELP]
+    typed = [*(arguments for arguments, _ in AS_TYPED), HELP]
     codes = [WITHOUT_PYBULLET, PHYSICS_WITHOUT_PYBULLET]
     yield {one: pool.submit(brickpose, *one) for one in typed} | {
         one: pool.submit(brickpose, code=one) for one in codes
@@ -95,8 +103,32 @@ def servers():
         yield iter([pool.submit(lambda: running.enter_context(start())) for _ in range(3)])
 
 
+@pytest.fixture
+def soon():
+    """Fails a test that takes long."""
+
+    def fail(*_):
+        raise TimeoutError(f"not refused for {LONGEST_S} s")
+
+    before = signal.signal(signal.SIGALRM, fail)
+    signal.alarm(LONGEST_S)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
 @pytest.mark.parametrize(("arguments", "told"), WRONG)
-def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(ended, arguments, told):
+def test_a_wrong_argument_ends_with_2_and_names_what_is_valid(soon, capfd, arguments, told):
+    try:
+        code = main(arguments)
+    except SystemExit as left:
+        code = left.code
+    assert code == 2
+    assert re.search(told, capfd.readouterr().err)
+
+
+@pytest.mark.parametrize(("arguments", "told"), AS_TYPED)
+def test_a_program_with_a_wrong_argument_tells_no_traceback(ended, arguments, told):
     done = ended[arguments].result()
     assert done.returncode == 2
     assert re.search(told, done.stderr)
