@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from robot.camera import FloorView
 from robot.description.spec import RobotSpec
 from robot.scanning.edge_search import PARTS, REACH, SLANTED
 from robot.scanning.ray_table import MARGIN_PX, RayTable
@@ -54,6 +56,33 @@ def test_a_ray_is_drawn_from_its_first_sample_to_its_last(table: RayTable) -> No
     assert lines.shape == (6, 9, 2)
     np.testing.assert_array_equal(lines[:, 0], table.pixels[:, 0])
     np.testing.assert_array_equal(lines[2, -1], table.pixels[2, table.counts[2] - 1])
+
+
+def test_each_sample_has_the_place_of_the_nearest_pixel(table: RayTable) -> None:
+    rows, columns = np.divmod(table.places.astype(int), VIEW.lens.width)
+    apart = np.stack([columns, rows], axis=-1)[:5] - table.pixels[:5]
+    assert np.abs(apart).max() <= 0.5
+
+
+def test_equal_arguments_have_one_table_and_any_other_argument_another() -> None:
+    told = {"centre_x": 0.0, "range_max": 1.0, "step_px": 0.75}
+    ahead = np.zeros(1)
+    one = RayTable.build(VIEW, ahead, **told)
+    again = FloorView(replace(VIEW.lens), VIEW.robot_from_camera.copy())
+    assert RayTable.build(again, ahead.copy(), **told) is one
+    assert RayTable.build(VIEW, ahead + 0.1, **told) is not one
+    for name, value in told.items():
+        assert RayTable.build(VIEW, ahead, **told | {name: value + 0.01}) is not one
+    lens, mounting = VIEW.lens, VIEW.robot_from_camera
+    for other in (
+        FloorView(replace(lens, matrix=lens.matrix + np.diag([1.0, 0.0, 0.0])), mounting),
+        FloorView(replace(lens, distortion=1.01 * lens.distortion), mounting),
+        FloorView(replace(lens, height=lens.height - 1), mounting),
+        FloorView(replace(lens, readout=lens.readout + 1e-3), mounting),
+        FloorView(lens, mounting + 1e-6 * np.eye(4)),
+    ):
+        assert other != VIEW
+        assert RayTable.build(other, ahead, **told) is not one
 
 
 def test_a_shorter_range_ends_a_ray_there() -> None:
