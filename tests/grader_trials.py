@@ -1,7 +1,8 @@
-"""Measures the grader: ``python tests/grader_trials.py [bugs pairs correct mutants times]``.
+"""Measures the grader: ``python tests/grader_trials.py [bugs pairs correct mutants checks times]``.
 
 bugs: the 22 mistakes in three writings, 20 seeds. pairs: two of them at once. correct: ten styles.
-mutants: every operator, sign, index and constant of the solutions changed. times: how long.
+mutants: every operator, sign, index and constant of the solutions changed. checks: which cases
+no mutant fails. times: how long.
 """
 
 from __future__ import annotations
@@ -13,13 +14,16 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 
 from course.correct import CORRECT
 from course.mistakes import WRITINGS, pairs
-from course.solutions import ARRAYS, LOOPS, MATRICES
+from course.solutions import ARRAYS, KALMAN, LOOPS, MATRICES
 
-from app.course.grading import SEED, grade, grade_often
-from app.course.lesson import lesson_of, lessons
+from app.course.grader.case import Case
+from app.course.grading import SEED, grade, grade_often, measure
+from app.course.lesson import Lesson, lesson_of, lessons
+from app.course.sandbox.student_process import StudentError, StudentProcess
 
 SEEDS = tuple(range(1000, 1020))
 
@@ -102,7 +106,9 @@ def _changes(node: ast.AST):
         yield "sign dropped", lambda n: setattr(n, "op", ast.UAdd())
     if isinstance(node, ast.Constant) and type(node.value) in (int, float):
         value = node.value
-        for changed in (value + 1, value * 1.5 if isinstance(value, float) else value - 1):
+        for changed in {value + 1, value * 1.5 if isinstance(value, float) else value - 1} - {
+            value
+        }:
             yield f"{value} to {changed}", lambda n, v=changed: setattr(n, "value", v)
     if isinstance(node, ast.Attribute) and node.attr in NAMES:
         yield f".{node.attr}", lambda n: setattr(n, "attr", NAMES[n.attr])
@@ -128,6 +134,32 @@ def mutation_trial(sources: dict[str, str]) -> tuple[int, list[str]]:
     with ThreadPoolExecutor(2) as pool:
         survivors = [words for words in pool.map(survives, work) if words]
     return len(work), survivors
+
+
+def idle_checks() -> list[str]:
+    """Cases of the lessons that no mutant of a solution fails: they would be missed by nobody."""
+    idle = []
+    for lesson in lessons():
+        own = [item for item in mutants(ARRAYS + KALMAN) if item[0] in lesson.checks.functions]
+        cases = lesson.checks.cases(SEED)
+        left = {number for number, case in enumerate(cases) if case.play is None}
+        for _, _, source in own:
+            if not left:
+                break
+            with suppress(StudentError), StudentProcess("mutant.py", source) as process:
+                for number in sorted(left):
+                    left -= {number} if _fails(process, lesson, cases[number]) else set()
+                    if process.broken:
+                        break
+        idle += [f"lesson {lesson.number}: {cases[number].words.say()}" for number in left]
+    return idle
+
+
+def _fails(process: StudentProcess, lesson: Lesson, case: Case) -> bool:
+    measured, failures = measure(process, lesson, [case])
+    if failures or not measured:
+        return True
+    return not measured[0].passed or bool(list(lesson.checks.signs([measured[0].outcome])))
 
 
 def times() -> None:
@@ -160,6 +192,9 @@ def main(wanted: list[str]) -> int:
         count, survivors = mutation_trial(sources)
         print(f"mutants found: {100 * (1 - len(survivors) / count):.1f} % of {count}, seed {SEED}")
         print(*(f"  {words}" for words in survivors), sep="\n")
+    if "checks" in wanted:
+        idle = idle_checks()
+        print(f"cases that no mutant fails: {len(idle)}", *idle, sep="\n  ")
     if "times" in wanted:
         times()
     return 0
@@ -172,4 +207,4 @@ def _counted(missed: list[str]) -> list[tuple[str, int]]:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:] or ["bugs", "pairs", "correct", "mutants", "times"]))
+    sys.exit(main(sys.argv[1:] or ["bugs", "pairs", "correct", "mutants", "checks", "times"]))

@@ -60,13 +60,13 @@ def _findings(
     if missing:
         yield _failure(lesson, StudentError(f"there is no function {missing[0]}"))
         return
-    measured, failures = _measured(process, lesson, checks.cases(seed))
+    measured, failures = measure(process, lesson, checks.cases(seed))
     yield from _named(lesson, checks, measured)
     yield from _altered(lesson, measured)
     yield from failures[:1]
 
 
-def _measured(
+def measure(
     process: StudentProcess, lesson: Lesson, cases: Iterable[Case]
 ) -> tuple[list[Measured], list[Finding]]:
     """Ask all cases; after a few failures, or when the process is gone, no more."""

@@ -10,6 +10,9 @@ from xml.etree import ElementTree
 from app.course.grader.finding import Finding, Result
 from app.languages.catalogue import Catalogue
 
+ADDRESS = "http://127.0.0.1:8080"
+"""Where ``brickpose learn`` is, if no other port was asked for."""
+
 
 def for_people(results: Sequence[Result], language: Catalogue) -> str:
     """Return all findings as text."""
@@ -36,7 +39,7 @@ def _parts(finding: Finding, language: Catalogue) -> Iterator[tuple[str, str]]:
     yield language.t("It seems"), finding.seems.say(language)
     yield language.t("Look next"), finding.advice.say(language)
     if finding.situation:
-        yield language.t("See it in the dashboard"), finding.link
+        yield language.t("See it in the dashboard"), ADDRESS + finding.link
 
 
 def as_json(results: Sequence[Result], language: Catalogue) -> dict[str, Any]:

@@ -26,6 +26,7 @@ PARTS = SimpleNamespace(
 EVEN, UNEVEN = np.full(4, 0.25), np.array([0.4, 0.3, 0.2, 0.1])
 FLAT, SHARP, LOW = np.full(4, -2.0), np.array([0.0, -6.0, -9.0, -5.0]), np.full(4, -900.0)
 MILD = np.array([0.0, -0.7, -0.4, -0.9])
+LONE = np.array([0.0, -800.0, -801.0, -805.0])
 GOOD, BAD = np.log([0.6, 0.25, 0.1, 0.05]), np.log([0.71, 0.2, 0.05, 0.04])
 STEP = (0.05, 0, 0)
 MOVES = (
@@ -33,16 +34,18 @@ MOVES = (
     ("move", "It moved 50 mm; the particles fit a little differently.", STEP, EVEN, MILD),
     ("move", "It moved 50 mm; weights and fits are uneven.", (0.05, 0, 0.1), UNEVEN, MILD),
     ("stand", "It stands.", (0.0, 0, 0), UNEVEN, MILD),
-    ("stand", "It stands: it moved 0.6 mm.", (0.0006, 0, 0), UNEVEN, MILD),
-    ("stand", "It stands: it turned 0.006 rad.", (0.0, 0, 0.006), UNEVEN, MILD),
-    ("move", "It moved 1.5 mm.", (0.0015, 0, 0), UNEVEN, MILD),
-    ("move", "It turned 0.02 rad on the spot.", (0.0, 0, 0.02), UNEVEN, MILD),
-    ("move", "It turned 0.02 rad to the right on the spot.", (0.0, 0, -0.02), UNEVEN, MILD),
+    ("stand", "It stands: it moved 0.8 mm.", (0.0008, 0, 0), UNEVEN, MILD),
+    ("stand", "It stands: it turned 0.008 rad.", (0.0, 0, 0.008), UNEVEN, MILD),
+    ("move", "It moved 1.2 mm.", (0.0012, 0, 0), UNEVEN, MILD),
+    ("move", "It moved 1.2 mm, nearly all of it to the side.", (0.0002, 0.0012, 0), UNEVEN, MILD),
+    ("move", "It turned 0.012 rad on the spot.", (0.0, 0, 0.012), UNEVEN, MILD),
+    ("move", "It turned 0.012 rad to the right on the spot.", (0.0, 0, -0.012), UNEVEN, MILD),
     ("move", "It moved 50 mm backwards.", (-0.05, 0, 0), UNEVEN, MILD),
     ("survive", "It moved 50 mm; one particle fits far better.", STEP, EVEN, SHARP),
     ("low", "It moved 50 mm; all log-weights are about -900.", STEP, UNEVEN, LOW + MILD),
     ("survive", "It moved 50 mm; log-weights are about -900, one fits far better.", STEP, UNEVEN,
      LOW + SHARP),
+    ("survive", "It moved 50 mm; one particle fits, the others not at all.", STEP, UNEVEN, LONE),
     ("edge", "The effective sample size is 2.2 of 4.", STEP, EVEN, GOOD),
     ("edge", "The effective sample size is 1.8 of 4.", STEP, EVEN, BAD),
 )  # fmt: skip

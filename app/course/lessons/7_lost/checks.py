@@ -67,6 +67,8 @@ CLOUDS: tuple[tuple[str, str, Array, Array], ...] = (
      np.array([[0.0, 0.0, 0.0], [0.03, 0.0, 0.1], [0.01, 0.0, 1.6]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is 80 mm away, another 120 mm.",
      np.array([[0.0, 0.0, 0.0], [0.08, 0.0, 0.0], [0.0, 0.12, 0.0]]), np.array([0.4, 0.3, 0.3])),
+    ("edge", "One particle is 120 mm away, another 80 mm.",
+     np.array([[0.0, 0.0, 0.0], [0.12, 0.0, 0.0], [0.0, 0.08, 0.0]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is turned by 0.4 rad, another by -0.6 rad.",
      np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.4], [0.0, 0.0, -0.6]]), np.array([0.4, 0.3, 0.3])),
     ("edge", "One particle is turned by -0.4 rad, another by 0.6 rad.",
