@@ -24,6 +24,9 @@ LONGEST_WORDS = 300
 """Longer error messages are cut [characters]."""
 KEPT = (np.ndarray, SimpleNamespace)
 """Arguments that a function could change."""
+SUPPLY = "supply"
+"""The name by which a namespace holds rows that a function shall give, one after the other: it is
+asked here, and not of the parent, as a loop may ask it thousands of times."""
 OFFERED = "function "
 """How the parent marks a function among the arguments."""
 
@@ -131,7 +134,22 @@ def _state(value: Any) -> Any:
     return SimpleNamespace(**{k: v for k, v in vars(value).items() if isinstance(v, numbers)})
 
 
+def _supply(rows: np.ndarray[Any, Any]) -> Callable[[int], np.ndarray[Any, Any]]:
+    """Return a function that gives the next rows of an array, and begins again at its end."""
+    given = 0
+
+    def take(count: int) -> np.ndarray[Any, Any]:
+        nonlocal given
+        places = np.arange(given, given + int(count)) % len(rows)
+        given += len(places)
+        return rows[places]
+
+    return take
+
+
 def _offered(value: Any, pipe: Pipe) -> Any:
+    if isinstance(value, SimpleNamespace) and isinstance(getattr(value, SUPPLY, None), np.ndarray):
+        return _supply(getattr(value, SUPPLY))
     if isinstance(value, SimpleNamespace):
         return SimpleNamespace(**{key: _offered(item, pipe) for key, item in vars(value).items()})
     if not (isinstance(value, str) and value.startswith(OFFERED)):

@@ -22,7 +22,6 @@ from app.course.grader.drawing import draw_bars
 from app.course.grader.forms import array_of
 from app.course.grader.small_world import SmallWorld
 from app.course.grader.words import Words
-from app.course.sandbox.student_process import OFFERED
 from robot.geometry import Array
 
 SLOW, FAST = 0.05, 0.5
@@ -73,16 +72,9 @@ def _asked(
     fit, slow, fast = memory
     poses = np.column_stack([np.arange(count) / count, np.zeros(count), np.zeros(count)])
     kept = SimpleNamespace(slow=slow, fast=fast)
-    arguments = (poses, fit, kept, OFFERED + "anywhere")
-    offered = {"anywhere": _marked}
-    return Case("inject", arguments, words, kind, tolerance, seeds, offered)
-
-
-def _marked(count: float) -> Array:
-    """Return particles that are told from all others."""
-    if not 0 <= count <= COUNT:
-        raise ValueError(f"anywhere({count:g}) cannot be")
-    return np.column_stack([AWAY + np.arange(int(count)), np.zeros((int(count), 2))])
+    marked = np.column_stack([AWAY + np.arange(COUNT), np.zeros((COUNT, 2))])
+    arguments = (poses, fit, kept, SimpleNamespace(supply=marked))
+    return Case("inject", arguments, words, kind, tolerance, seeds)
 
 
 def _carried(seed: int) -> Case:
@@ -95,8 +87,7 @@ def _carried(seed: int) -> Case:
     def play(ask: Ask) -> float:
         return sum(_recovers(world, seed + run, ask) for run in range(RUNS)) / RUNS
 
-    offered = {"anywhere": world.anywhere}
-    return Case("inject", (), words, "carried", 0.11, offered=offered, play=play)
+    return Case("inject", (), words, "carried", 0.11, play=play)
 
 
 def _recovers(world: SmallWorld, seed: int, ask: Ask) -> bool:
@@ -113,7 +104,8 @@ def _recovers(world: SmallWorld, seed: int, ask: Ask) -> bool:
         fit = float(np.exp(fits / 8).mean())
         poses, _ = world.resample(poses, weights)
         memory = memory or SimpleNamespace(slow=fit, fast=fit)
-        answer = ask(poses, fit, memory, OFFERED + "anywhere", seed=seed + 1000 * step)
+        anywhere = SimpleNamespace(supply=world.anywhere(PARTICLES))
+        answer = ask(poses, fit, memory, anywhere, seed=seed + 1000 * step)
         poses = array_of(answer.result, poses.shape)
         memory = _memory(answer.after)
     middle = np.median(poses[:, :2], axis=0)
