@@ -293,11 +293,11 @@ def inject(poses, fit, memory, anywhere, rng):
     return new
 """
 
-KALMAN = '''
+KALMAN = """
 def kalman(mean, sd, moved, moved_sd, seen, seen_sd):
     mean, variance = mean + moved, sd**2 + moved_sd**2
     k = variance / (variance + seen_sd**2)
     return mean + k * (seen - mean), math.sqrt((1 - k) * variance)
-'''
+"""
 
 BASES = {"arrays": ARRAYS, "loops": LOOPS, "matrices": MATRICES}
