@@ -10,7 +10,7 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.lab.evaluation.scores import time_to_converge
+from app.lab.evaluation.runs import time_to_converge
 from app.messages.commands import FigureEightCommand, SetPoseCommand
 from app.settings.config import Config
 from benchmarks.result import Result

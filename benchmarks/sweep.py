@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 
-from app.lab.sweep.points import SweepJob, jobs_of
-from app.lab.sweep.work import follow_all
+from app.lab.sweep.points import SweepJob, follow_all, jobs_of
 from app.lab.workers import LocalWorkers
 from app.settings.config import Config, with_settings
 from benchmarks.result import Result

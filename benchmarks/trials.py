@@ -15,8 +15,7 @@ from robot.fields.field import Field
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import Estimate, Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.filters import make_filter
-from robot.localization.localizer import Localizer
+from robot.localization.localizer import Localizer, make_filter
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.sensor_models import sensor_model
 from robot.localization.parameters import LocalizationParameters

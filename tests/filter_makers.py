@@ -11,8 +11,8 @@ from stub_drive import DEFAULTS, STUB, matcher_of
 
 from robot.geometry import Array
 from robot.localization.filter import Filter
-from robot.localization.filters import MAKERS
 from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.localizer import MAKERS
 
 START = DEFAULTS.filter.initial_covariance
 SDS = [0.02, 0.02, 0.05]

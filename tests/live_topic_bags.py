@@ -9,7 +9,7 @@ from app.recordings.files.recording_file import RecordingFile
 from app.recordings.replay.recorded_robot import RecordedRobot
 from app.recordings.replay.ticks import RecordedTopics
 from app.ros2.message_types import new, to_cdr
-from app.ros2.topic import Quality
+from app.ros2.topics import Quality
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lab.model_fits.runs import STEP, MotionRun
-from app.lab.model_fits.twists import DriveCorrection, chained
+from app.lab.model_fits.motions import STEP, DriveCorrection, MotionRun, chained
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.models.odometry_motion import DifferentialMotion
 

@@ -11,8 +11,7 @@ from app.recordings.recorder import Recorder
 from app.ros2.message_types import new, to_cdr
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
-from app.ros2.topic import LATCHED, Quality
-from app.ros2.topics import TOPICS
+from app.ros2.topics import LATCHED, TOPICS, Quality
 from app.settings.groups import RecordingSettings
 from sim.simulated import PERIOD
 

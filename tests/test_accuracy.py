@@ -11,8 +11,7 @@ import pytest
 from app.lab.evaluation.drives import record
 from app.lab.evaluation.experiment import in_world
 from app.lab.evaluation.integrity.oracle import field_decides
-from app.lab.evaluation.runs import follow
-from app.lab.evaluation.scores import errors
+from app.lab.evaluation.runs import errors, follow
 from app.settings.config import Config
 from benchmarks.accuracy import (
     CARRIED_FOR,

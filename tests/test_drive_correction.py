@@ -13,8 +13,7 @@ from motion_drives import drawn_runs, varied_steps
 
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import fit_drive
-from app.lab.model_fits.runs import STEP, MotionRun
-from app.lab.model_fits.twists import DriveCorrection, chained
+from app.lab.model_fits.motions import STEP, DriveCorrection, MotionRun, chained
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive, WheelMultipliers
 from robot.geometry import Twist2

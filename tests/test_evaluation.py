@@ -14,8 +14,7 @@ from app.lab.evaluation.command import evaluate
 from app.lab.evaluation.drives import EvaluationError, record
 from app.lab.evaluation.experiment import Experiment, in_world
 from app.lab.evaluation.results import METHODS, condition_table, spread
-from app.lab.evaluation.runs import Run, follow
-from app.lab.evaluation.scores import settled, time_to_converge
+from app.lab.evaluation.runs import Run, follow, settled, time_to_converge
 from app.lab.trajectories.reading import read_trajectory
 from app.lab.workers import LocalWorkers
 from app.messages.commands import FigureEightCommand, SetPoseCommand

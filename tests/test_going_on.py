@@ -12,7 +12,7 @@ from stub_drive import Drive, check_sound, follow, near
 from robot.geometry import Pose2, mean_pose, pose_covariance
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Filter
-from robot.localization.filters import MAKERS, transfer_belief
+from robot.localization.localizer import MAKERS, transfer_belief
 
 HERE, THERE = Pose2(0.2, 0.1, 0.5), Pose2(-0.2, -0.1, 0.7)
 WIDE = np.diag(np.square([0.1, 0.08, 0.2]))

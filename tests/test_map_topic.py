@@ -23,7 +23,7 @@ from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.session import Session as FoxgloveSession
 from app.ros2.publisher import Pace
 from app.ros2.rosbridge.bridge import Bridge
-from app.ros2.topic import UNCHANGING, Published
+from app.ros2.topics import UNCHANGING, Published
 from app.settings.groups import MappingSettings
 from robot.fields.grid_map import load_map_yaml
 from robot.geometry import Pose2

@@ -10,6 +10,7 @@ from motion_drives import drawn_runs
 
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import MotionFit, fit_drive
+from app.lab.model_fits.motions import DriveCorrection, cut_at, paired_runs
 from app.lab.model_fits.regions import (
     HORIZONS,
     Region,
@@ -20,8 +21,6 @@ from app.lab.model_fits.regions import (
     squared_distances,
     usable_horizons,
 )
-from app.lab.model_fits.runs import cut_at, paired_runs
-from app.lab.model_fits.twists import DriveCorrection
 from app.lab.model_fits.windows import windows
 from app.lab.trajectories.reading import read_trajectory
 from robot.localization.models.odometry_motion import DifferentialMotion

@@ -7,8 +7,15 @@ import pytest
 from motion_drives import varied_steps
 
 from app.lab.model_fits.likelihood import FitError
-from app.lab.model_fits.runs import MotionRun, cut_at, paired_runs, poses_at
-from app.lab.model_fits.twists import DriveCorrection, chained, relative
+from app.lab.model_fits.motions import (
+    DriveCorrection,
+    MotionRun,
+    chained,
+    cut_at,
+    paired_runs,
+    poses_at,
+    relative,
+)
 from app.lab.model_fits.windows import windows
 from robot.geometry import compose
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from motion_drives import varied_steps
 
-from app.lab.model_fits.twists import chained, motions_of, relative, seen_from, twists_of
+from app.lab.model_fits.motions import chained, motions_of, relative, seen_from, twists_of
 from app.lab.model_fits.windows import by_alpha, summed
 from robot.geometry import Pose2, Twist2, compose
 from robot.localization.models.odometry_motion import STANDING_M, DifferentialMotion

@@ -11,6 +11,7 @@ import pytest
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import fit_drive
 from app.lab.model_fits.motion_statistics import end_spreads
+from app.lab.model_fits.motions import DriveCorrection
 from app.lab.model_fits.simulated_motions import (
     MOTIONS,
     MotionTrial,
@@ -18,7 +19,6 @@ from app.lab.model_fits.simulated_motions import (
     run_motion,
     trials,
 )
-from app.lab.model_fits.twists import DriveCorrection
 from robot.description.spec import RobotSpec
 from sim.imperfections import Imperfections, draw
 

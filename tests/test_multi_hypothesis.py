@@ -21,8 +21,8 @@ from stub_drive import (
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Setup
-from robot.localization.filters import make_filter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
+from robot.localization.localizer import make_filter
 from robot.scan import Scan
 
 WIDE = np.diag(np.square([0.1, 0.1, 0.3]))

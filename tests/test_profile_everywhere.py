@@ -18,7 +18,7 @@ from app.recordings.attachments import PROFILE
 from app.recordings.contents import contents_of
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.ros2.source import TopicSource
-from app.ros2.topic import UNCHANGING
+from app.ros2.topics import UNCHANGING
 from robot.calibration.profile import Profile, profile_of
 from robot.calibration.unknowns import PRIORS, ROBOT
 from robot.description.spec import SPIKE, RobotSpec

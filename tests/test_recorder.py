@@ -170,7 +170,7 @@ def test_a_message_that_cannot_be_made_costs_only_its_topic(program, tmp_path, m
     recorder, publisher = recorder_of(program, tmp_path)
     folder = begin(recorder, publisher)
     from app.ros2.message_types import MessageError
-    from app.ros2.topic import Published
+    from app.ros2.topics import Published
 
     whole = Published.cdr.func
 

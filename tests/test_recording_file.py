@@ -22,7 +22,7 @@ from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.recording_file import RecordingFile, free_folder
 from app.ros2.message_types import MessageError, typestore
-from app.ros2.topic import LATCHED, Quality
+from app.ros2.topics import LATCHED, Quality
 from app.settings.config import ROOT
 
 

@@ -9,10 +9,10 @@ import pytest
 from stub_drive import DEFAULTS, ENTRIES, SENSOR, STUB, near
 
 from robot.localization.filter import Setup
-from robot.localization.filters import MAKERS, make_filter
 from robot.localization.grid.grid_filter import GridFilter
 from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
 from robot.localization.kalman_filter import KalmanFilter
+from robot.localization.localizer import MAKERS, make_filter
 from robot.localization.parameters import FILTERS, HypothesisParameters, LocalizationParameters
 from robot.localization.particles.particle_filter import ParticleFilter
 

@@ -8,9 +8,9 @@ from in_process import Here
 from sweep_files import KINEMATIC, write
 
 from app.lab.sweep.command import sweep
+from app.lab.sweep.points import MEASURES
 from app.lab.sweep.report import plot_setting
 from app.lab.sweep.sweep_file import load_sweep
-from app.lab.sweep.work import MEASURES
 from app.lab.workers import LocalWorkers, WorkerError
 from app.settings.config import Config, with_settings
 

@@ -3,8 +3,7 @@
 from engine_runs import kinematic, run
 from ros_messages import topic
 
-from app.ros2.topic import UNCHANGING
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, UNCHANGING
 
 
 def test_only_what_others_publish_is_not_live():

@@ -13,8 +13,7 @@ from ros_messages import topic
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route, TopicPublisher
 from app.ros2.source import RosClock, TopicSource
-from app.ros2.topic import UNCHANGING
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, UNCHANGING
 from robot.worker_thread import WorkerThread
 
 ODOM, MAP = topic("odom"), topic("map")

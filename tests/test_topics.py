@@ -17,8 +17,7 @@ from app.messages.commands import PingCommand, SetPoseCommand
 from app.ros2.links import Link
 from app.ros2.message_types import definition, from_cdr, message_class, to_cdr
 from app.ros2.source import TopicSource
-from app.ros2.topic import Published
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, Published
 from robot.localization.estimate import Alert, Cause, Integrity, State
 
 

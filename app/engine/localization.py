@@ -18,8 +18,7 @@ from robot.geometry import Array, Pose2
 from robot.interface import Frame
 from robot.localization.estimate import Alert, Belief, Estimate, Hypothesis, Integrity
 from robot.localization.filter import Cloud, Setup
-from robot.localization.filters import make_filter, transfer_belief
-from robot.localization.localizer import Localizer
+from robot.localization.localizer import Localizer, make_filter, transfer_belief
 from robot.localization.models.entry_field import EntryField
 from robot.localization.models.motion_models import MotionModel
 from robot.localization.models.sensor_models import SensorModel, sensor_model

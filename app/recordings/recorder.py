@@ -16,7 +16,7 @@ from app.recordings.files.recording_file import RecordingFile, free_folder
 from app.recordings.files.reserved_stream import FULL
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route, TopicPublisher
-from app.ros2.topic import Published, Topic
+from app.ros2.topics import Published, Topic
 from app.settings.groups import RecordingSettings
 from robot.worker_thread import WorkerThread
 

@@ -17,8 +17,7 @@ from app.recordings.attachments import Contents
 from app.recordings.files.recording_file import RecordingFile, free_folder
 from app.recordings.remote_robot import Received, RemoteRobot, RemoteRobotError
 from app.ros2.message_types import MessageError, message_class
-from app.ros2.topic import Quality
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, Quality
 from app.settings.groups import RecordingSettings
 from robot.settings import SettingError
 

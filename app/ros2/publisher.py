@@ -14,8 +14,7 @@ from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
 from app.ros2.message_types import MessageError
 from app.ros2.source import TopicSource
-from app.ros2.topic import Published, Topic
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, Published, Topic
 from robot.worker_thread import WorkerThread
 
 SLACK = 0.001

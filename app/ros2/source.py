@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from dataclasses import dataclass
@@ -17,6 +18,9 @@ from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive
 from robot.fields.field import Field
 from robot.scanning.line_scanner import LineScanner
+
+UNCHANGING = -math.inf
+"""The stamp of content that never changes."""
 
 JUMPED_NS = 200_000_000
 """If the offset between wall clock and robot clock changes by more, one of them was set."""

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from websockets.sync.connection import Connection
 
-from app.lab.evaluation.scores import time_to_converge
+from app.lab.evaluation.runs import time_to_converge
 from app.lab.trajectories.association import at
 from app.lab.trajectories.clock_offset import estimate_clock_offset
 from app.lab.trajectories.metrics import ate_rmse

@@ -1,16 +1,23 @@
-"""Updates a filter: with odometry, and with a scan once the robot has moved."""
+"""Updates a filter, with odometry and with scans after motion; and the filters by name."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from robot.geometry import Array, Pose2
 from robot.localization.estimate import SEARCHING, Estimate, Hypothesis, Integrity
-from robot.localization.filter import Cloud, Filter
+from robot.localization.filter import Cloud, Filter, Setup
+from robot.localization.grid.grid_filter import GridFilter
+from robot.localization.hypotheses.multi_hypothesis import MultiHypothesisFilter
+from robot.localization.kalman_filter import KalmanFilter
 from robot.localization.monitoring.claims import claim, propagate_claim
 from robot.localization.monitoring.monitor import NO_DOUBT, Monitor
 from robot.localization.parameters import FilterParameters
+from robot.localization.particles.particle_filter import ParticleFilter
 from robot.localization.refinement import Refinement
 from robot.scan import Scan
 
@@ -157,3 +164,43 @@ class Localizer:
     def _is_due(self, moved: Pose2) -> bool:
         far = math.hypot(moved.x, moved.y) >= self.parameters.update_min_d
         return far or abs(moved.theta) >= self.parameters.update_min_a
+
+
+@dataclass(frozen=True, slots=True)
+class ParticleTracks:
+    """Factory of particle filters that share one random generator.
+
+    It is a class and not a closure, so that a checkpoint can save and restore it with a filter.
+    """
+
+    rng: np.random.Generator
+
+    def __call__(self, setup: Setup, share: float) -> ParticleFilter:
+        """Return a filter with a share of the usual number of particles."""
+        return ParticleFilter.of(setup, self.rng, share)
+
+
+MAKERS: dict[str, Callable[[Setup, np.random.Generator], Filter]] = {
+    "hypotheses": lambda setup, rng: MultiHypothesisFilter(setup, ParticleTracks(rng), rng),
+    "particles": ParticleFilter.of,
+    "kalman": KalmanFilter.of,
+    "grid": lambda setup, _: GridFilter.of(setup),
+}
+
+MIN_DESCRIBED_WEIGHT = 0.9
+"""From this total weight on, the hypotheses alone describe a filter's belief."""
+
+
+def make_filter(setup: Setup, rng: np.random.Generator) -> Filter:
+    """Return the filter that the parameters name, at the field's start pose."""
+    return MAKERS[setup.filter.filter](setup, rng)
+
+
+def transfer_belief(new: Filter, old: Filter) -> Filter:
+    """Give a new filter the belief of an old one, and return it."""
+    said = old.hypotheses
+    if sum(item.weight for item in said) >= MIN_DESCRIBED_WEIGHT:
+        new.set_hypotheses(said)
+    else:
+        new.set_cloud(old.cloud)
+    return new

@@ -11,8 +11,7 @@ from app.lab.evaluation.experiment import Experiment, Outcome, run
 from app.lab.evaluation.recorded import RUN, evaluate_recording
 from app.lab.evaluation.report import Evaluation, figure3, report
 from app.lab.evaluation.results import condition_table, trajectory
-from app.lab.evaluation.runs import Run
-from app.lab.evaluation.scores import SHOWN
+from app.lab.evaluation.runs import SHOWN, Run
 from app.lab.report_page import millimetres, seconds
 from app.lab.trajectories.reading import write_tum
 from app.lab.workers import Workers, workers

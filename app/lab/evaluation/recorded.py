@@ -12,7 +12,7 @@ import numpy as np
 from app.files import RESULTS, atomic_folder, write_json
 from app.lab.evaluation.report import recorded_errors, recorded_paths
 from app.lab.evaluation.results import method_table
-from app.lab.evaluation.scores import SHOWN, score
+from app.lab.evaluation.runs import SHOWN, score
 from app.lab.report_page import embedded, page
 from app.lab.trajectories.association import associate
 from app.lab.trajectories.clock_offset import ClockOffset, require_same_run

@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 
 from app.lab.evaluation.experiment import Experiment
 from app.lab.evaluation.results import METHODS, poses_of
-from app.lab.evaluation.runs import Run
-from app.lab.evaluation.scores import errors
+from app.lab.evaluation.runs import Run, errors
 from app.lab.report_page import STROKES, Stroke, embedded, page, svg_figure
 from app.lab.trajectories.trajectory import Trajectory
 from app.settings.provenance import settings_of

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.lab.evaluation.runs import Run
-from app.lab.evaluation.scores import (
+from app.lab.evaluation.runs import (
     SHOWN,
+    Run,
     Score,
     errors,
     in_place,

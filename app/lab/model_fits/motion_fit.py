@@ -17,8 +17,7 @@ from app.lab.model_fits.likelihood import (
     interval_of,
     likeliest,
 )
-from app.lab.model_fits.runs import MotionRun
-from app.lab.model_fits.twists import DriveCorrection
+from app.lab.model_fits.motions import DriveCorrection, MotionRun
 from app.lab.model_fits.windows import Windows, join_windows, windows
 from robot.geometry import Array
 

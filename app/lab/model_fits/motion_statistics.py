@@ -12,10 +12,9 @@ from app.lab.evaluation.drives import EvaluationError
 from app.lab.evaluation.experiment import in_world
 from app.lab.model_fits.likelihood import FitError
 from app.lab.model_fits.motion_fit import DriveFit, fit_drive
+from app.lab.model_fits.motions import DriveCorrection, MotionRun, cut_at, paired_runs
 from app.lab.model_fits.regions import Held, fit_region, held_by, usable_horizons
-from app.lab.model_fits.runs import MotionRun, cut_at, paired_runs
 from app.lab.model_fits.simulated_motions import SIDE, TrialRobot, run_motion, trials
-from app.lab.model_fits.twists import DriveCorrection
 from app.lab.model_fits.umbmark import Umbmark, distance_factor, return_errors, umbmark
 from app.lab.model_fits.windows import windows
 from app.lab.trajectories.trajectory import Trajectory

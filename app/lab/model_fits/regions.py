@@ -13,8 +13,7 @@ from scipy.stats import beta, chi2
 
 from app.lab.model_fits.likelihood import FitError, Interval
 from app.lab.model_fits.motion_fit import MotionFit
-from app.lab.model_fits.runs import MotionRun
-from app.lab.model_fits.twists import DriveCorrection
+from app.lab.model_fits.motions import DriveCorrection, MotionRun
 from app.lab.model_fits.windows import Windows, windows
 from robot.geometry import Array
 

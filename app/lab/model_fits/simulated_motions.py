@@ -13,7 +13,7 @@ import numpy as np
 from app.engine.build import connect
 from app.engine.driving import Driving
 from app.engine.follower import Follower
-from app.lab.model_fits.runs import MotionRun
+from app.lab.model_fits.motions import MotionRun
 from app.settings.config import Config
 from robot.description.spec import RobotSpec
 from robot.driving.differential_drive import DifferentialDrive

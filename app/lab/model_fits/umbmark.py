@@ -14,8 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from app.lab.model_fits.likelihood import FitError
-from app.lab.model_fits.runs import MotionRun
-from app.lab.model_fits.twists import chained, motions_of, relative, twists_of
+from app.lab.model_fits.motions import MotionRun, chained, motions_of, relative, twists_of
 from robot.driving.differential_drive import WheelMultipliers
 from robot.geometry import Array
 

@@ -9,8 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.lab.model_fits.likelihood import FitError
-from app.lab.model_fits.runs import MotionRun
-from app.lab.model_fits.twists import DriveCorrection, chained, relative, seen_from, twists_of
+from app.lab.model_fits.motions import (
+    DriveCorrection,
+    MotionRun,
+    chained,
+    relative,
+    seen_from,
+    twists_of,
+)
 from robot.geometry import Array, wrap_angle
 from robot.localization.models.odometry_motion import STANDING_M
 

@@ -14,10 +14,13 @@ from app.console import say
 from app.files import atomic_file, make_folder
 from app.lab.evaluation.command import workers_from_options
 from app.lab.sweep.points import (
+    MEASURES,
+    Measured,
     Point,
     Row,
     SweepJob,
     duration_of,
+    follow_all,
     jobs_of,
     key_of,
     points_of,
@@ -25,7 +28,6 @@ from app.lab.sweep.points import (
 )
 from app.lab.sweep.report import FORMATS, plot_setting, require_format, write_table
 from app.lab.sweep.sweep_file import SweepFile, load_sweep
-from app.lab.sweep.work import MEASURES, Measured, follow_all
 from app.lab.workers import Workers
 from app.options import config_of
 from app.settings.config import Config

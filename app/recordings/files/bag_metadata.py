@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from app.ros2.message_types import type_hash
-from app.ros2.topic import Quality
+from app.ros2.topics import Quality
 
 VERSION = 9
 DISTRIBUTION = "jazzy"

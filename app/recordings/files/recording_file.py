@@ -31,7 +31,7 @@ from app.recordings.files.mcap_records import CHANNELS
 from app.recordings.files.recorded import RecordingError
 from app.recordings.files.reserved_stream import ReservedStream
 from app.ros2.message_types import definition
-from app.ros2.topic import Quality
+from app.ros2.topics import Quality
 
 PROFILE = "ros2"
 SCHEMA_ENCODING = "ros2msg"

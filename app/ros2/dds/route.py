@@ -18,7 +18,7 @@ from app.ros2.dds.protocol import TROUBLE
 from app.ros2.inbox import Inbox
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route, TopicPublisher
-from app.ros2.topic import Published, Topic
+from app.ros2.topics import Published, Topic
 from app.settings.groups import Ros2Settings
 from robot.errors import BrickPoseError, PackageError
 from robot.worker_thread import WorkerThread

@@ -8,8 +8,7 @@ import numpy as np
 from app.engine.snapshot import Snapshot
 from app.ros2.encoding.frames import header, pose, time
 from app.ros2.message_types import Message, new
-from app.ros2.source import TopicSource
-from app.ros2.topic import UNCHANGING
+from app.ros2.source import UNCHANGING, TopicSource
 
 
 def scan_stamp(snapshot: Snapshot) -> float | None:

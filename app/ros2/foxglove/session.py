@@ -25,7 +25,7 @@ from app.ros2.foxglove.protocol import (
 )
 from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace, Route
-from app.ros2.topic import Published, Topic
+from app.ros2.topics import Published, Topic
 from app.ros2.websocket_session import Data, Later
 from robot.errors import BrickPoseError
 

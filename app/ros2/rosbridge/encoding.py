@@ -16,7 +16,7 @@ from cbor2 import CBORTag
 
 from app.ros2.message_types import Message
 from app.ros2.rosbridge.names import NUMBERS, Kind, fields
-from app.ros2.topic import Published
+from app.ros2.topics import Published
 
 SECOND_NS = 1_000_000_000
 

@@ -11,8 +11,7 @@ import numpy as np
 from app.ros2.inbox import Inbox
 from app.ros2.incoming import IncomingTopic, Service
 from app.ros2.message_types import MessageError, message_class, typestore
-from app.ros2.topic import Topic
-from app.ros2.topics import TOPICS
+from app.ros2.topics import TOPICS, Topic
 from app.settings.groups import Ros2Settings
 
 FILLER = "structure_needs_at_least_one_member"

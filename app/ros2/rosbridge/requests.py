@@ -10,7 +10,7 @@ from app.ros2.message_types import MessageError
 from app.ros2.publisher import Pace
 from app.ros2.rosbridge.encoding import COMPRESSIONS
 from app.ros2.rosbridge.reading import shown
-from app.ros2.topic import Topic
+from app.ros2.topics import Topic
 from app.settings.groups import Ros2Settings
 
 LONGEST = 200_000

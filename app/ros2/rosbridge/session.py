@@ -25,7 +25,7 @@ from app.ros2.rosbridge.requests import (
     request_id,
     text,
 )
-from app.ros2.topic import Published, Topic
+from app.ros2.topics import Published, Topic
 from app.ros2.websocket_session import Data, Later
 from robot.errors import BrickPoseError
 

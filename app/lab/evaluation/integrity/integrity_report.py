@@ -23,7 +23,7 @@ from app.lab.evaluation.integrity.summary import (
     Stanford,
     trade,
 )
-from app.lab.evaluation.scores import PLACE_XY, Mask
+from app.lab.evaluation.runs import PLACE_XY, Mask
 from app.lab.report_page import embedded, page, svg_figure
 from app.settings.provenance import settings_of
 from robot.geometry import Array

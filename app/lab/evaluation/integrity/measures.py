@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from app.lab.evaluation.integrity.claims import Claims
-from app.lab.evaluation.scores import (
+from app.lab.evaluation.runs import (
     Mask,
     first_sustained,
     in_place,

@@ -18,7 +18,7 @@ from app.lab.evaluation.integrity.claims import Claims
 from app.lab.evaluation.integrity.drives import TrialDrive
 from app.lab.evaluation.integrity.measures import certain, right
 from app.lab.evaluation.integrity.rivals import DriveSegment, field_rivals, rivals_of, setup_over
-from app.lab.evaluation.scores import PLACE_THETA, PLACE_XY, Mask
+from app.lab.evaluation.runs import PLACE_THETA, PLACE_XY, Mask
 from app.settings.config import Config
 from robot.geometry import Array, Pose2
 from robot.localization.filter import Setup
