@@ -791,7 +791,7 @@ export interface ShowCommand {
   /** Repeated in the answer. */
   id?: number | string | null;
   type: "show";
-  layer: "particles" | "headings" | "rays" | "covariance" | "paths" | "truth";
+  layer: "particles" | "headings" | "rays" | "covariance" | "paths" | "truth" | "camera";
   visible: boolean;
 }
 
@@ -854,7 +854,7 @@ export interface TelemetryMessage {
   /** Null if this is not a replay. */
   replay?: ReplayMessage | null;
   /** Layers of the 3D view that are switched off for all viewers; null if there is no 3D view. */
-  hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth")[] | null;
+  hidden_layers?: ("particles" | "headings" | "rays" | "covariance" | "paths" | "truth" | "camera")[] | null;
 }
 
 /** A velocity [m/s, rad/s], as applied after limits. */

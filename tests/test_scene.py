@@ -7,9 +7,17 @@ import pytest
 
 from app.engine.build import build_program
 from app.page.view.map_layer import MapLayer
-from app.page.view.scene import FAR_AWAY, hypothesis_mark
+from app.page.view.scene import (
+    ESTIMATE,
+    FAR_AWAY,
+    HIT,
+    ODOMETRY,
+    RAY,
+    TRUTH,
+    hypothesis_mark,
+)
 from app.page.view.view import View
-from app.settings.config import Config
+from app.settings.config import FRONTEND, Config
 from robot.geometry import Pose2
 from robot.localization.estimate import Hypothesis
 from robot.localization.filter import Cloud
@@ -65,11 +73,43 @@ def test_what_is_not_known_is_not_shown(shown):
             line_scan=replace(snapshot.line_scan),
         )
     )
-    for name in ("particles", "covariance", "estimate", "rays", "hits"):
-        assert np.all(scene._nodes[name].points == FAR_AWAY) or name == "particles"
+    for name in ("covariance", "rays", "hits"):
+        assert np.all(scene._nodes[name].points == FAR_AWAY)
+    assert scene._believed.position[2] == FAR_AWAY
     assert np.all(scene._nodes["particles"].points[:, :2] == FAR_AWAY)
     scene.update(replace(snapshot, line_scan=replace(snapshot.line_scan)))
     assert np.abs(scene._nodes["rays"].points).max() < 5
+
+
+def test_rays_and_outline_move_with_the_robot_in_one_node(shown):
+    scene, snapshot = shown
+    moved = snapshot.pose @ Pose2(0.1, 0, 0.2)
+    scene.update(replace(snapshot, pose=moved, line_scan=replace(snapshot.line_scan)))
+    assert scene._believed.position[:2] == pytest.approx((moved.x, moved.y))
+    assert scene._nodes["rays"].name.startswith("/believed/")
+    assert scene._nodes["estimate"].name.startswith("/believed/")
+    # The hits stay where they are on the floor, wherever the robot has gone since the picture.
+    hits = moved.apply(np.asarray(scene._nodes["hits"].points, float)[:, :2])
+    seen = snapshot.scan_pose.apply(snapshot.line_scan.scan.points())
+    assert hits == pytest.approx(seen, abs=1e-3)
+
+
+def test_the_cameras_picture_stands_in_its_frustum(shown):
+    scene, snapshot = shown
+    for _ in range(6):
+        scene.update(snapshot)
+    picture = scene._nodes["camera"].image
+    assert picture.shape == (120, 160, 3)
+    assert abs(int(picture.mean()) - int(snapshot.frame.image.mean())) < 5
+
+
+def test_colours_are_those_of_the_map():
+    styles = (FRONTEND / "style" / "tokens.css").read_text()
+    for name, colour in (
+        ("truth", TRUTH), ("odometry", ODOMETRY), ("estimate", ESTIMATE), ("rays", RAY),
+        ("hits", HIT),
+    ):  # fmt: skip
+        assert f"--floor-{name}: #{bytes(colour).hex()};" in styles
 
 
 def test_the_map_that_is_drawn_is_shown_with_its_corrections(shown):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Layer = Literal["particles", "headings", "rays", "covariance", "paths", "truth"]
+Layer = Literal["particles", "headings", "rays", "covariance", "paths", "truth", "camera"]
 Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
 Radians = Annotated[float, Field(ge=-1e3, le=1e3)]
 

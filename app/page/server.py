@@ -50,6 +50,7 @@ from app.page.telemetry import field_message
 from app.page.thresholds import STALE_S
 from app.page.token_guard import TokenRequired, role_in
 from app.page.tokens import Role, Tokens
+from app.page.view.cameras import Look
 from app.page.view.view import View
 from app.recordings.contents import contents_of
 from app.recordings.routes import contents_router, recordings_router
@@ -303,7 +304,18 @@ def _add_streams(app: FastAPI, view: View, camera: CameraStream) -> None:
     def view_page(request: Request) -> Response:
         return view.page(request)
 
+    @app.get("/view/{page}/", include_in_schema=False)
+    def view_page_of(page: str, request: Request) -> Response:
+        return view.page(request)
+
+    @app.post("/api/view/{page}/{look}", status_code=204, responses=refusal(404, "no such viewer"))
+    def look_at_view(page: str, look: Look) -> None:
+        """Move the camera of a page's 3D view: home, above the field, or behind the robot."""
+        if not view.cameras.look(page, look):
+            raise HTTPException(404, "The 3D view is not there yet.")
+
     @app.websocket("/view")
+    @app.websocket("/view/{page}")
     async def follow_view(socket: WebSocket) -> None:
         await view.serve(socket)
 

@@ -9,9 +9,13 @@ import { calm, findWebGl } from "./webgl.js";
 /** @typedef {import("../page/theme.js").Appearance} Appearance */
 /** @typedef {import("../messages").ShowCommand["layer"]} Layer */
 
+/** Names this page's viewer, so that its camera can be moved. */
+const PAGE = Math.random().toString(36).slice(2, 12);
 /** Position of the view's camera from the field's centre, in sizes of the field. */
 const EYE = [-0.34, -0.48, 0.52];
 const LATER_MS = 500;
+/** Interval between looks whether the scene is drawn [ms]. */
+const LOOK_AGAIN_MS = 300;
 /** Hides viser's notices and, in a narrow frame, its controls: they would cover the scene. */
 const QUIET =
   ".mantine-Notifications-root, #root .mantine-Paper-root { display: none !important; }";
@@ -21,6 +25,9 @@ export class View3d {
   #box = find("view-stage", HTMLElement);
   #message = find("view-message", HTMLElement);
   #buttons = [...document.querySelectorAll("button[data-layer]")].map(
+    (button) => /** @type {HTMLButtonElement} */ (button),
+  );
+  #looks = [...document.querySelectorAll("button[data-look]")].map(
     (button) => /** @type {HTMLButtonElement} */ (button),
   );
   /** @type {HTMLIFrameElement | null} */
@@ -41,6 +48,7 @@ export class View3d {
     document.documentElement.dataset.webgl = this.webGl;
     this.#explain();
     for (const button of this.#buttons) button.onclick = () => this.#switch(button);
+    for (const button of this.#looks) button.onclick = () => this.#look(button);
     appearance.onChange(() => this.#load());
     new ResizeObserver(() => this.#load()).observe(this.#box);
   }
@@ -87,12 +95,31 @@ export class View3d {
   }
 
   #loaded() {
-    this.#message.hidden = true;
+    this.#awaitPicture();
     const inside = this.#frame?.contentWindow;
     if (!inside) return;
     inside.document.head.append(make("style", {}, QUIET));
     if (this.webGl === "software") calm(inside);
     this.listen(inside);
+  }
+
+  /** The frame is loaded long before the scene in it can be seen. */
+  #awaitPicture() {
+    const inside = this.#frame?.contentDocument;
+    const canvases = [...(inside?.querySelectorAll("canvas") ?? [])];
+    this.#message.hidden = canvases.some(({ width }) => width > 0);
+    if (!this.#message.hidden) setTimeout(() => this.#awaitPicture(), LOOK_AGAIN_MS);
+  }
+
+  /** Move this page's camera; pressed once more, the one that follows is free. @param {HTMLButtonElement} button */
+  async #look(button) {
+    const follows = button.getAttribute("aria-pressed") === "true";
+    const look = follows ? "free" : button.dataset.look;
+    const answer = await fetch(`/api/view/${PAGE}/${look}`, { method: "POST" });
+    if (!answer.ok) return;
+    for (const other of this.#looks) {
+      if (other.dataset.look === "follow") other.setAttribute("aria-pressed", String(look === "follow"));
+    }
   }
 
   /** @param {HTMLButtonElement} button */
@@ -115,5 +142,5 @@ function address([xmin, ymin, xmax, ymax], dark) {
     `initialCameraPosition=${eye.map((part) => part.toFixed(3))}`,
     `initialCameraLookAt=${x},${y},0`,
   ];
-  return `/view/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
+  return `/view/${PAGE}/?${[...words, ...(dark ? ["darkMode"] : [])].join("&")}`;
 }

@@ -11,10 +11,10 @@ from robot.geometry import Array
 from robot.mapping.sketch import Sketch
 
 TAPE, BAND, EDGES, GRAPH, CORRECTION = (
-    (200, 16, 46),
-    (232, 150, 160),
-    (184, 116, 0),
-    (0, 96, 168),
+    (176, 16, 107),
+    (222, 150, 190),
+    (168, 98, 0),
+    (10, 72, 168),
     (140, 60, 170),
 )
 HEIGHT = {"edges": 0.003, "band": 0.004, "tape": 0.005, "graph": 0.006, "correction": 0.007}

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from app.engine.snapshot import Snapshot
 from app.page.thresholds import LIKELY
@@ -23,11 +24,19 @@ from app.page.view.robot_mesh import robot_meshes
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.geometry import Array, Pose2, heading_vectors
+from robot.interface import Frame
 from robot.mapping.sketch import Sketch
 from robot.scanning.line_scanner import LineScan
 
-TRUTH, ODOMETRY, ESTIMATE = (0, 132, 95), (194, 80, 10), (0, 96, 168)
-RAY, HIT = (184, 116, 0), (200, 16, 46)
+TRUTH, ODOMETRY, ESTIMATE = (0, 105, 79), (168, 50, 4), (10, 72, 168)
+RAY, HIT = (168, 98, 0), (176, 16, 107)
+"""As the page's map has them: --floor-truth and its neighbours in style/tokens.css."""
+CAMERA = (60, 70, 80)
+PICTURE_PX = (160, 120)
+"""Size of the picture in the camera's frustum."""
+PICTURE_TICKS = 3
+"""It is renewed each so many updates: five times a second."""
+FRUSTUM_M = 0.09
 HEADINGS = 150
 """About this many particles are drawn with their heading."""
 FAR_AWAY = -100.0
@@ -66,7 +75,12 @@ class Scene:
             )
             for number, (colour, mesh) in enumerate(robot_meshes(spec.urdf).items())
         ]
+        # What the robot believes and sees moves with it: it is one node that moves, in the same
+        # moment as the robot's body, and not many that a viewer draws one after the other.
+        self._believed = scene.add_frame("/believed", show_axes=False)
         self._nodes = self._add_nodes(scene)
+        self._pictured: Frame | None = None
+        self._show_outline()
         self._mapping = MapLayer(scene, sketch)
 
     def update(self, snapshot: Snapshot) -> None:
@@ -85,6 +99,8 @@ class Scene:
                 self._shown = snapshot.line_scan
                 self._show_cloud(snapshot)
                 self._show_scan(snapshot)
+            if self._ticks % PICTURE_TICKS == 0:
+                self._show_picture(snapshot)
             if self._ticks % 5 == 0:
                 self._show_paths()
                 self._mapping.update()
@@ -95,6 +111,9 @@ class Scene:
         self._spec = spec
         for part, mesh in zip(self._parts, robot_meshes(spec.urdf).values(), strict=True):
             part.vertices, part.faces = mesh.vertices.astype(np.float32), mesh.faces
+        self._show_outline()
+        camera = self._nodes["camera"]
+        camera.wxyz, camera.position = _turn(spec), tuple(spec.robot_from_camera[:3, 3])
 
     def _floor(self, field: Field) -> None:
         xmin, ymin, xmax, ymax = field.floor.extent
@@ -135,12 +154,18 @@ class Scene:
                 batched_colors=ESTIMATE, lod="off", side="double", cast_shadow=False,
                 receive_shadow=False,
             ),
-            "rays": lines("/rays", RAY, 0.0012),
+            "camera": scene.add_camera_frustum(
+                "/robot/camera", *_view_of(self._spec), scale=FRUSTUM_M, thickness=0.001,
+                color=CAMERA, format="jpeg", jpeg_quality=70, cast_shadow=False,
+                wxyz=_turn(self._spec), position=tuple(self._spec.robot_from_camera[:3, 3]),
+            ),
+            "rays": lines("/believed/rays", RAY, 0.0012),
             "hits": scene.add_point_cloud(
-                "/hits", point, HIT, point_size=0.009, point_shape="circle", point_shading="flat"
+                "/believed/hits", point, HIT, point_size=0.009, point_shape="circle",
+                point_shading="flat",
             ),
             "covariance": lines("/covariance", ESTIMATE, 0.003),
-            "estimate": lines("/estimate", ESTIMATE, 0.004),
+            "estimate": lines("/believed/estimate", ESTIMATE, 0.004),
             "path_truth": lines("/path_truth", TRUTH, 0.005),
             "path_odometry": lines("/path_odometry", ODOMETRY, 0.004),
             "path_estimate": lines("/path_estimate", ESTIMATE, 0.003),
@@ -175,11 +200,10 @@ class Scene:
         self._robot.position = (where.x, where.y, 0.0)
         self._robot.wxyz = tuple(_quaternions(np.array([where.theta]))[0])
         if snapshot.pose is not None:
-            corners = snapshot.pose.apply(self._spec.outline)
-            outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
-            self._nodes["estimate"].points = lifted(outline, LIFT["estimate"])
+            self._believed.position = (snapshot.pose.x, snapshot.pose.y, 0.0)
+            self._believed.wxyz = tuple(_quaternions(np.array([snapshot.pose.theta]))[0])
         else:
-            self._nodes["estimate"].points = np.full((1, 2, 3), FAR_AWAY)
+            self._believed.position = (0.0, 0.0, FAR_AWAY)
             self._nodes["label_estimate"].position = (0.0, 0.0, FAR_AWAY)
         if self._ticks % 5 == 0:
             for name, pose in (
@@ -219,20 +243,37 @@ class Scene:
         node.colors = np.repeat(_by_weight(parts)[:, None, :], 2, axis=1)
 
     def _show_scan(self, snapshot: Snapshot) -> None:
-        if snapshot.line_scan is None or snapshot.scan_pose is None:
+        if snapshot.line_scan is None or snapshot.scan_pose is None or snapshot.pose is None:
             # The start of the rays is not known.
             self._nodes["rays"].points = np.full((1, 2, 3), FAR_AWAY)
             self._nodes["hits"].points = np.full((1, 3), FAR_AWAY, dtype=np.float32)
             return
         scan = snapshot.line_scan.scan
-        ends = snapshot.scan_pose.apply(scan.points())
+        # As seen from where the robot is now: it has moved on since the picture.
+        now_from_scan = snapshot.pose.inverse() @ snapshot.scan_pose
+        start = now_from_scan @ scan.robot_from_scan
+        ends = now_from_scan.apply(scan.points())
         if len(ends) == 0:
-            ends = np.array([[snapshot.scan_pose.x, snapshot.scan_pose.y]])
-        start = snapshot.scan_pose @ scan.robot_from_scan
+            ends = np.array([[start.x, start.y]])
         starts = np.broadcast_to((start.x, start.y), ends.shape)
         rays = np.stack([starts, ends], axis=1)[::RAY_STEP]
         self._nodes["rays"].points = lifted(rays, LIFT["rays"])
         self._nodes["hits"].points = lifted(ends, LIFT["rays"]).astype(np.float32)
+
+    def _show_picture(self, snapshot: Snapshot) -> None:
+        """Show the newest picture in the camera's frustum, as small as it is there."""
+        frame = snapshot.frame
+        if frame is None or frame is self._pictured or "camera" not in snapshot.layers:
+            return
+        self._pictured = frame
+        small = cv2.resize(frame.image, PICTURE_PX, interpolation=cv2.INTER_AREA)
+        colours = small if small.ndim == 3 else np.repeat(small[:, :, None], 3, axis=2)
+        self._nodes["camera"].image = colours[:, :, ::-1]
+
+    def _show_outline(self) -> None:
+        corners = self._spec.outline
+        outline = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+        self._nodes["estimate"].points = lifted(outline, LIFT["estimate"])
 
     def _show_paths(self) -> None:
         for name, path in self._paths.items():
@@ -264,6 +305,18 @@ def _quaternions(headings: Array) -> Array:
     half = heading_vectors(headings / 2)
     nothing = np.zeros(len(headings))
     return np.column_stack([half[:, 0], nothing, nothing, half[:, 1]])
+
+
+def _view_of(spec: RobotSpec) -> tuple[float, float]:
+    """Return the angle from the picture's top to its bottom [rad], and width by height."""
+    lens = spec.lens
+    return 2 * math.atan(lens.height / 2 / lens.matrix[1, 1]), lens.width / lens.height
+
+
+def _turn(spec: RobotSpec) -> tuple[float, float, float, float]:
+    """Return the quaternion of the camera in the robot frame, as w, x, y, z."""
+    x, y, z, w = Rotation.from_matrix(spec.robot_from_camera[:3, :3]).as_quat().tolist()
+    return w, x, y, z
 
 
 def _by_weight(weights: Array) -> NDArray[np.uint8]:

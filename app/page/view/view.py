@@ -19,6 +19,7 @@ from starlette.websockets import WebSocket
 from app.engine.mailboxes.latest import Latest
 from app.engine.problems import LOG
 from app.engine.snapshot import Snapshot
+from app.page.view.cameras import Cameras
 from app.page.view.scene import Scene
 from app.page.view.viewers import Viewers, without_port
 from robot.description.spec import RobotSpec
@@ -61,6 +62,7 @@ class View:
         # viser's share button would make this server call one on the internet.
         self._server._websock_server.unregister_handler(viser._messages.ShareUrlRequest)
         self._scene = Scene(self._server, field, spec, sketch)
+        self.cameras = Cameras(self._server, field.floor.extent)
         self._latest = latest
         self.failure: str | None = None
         """Why the view stopped, if it failed."""
@@ -80,11 +82,15 @@ class View:
             with self._latest.subscribe() as subscription:
                 while True:
                     snapshot = await subscription.next()
-                    await anyio.to_thread.run_sync(self._scene.update, snapshot)
+                    await anyio.to_thread.run_sync(self._show, snapshot)
                     await anyio.sleep(1 / UPDATES_HZ)
         except Exception as error:
             LOG.exception("the 3D view stopped")
             self.failure = f"The 3D view stopped: {error}"
+
+    def _show(self, snapshot: Snapshot) -> None:
+        self._scene.update(snapshot)
+        self.cameras.follow(snapshot.truth or snapshot.pose or snapshot.odometry)
 
     async def serve(self, socket: WebSocket) -> None:
         """Let viser serve one viewer, until one side ends."""

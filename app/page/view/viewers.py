@@ -20,6 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.exceptions import ConnectionClosedOK
 
 from app.engine.problems import CLIENTS_LOG
+from app.page.view.cameras import PAGE
 
 PROTOCOL = f"viser-v{viser.__version__}"
 """The subprotocol of viser's client; another version's cannot read the messages."""
@@ -65,11 +66,13 @@ class Viewers:
             )
             return
         await socket.accept(subprotocol=PROTOCOL)
+        page = socket.path_params.get("page", "")
         viewer = _Viewer(socket, asyncio.get_running_loop())
-        work = asyncio.run_coroutine_threadsafe(self._handle(viewer), loop)
+        work = asyncio.run_coroutine_threadsafe(self._handle(viewer, page), loop)
         await asyncio.wrap_future(work)
 
-    async def _handle(self, viewer: _Viewer) -> None:
+    async def _handle(self, viewer: _Viewer, page: str) -> None:
+        PAGE.set(page)
         assert self._handler is not None
         task = asyncio.current_task()
         assert task is not None

@@ -1,0 +1,85 @@
+"""Looks of viewers at the scene: home, from above, and behind the robot."""
+
+from __future__ import annotations
+
+import math
+from contextvars import ContextVar
+from typing import Literal, get_args
+
+import numpy as np
+import viser
+
+from robot.fields.floor_picture import Extent
+from robot.geometry import Array, Pose2
+
+Look = Literal["home", "top", "follow", "free"]
+"""How a viewer looks: ``free`` leaves the camera where it is."""
+LOOKS: tuple[Look, ...] = get_args(Look)
+
+PAGE: ContextVar[str] = ContextVar("page", default="")
+"""The page whose viewer connects; viser tells its viewers apart by numbers of its own."""
+
+HOME = (-0.34, -0.48, 0.52)
+"""Position of the camera from the field's centre, in sizes of the field."""
+BEHIND = np.array([-0.45, 0.0, 0.4])
+"""Position of the camera that follows, in the robot frame [m]."""
+FIELD_OF_VIEW = math.radians(75)
+"""viser's own, from top to bottom."""
+
+
+class Cameras:
+    """Moves the cameras of viewers, by the page that they are in."""
+
+    def __init__(self, server: viser.ViserServer, extent: Extent) -> None:
+        self._server = server
+        xmin, ymin, xmax, ymax = extent
+        self._centre = np.array([(xmin + xmax) / 2, (ymin + ymax) / 2, 0.0])
+        self._size = max(xmax - xmin, ymax - ymin)
+        self._clients: dict[str, int] = {}
+        self._followers: set[str] = set()
+        server._websock_server.on_client_connect(self._note)
+
+    async def _note(self, connection: viser.infra.WebsockClientConnection) -> None:
+        """Note which page a viewer is in; viser calls this in the task that serves the viewer."""
+        if page := PAGE.get():
+            self._clients[page] = connection.client_id
+
+    def look(self, page: str, look: Look) -> bool:
+        """Let a page's viewer look so; return whether there is such a viewer."""
+        client = self._client(page)
+        if client is None:
+            return False
+        self._followers.discard(page)
+        if look == "follow":
+            self._followers.add(page)
+        elif look == "home":
+            self._move(client, self._centre + self._size * np.array(HOME), self._centre)
+        elif look == "top":
+            height = 0.5 * self._size / math.tan(FIELD_OF_VIEW / 2)
+            # A little from the south: exactly above, up is nowhere.
+            above = self._centre + np.array([0.0, -0.001, 1.1 * height])
+            self._move(client, above, self._centre)
+        return True
+
+    def follow(self, robot: Pose2) -> None:
+        """Move the cameras that follow the robot."""
+        for page in tuple(self._followers):
+            client = self._client(page)
+            if client is None:
+                self._followers.discard(page)
+                continue
+            place = np.array([robot.x, robot.y, 0.0])
+            self._move(client, place + _turned(BEHIND, robot.theta), place)
+
+    def _client(self, page: str) -> viser.ClientHandle | None:
+        return self._server.get_clients().get(self._clients.get(page, -1))
+
+    def _move(self, client: viser.ClientHandle, eye: Array, target: Array) -> None:
+        with client.atomic():
+            client.camera.position = tuple(eye)
+            client.camera.look_at = tuple(target)
+
+
+def _turned(offset: Array, theta: float) -> Array:
+    x, y = Pose2(theta=theta).apply(offset[None, :2])[0]
+    return np.array([x, y, offset[2]])
