@@ -201,7 +201,7 @@ def _serve(
     from app.engine.build import build_program, resolve_robot  # noqa: PLC0415
     from app.page.access_options import announce, certificate_of, tokens_of  # noqa: PLC0415
     from app.page.listening import listen  # noqa: PLC0415
-    from app.page.serving import serve  # noqa: PLC0415
+    from app.page.serving import serve, serve_on  # noqa: PLC0415
     from sim.real_time import RealTime  # noqa: PLC0415
 
     config, missing = resolve_robot(wanted)
@@ -218,10 +218,8 @@ def _serve(
             announce, listening, tokens, scheme, foxglove=config.ros2.foxglove, path=path
         )
         following = serve(program, listening, tokens, certificate, ready, routers)
-    while following is not None:
-        with listen(config.host, port) as listening:
-            ready = partial(say, f"The robot goes on in {following.config.map}")
-            following = serve(following, listening, tokens, certificate, ready, routers)
+    if following is not None:
+        serve_on(following, port, tokens, certificate, routers)
     return 0
 
 

@@ -2,6 +2,7 @@
 
 export type Command =
   | CalibrateCommand
+  | CloseRecordingCommand
   | DeleteStrokeCommand
   | DiscardMapCommand
   | DriveCommand
@@ -11,6 +12,7 @@ export type Command =
   | FinishMapCommand
   | JoinStrokesCommand
   | MoveEndCommand
+  | OpenRecordingCommand
   | PauseCommand
   | PauseMapCommand
   | PingCommand
@@ -93,6 +95,19 @@ export interface CalibrationDriveMessage {
   adjusted: number;
   /** What is missing so far, or why it failed; null when all is well. */
   message: string | null;
+}
+
+/** What is to change of a recording; what is left out stays. */
+export interface ChangeMessage {
+  name?: string | null;
+  notes?: string | null;
+}
+
+/** Go back from a recording that the page opened to the robot. */
+export interface CloseRecordingCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "close_recording";
 }
 
 /** Delete a stroke of tape from the finished map, before it is saved. */
@@ -479,6 +494,15 @@ export interface MoveEndCommand {
   version: number;
 }
 
+/** Go on with a recording in place of the robot, which is let go of: its motors stop. */
+export interface OpenRecordingCommand {
+  /** Repeated in the answer. */
+  id?: number | string | null;
+  type: "open_recording";
+  /** As ``/api/recordings`` has it. */
+  name: string;
+}
+
 /** One parameter of the filter, with its meaning. */
 export interface ParameterMessage {
   name: string;
@@ -616,6 +640,20 @@ export interface RecordCommand {
   on: boolean;
 }
 
+/** One recording. */
+export interface RecordingEntry {
+  /** ``/api/recordings/NAME`` serves the file. */
+  name: string;
+  size_bytes: number;
+  /** Null if it is unknown. */
+  duration_s: number | null;
+  /** Still being recorded, or cut off by a full disk or the end of the program; it can be read. */
+  unfinished: boolean;
+  /** When it was last written [s since 1970]. */
+  changed: number;
+  notes: string;
+}
+
 /** The running recording, or the last one. */
 export interface RecordingMessage {
   /** Name of the recording; ``/api/recordings`` lists it. */
@@ -654,6 +692,8 @@ export interface ReplayMessage {
   catching_up: number | null;
   /** The recorded estimate. */
   estimate_then: PoseMessage | null;
+  /** Whether ``close_recording`` goes back to a robot. */
+  robot_waits?: boolean;
 }
 
 /** Restore the filter's configured parameters, and put the cloud at the start pose. */
@@ -835,6 +875,8 @@ export interface TelemetryMessage {
   estimate: EstimateMessage | null;
   integrity: IntegrityMessage;
   twist: TwistMessage;
+  /** Measured speeds of the left and the right wheel [rad/s]. */
+  wheels?: number[] | null;
   mode: "idle" | "drive" | "figure_eight" | "calibrate" | "explore";
   driver: DriverMessage;
   particles: ParticlesMessage;

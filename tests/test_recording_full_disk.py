@@ -14,7 +14,7 @@ from rosbags.highlevel import AnyReader
 
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recording_file import RecordingFile
-from app.recordings.routes import listed
+from app.recordings.library import listed
 from app.ros2.topics import Quality
 from app.settings.config import ROOT
 

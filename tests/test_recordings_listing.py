@@ -10,7 +10,8 @@ from recordings import make
 
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.routes import find, listed, recordings_router
+from app.recordings.library import find, listed
+from app.recordings.routes import recordings_router
 
 
 @pytest.fixture

@@ -21,6 +21,7 @@ from app.engine.pose_commands import cloud_of, covariance_of
 from app.engine.program import Program
 from app.messages.commands import (
     CalibrateCommand,
+    CloseRecordingCommand,
     Command,
     DeleteStrokeCommand,
     DiscardMapCommand,
@@ -31,6 +32,7 @@ from app.messages.commands import (
     FinishMapCommand,
     JoinStrokesCommand,
     MoveEndCommand,
+    OpenRecordingCommand,
     PauseCommand,
     PauseMapCommand,
     PingCommand,
@@ -293,7 +295,7 @@ def _show(command: ShowCommand, controls: Controls, _odometry: OdometryState) ->
     controls.layers = controls.layers - {command.layer} | shown
 
 
-def _check_replay(_command: ReplayCommand, program: Program) -> None:
+def _check_replay(_command: Command, program: Program) -> None:
     if program.loop is None:
         raise CommandError("this is no replay; brickpose replay FILE starts one")
 
@@ -333,6 +335,8 @@ RULES: Mapping[type[Command], Rule] = MappingProxyType(
         UseFieldCommand: Rule(_nothing, Repeat.NEVER, _check_driving, slow=True),
         ShowCommand: Rule(_show, Repeat.NEVER),
         ReplayCommand: Rule(_nothing, Repeat.NEVER, _check_replay),
+        OpenRecordingCommand: Rule(_nothing, Repeat.NEVER, slow=True),
+        CloseRecordingCommand: Rule(_nothing, Repeat.NEVER, _check_replay, slow=True),
         RecordCommand: Rule(_nothing, Repeat.NEVER),
         PingCommand: Rule(_nothing, Repeat.NEVER),
     }

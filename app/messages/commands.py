@@ -308,6 +308,20 @@ class RecordCommand(CommandMessage):
     on: bool
 
 
+class OpenRecordingCommand(CommandMessage):
+    """Go on with a recording in place of the robot, which is let go of: its motors stop."""
+
+    type: Literal["open_recording"]
+    name: Annotated[str, Field(max_length=200)]
+    """As ``/api/recordings`` has it."""
+
+
+class CloseRecordingCommand(CommandMessage):
+    """Go back from a recording that the page opened to the robot."""
+
+    type: Literal["close_recording"]
+
+
 class ReplayCommand(CommandMessage):
     """Change how a recording is replayed; what is left out stays as it is."""
 
@@ -360,6 +374,8 @@ Command = Annotated[
     | ShowCommand
     | RecordCommand
     | ReplayCommand
+    | OpenRecordingCommand
+    | CloseRecordingCommand
     | PingCommand,
     Field(discriminator="type"),
 ]

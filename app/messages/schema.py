@@ -18,6 +18,7 @@ from app.messages.answers import (
 from app.messages.commands import AckMessage, Command, ErrorMessage
 from app.messages.floor_grid import FloorGridMessage
 from app.messages.lens import LensMessage, LensRequest, LensStatusMessage
+from app.messages.recordings import ChangeMessage, RecordingEntry
 from app.messages.telemetry import PictureMessage, TelemetryMessage
 
 
@@ -26,7 +27,8 @@ def schema() -> dict[str, Any]:
     adapters: list[Any] = [
         TelemetryMessage, PictureMessage, Command, AckMessage, ErrorMessage, AccessMessage,
         HealthMessage, FieldMessage, ParameterMessage, ProfileMessage, ProblemsMessage,
-        FloorGridMessage, LanguageMessage, LensStatusMessage, LensRequest, LensMessage,
+        FloorGridMessage, LanguageMessage, RecordingEntry, ChangeMessage,
+        LensStatusMessage, LensRequest, LensMessage,
     ]  # fmt: skip
     _, definitions = TypeAdapter.json_schemas(
         [(adapter, "validation", TypeAdapter(adapter)) for adapter in adapters]

@@ -159,6 +159,8 @@ class ReplayMessage(Message):
     """Share of the way to the requested time, 0 to 1; null when the replay is there."""
     estimate_then: PoseMessage | None
     """The recorded estimate."""
+    robot_waits: bool = False
+    """Whether ``close_recording`` goes back to a robot."""
 
 
 class CalibrationDriveMessage(Message):
@@ -221,6 +223,8 @@ class TelemetryMessage(Message):
     estimate: EstimateMessage | None
     integrity: IntegrityMessage
     twist: TwistMessage
+    wheels: list[float] | None = None
+    """Measured speeds of the left and the right wheel [rad/s]."""
     mode: Literal["idle", "drive", "figure_eight", "calibrate", "explore"]
     driver: DriverMessage
     particles: ParticlesMessage

@@ -8,12 +8,14 @@ from types import MappingProxyType
 from typing import Any, Protocol
 
 from app.console import say
+from app.engine.build import build_program
 from app.engine.drive_calibrator import DriveCalibrator
 from app.engine.drivers import Driver, Drivers
 from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
 from app.messages.commands import (
     CalibrateCommand,
+    CloseRecordingCommand,
     Command,
     DeleteStrokeCommand,
     DiscardMapCommand,
@@ -22,6 +24,7 @@ from app.messages.commands import (
     FinishMapCommand,
     JoinStrokesCommand,
     MoveEndCommand,
+    OpenRecordingCommand,
     PauseMapCommand,
     RecordCommand,
     SaveMapCommand,
@@ -30,7 +33,9 @@ from app.messages.commands import (
     UseFieldCommand,
 )
 from app.recordings.contents import contents_of
+from app.recordings.library import find
 from app.recordings.recorder import Recorder
+from app.recordings.replay.opening import ReplayProgram, replay_after
 from app.ros2.inbox import Inbox
 from app.ros2.publisher import TopicPublisher
 from app.ros2.source import TopicSource
@@ -41,10 +46,13 @@ from robot.errors import CommandError
 from robot.fields.field import FieldError
 from robot.fields.field_loading import load_field
 from robot.localization.estimate import Hypothesis
+from sim.real_time import RealTime
 
 ChangeMap = Callable[[str, Hypothesis | None], None]
 """Goes on in another map, by its name, and with where the robot is in it; None is on another field,
 at its start."""
+GoOn = Callable[[Callable[[], Program]], None]
+"""Ends this program soon, and goes on with the one that is made then."""
 
 
 class LiveRoute(Protocol):
@@ -67,9 +75,19 @@ class LiveRoute(Protocol):
 class Outlets:
     """All outputs of one program; the settings say which of them run."""
 
-    def __init__(self, program: Program, change_map: ChangeMap | None = None) -> None:
-        """Prepare the outputs of a program; ``change_map`` goes on in another one's map."""
+    def __init__(
+        self, program: Program, change_map: ChangeMap | None = None, go_on: GoOn | None = None
+    ) -> None:
+        """Prepare the outputs of a program.
+
+        Args:
+            program: the program.
+            change_map: goes on in another one's map.
+            go_on: goes on with another program, whose robot is another one.
+        """
         config = program.config
+        self._program = program
+        self._go_on = go_on
         self._engine = program.engine
         self._maps = config.mapping.path()
         self._change_map = change_map
@@ -193,6 +211,30 @@ class Outlets:
             raise CommandError(str(error)) from error
         self._change_map(name, None)
 
+    def open_recording(self, driver: Driver, name: str) -> None:
+        """Go on with a recording in place of the robot.
+
+        Raises:
+            BrickPoseError: it cannot be replayed, or another client drives.
+        """
+        if self._go_on is None:
+            raise CommandError("this program cannot open a recording; brickpose replay does")
+        self.drivers.require_free(driver)
+        item = find(self._program.config.recording.path(), name)
+        following = replay_after(self._program, item.file.parent)
+        self._go_on(lambda: following)
+
+    def close_recording(self) -> None:
+        """Go back to the robot that the recording was opened from.
+
+        Raises:
+            CommandError: this program began with the recording.
+        """
+        before = self._program.before if isinstance(self._program, ReplayProgram) else None
+        if before is None or self._go_on is None:
+            raise CommandError("there is no robot to go back to; brickpose run starts one")
+        self._go_on(lambda: build_program(before, RealTime()))
+
     @property
     def failures(self) -> list[str]:
         """What is wrong now, in words."""
@@ -211,6 +253,10 @@ class Outlets:
 
 ACTS: Mapping[type[Command], Callable[[Outlets, Driver, Any], None]] = MappingProxyType(
     {
+        OpenRecordingCommand: lambda outlets, driver, command: outlets.open_recording(
+            driver, command.name
+        ),
+        CloseRecordingCommand: lambda outlets, *_: outlets.close_recording(),
         RecordCommand: lambda outlets, _, command: outlets.record(command.on),
         CalibrateCommand: lambda outlets, driver, command: outlets.calibrate(driver, command),
         FinishCalibrationCommand: lambda outlets, *_: outlets.calibrator.finish(),

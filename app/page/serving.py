@@ -7,11 +7,13 @@ import socket
 import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 
 import uvicorn
 from anyio import from_thread
 from fastapi import APIRouter
 
+from app.console import say
 from app.engine.build import build_on_field, build_on_map
 from app.engine.engine_thread import EngineThread
 from app.engine.problems import CLIENTS_LOG
@@ -19,7 +21,7 @@ from app.engine.program import Program
 from app.interruption import Interrupted, deferred
 from app.page.access_options import Certificate
 from app.page.http_door import http_door
-from app.page.listening import BACKLOG, Listening
+from app.page.listening import BACKLOG, Listening, listen
 from app.page.log_limit import limit_logs
 from app.page.outlets import Outlets
 from app.page.server import create_app
@@ -45,12 +47,12 @@ class Server:
         routers: Sequence[APIRouter] = (),
     ) -> None:
         """Prepare to serve; requests need one of the tokens, if there are any."""
-        self.successor: tuple[str, Hypothesis | None] | None = None
-        """The map to go on in, and where the robot is in it, or None for another field's start; no
-        successor is to end."""
+        self.successor: Callable[[], Program] | None = None
+        """Makes the program to go on with; None is to end."""
+        self._program = program
         self._engine = program.engine
         self._thread = EngineThread(program.engine, program.loop)
-        self._outlets = Outlets(program, None if program.loop else self._change_map)
+        self._outlets = Outlets(program, None if program.loop else self._change_map, self._go_on)
         config = uvicorn.Config(
             create_app(program, self._thread, self._outlets, tokens, routers),
             ssl_certfile=certificate.certfile if certificate else None,
@@ -82,8 +84,12 @@ class Server:
 
     def _change_map(self, name: str, place: Hypothesis | None) -> None:
         """Go on in another map soon; from a thread of the event loop's."""
-        self.successor = name, place
         self._engine.handed_over = True
+        self._go_on(lambda: _successor(self._program, name, place, stopped=self.stopped))
+
+    def _go_on(self, following: Callable[[], Program]) -> None:
+        """Go on with another program soon; from a thread of the event loop's."""
+        self.successor = following
         from_thread.run_sync(self._stop_soon)
 
     def _stop_soon(self) -> None:
@@ -113,7 +119,8 @@ def serve(
 ) -> Program | None:
     """Serve until SIGINT or SIGTERM; then stop the motors first, and disconnect viewers next.
 
-    Returns None then; or, if the page changes the map, the program to go on with.
+    Returns None then; or, if the page changes the map or opens a recording, the program to go on
+    with.
 
     Args:
         program: what is served.
@@ -130,7 +137,7 @@ def serve(
             announce()
             server.run(listening)
             if server.successor is not None and not asked():
-                following = _successor(program, *server.successor, stopped=server.stopped)
+                following = server.successor()
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.
@@ -142,6 +149,22 @@ def _successor(program: Program, name: str, place: Hypothesis | None, *, stopped
     if place is None:
         return build_on_field(program, name, RealTime(), stopped=stopped)
     return build_on_map(program, name, place, stopped=stopped)
+
+
+def serve_on(
+    program: Program,
+    port: int,
+    tokens: Tokens | None = None,
+    certificate: Certificate | None = None,
+    routers: Sequence[APIRouter] = (),
+) -> None:
+    """Serve what the page goes on with, one program after the other, at the same address."""
+    following: Program | None = program
+    while following is not None:
+        with listen(following.config.host, port) as listening:
+            words = f"It goes on with {following.robot.name}, on {following.field.name}"
+            ready = partial(say, words)
+            following = serve(following, listening, tokens, certificate, ready, routers)
 
 
 class _StopsTheRobotFirst(uvicorn.Server):

@@ -29,6 +29,7 @@ from app.page.calibration import drive_message
 from app.page.mapping import mapping_message
 from app.page.outlets import Outlets
 from app.page.thresholds import LONGEST_STEP_M, STALE_S
+from app.recordings.replay.opening import ReplayProgram
 from app.settings.faults import changed_faults
 from robot.geometry import Array, Pose2
 from robot.interface import RepositionableRobot
@@ -44,6 +45,7 @@ class TelemetryWriter:
         self._robot = program.robot
         self._sim = program.config.sim
         self._outlets = outlets
+        self._robot_waits = isinstance(program, ReplayProgram) and program.before is not None
 
     def message(self, snapshot: Snapshot) -> TelemetryMessage:
         """Return the telemetry of one tick."""
@@ -55,6 +57,7 @@ class TelemetryWriter:
             estimate=estimate_message(snapshot),
             integrity=integrity_message(snapshot.integrity),
             twist=TwistMessage(v=snapshot.twist.v, omega=snapshot.twist.omega),
+            wheels=[float(speed) for speed in snapshot.reading.velocities],
             mode=snapshot.mode,
             driver=driver_message(self._outlets.drivers.state),
             particles=particles_message(snapshot, self._field.extent),
@@ -74,7 +77,7 @@ class TelemetryWriter:
             recording=self._outlets.recorder.status,
             calibration=drive_message(self._outlets.calibrator.drive, snapshot.stamp),
             mapping=mapping_message(self._outlets.mapping.drawing, snapshot),
-            replay=_replay_message(snapshot.replay),
+            replay=_replay_message(snapshot.replay, robot_waits=self._robot_waits),
             hidden_layers=sorted(LAYERS - snapshot.layers),
         )
 
@@ -120,7 +123,7 @@ def driver_message(state: DriveState) -> DriverMessage:
     return DriverMessage(name=name, mine=False, stopped=state.stopped)
 
 
-def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
+def _replay_message(state: ReplayState | None, *, robot_waits: bool) -> ReplayMessage | None:
     if state is None:
         return None
     return ReplayMessage(
@@ -131,6 +134,7 @@ def _replay_message(state: ReplayState | None) -> ReplayMessage | None:
         paused=state.paused,
         catching_up=state.catching_up,
         estimate_then=pose_message(state.estimate_then),
+        robot_waits=robot_waits,
     )
 
 

@@ -3,112 +3,38 @@
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryDirectory
 
-import yaml
-from fastapi import APIRouter, HTTPException, Response
+from fastapi import APIRouter, HTTPException, Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
-from mcap.writer import MCAP0_MAGIC as MAGIC
+from starlette.concurrency import run_in_threadpool
 
 from app.messages.answers import content, refusal
 from app.messages.message import Message
+from app.messages.recordings import ChangeMessage, RecordingEntry
 from app.recordings.attachments import Attachment, Contents
 from app.recordings.files.recorded import RecordingError
-from app.recordings.files.recording_file import METADATA_FILE
+from app.recordings.library import (
+    Listed,
+    add,
+    annotate,
+    delete,
+    find,
+    listed,
+    picture_in,
+    rename,
+)
 from robot.errors import BrickPoseError
-
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,199}")
-"""Valid names of recordings: none of them can lead out of the folder."""
-
-LARGEST_METADATA = 1_000_000
-"""Largest ``metadata.yaml`` [bytes]; BrickPose writes no larger one."""
-
-_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-
-
-@dataclass(frozen=True, slots=True)
-class Listed:
-    """One recording."""
-
-    name: str
-    file: Path
-    size_bytes: int
-    duration_s: float | None
-    """Duration in ``metadata.yaml``; None if it is unknown."""
-    unfinished: bool
-    """Whether it is still being recorded, or was cut off."""
-    changed: float
-    """When it was last written [s since 1970]."""
-
-
-def listed(parent: Path) -> list[Listed]:
-    """Return all recordings in a folder, newest first; none if there is no such folder."""
-    if not parent.is_dir():
-        return []
-    result = [_look(folder) for folder in parent.iterdir() if NAME.fullmatch(folder.name)]
-    return sorted((each for each in result if each), key=lambda item: -item.changed)
-
-
-def find(parent: Path, name: str) -> Listed:
-    """Return a recording by its name.
-
-    Raises:
-        RecordingError: there is no such recording; lists some that exist.
-    """
-    result = _look(parent / name) if NAME.fullmatch(name) else None
-    if result is None:
-        some = ", ".join(item.name for item in listed(parent)[:5]) or "none yet"
-        raise RecordingError(f"there is no recording {name!r}; valid are {some}")
-    return result
-
-
-def _look(folder: Path) -> Listed | None:
-    """Return the recording in a folder; None for a link, which could lead anywhere."""
-    path = folder / f"{folder.name}_0.mcap"
-    try:
-        if folder.is_symlink() or path.is_symlink() or not path.is_file():
-            return None
-        status = path.stat()
-        with path.open("rb") as file:
-            file.seek(max(0, status.st_size - len(MAGIC)))
-            unfinished = status.st_size <= len(MAGIC) or file.read() != MAGIC
-    except OSError:
-        return None  # it was deleted meanwhile, or belongs to another user
-    duration = _duration(folder / METADATA_FILE)
-    return Listed(folder.name, path, status.st_size, duration, unfinished, status.st_mtime)
-
-
-def _duration(path: Path) -> float | None:
-    try:
-        if path.stat().st_size > LARGEST_METADATA:
-            return None
-        content = yaml.load(path.read_bytes(), _Loader)
-        nanoseconds = content["rosbag2_bagfile_information"]["duration"]["nanoseconds"]
-        return int(nanoseconds) / 1e9
-    except (OSError, yaml.YAMLError, LookupError, TypeError, ValueError):
-        return None
-
 
 MEDIA_TYPE = "application/octet-stream"
 FILE = content(MEDIA_TYPE) | refusal(404, "no such recording")
+PICTURE = content("image/jpeg") | refusal(404, "no such recording, or no picture in it")
+CHANGE = refusal(409, "no such recording, a name that is taken, or a file that is none")
 BLOCK = 1 << 20
 """Block size for reading a file that is still being written [bytes]."""
-
-
-class RecordingEntry(Message):
-    """One recording."""
-
-    name: str
-    """``/api/recordings/NAME`` serves the file."""
-    size_bytes: int
-    duration_s: float | None
-    """Null if it is unknown."""
-    unfinished: bool
-    """Still being recorded, or cut off by a full disk or the end of the program; it can be read."""
 
 
 def recordings_router(folder: Callable[[], Path]) -> APIRouter:
@@ -124,6 +50,8 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
                 size_bytes=item.size_bytes,
                 duration_s=item.duration_s,
                 unfinished=item.unfinished,
+                changed=item.changed,
+                notes=item.notes,
             )
             for item in listed(folder())
         ]
@@ -139,7 +67,61 @@ def recordings_router(folder: Callable[[], Path]) -> APIRouter:
             return _so_far(result)
         return FileResponse(result.file, media_type=MEDIA_TYPE, filename=f"{name}.mcap")
 
+    _add_changes(router, folder)
     return router
+
+
+def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
+    @router.get("/api/recordings/{name}/picture", response_class=Response, responses=PICTURE)
+    def picture(name: str) -> Response:
+        """A picture that the robot saw in the middle of the recording."""
+        with _refused(404):
+            jpeg = picture_in(find(folder(), name))
+        if jpeg is None:
+            raise HTTPException(404, "the recording has no picture")
+        return Response(jpeg, media_type="image/jpeg")
+
+    @router.patch("/api/recordings/{name}", status_code=204, responses=CHANGE)
+    def change(name: str, wanted: ChangeMessage) -> None:
+        """Rename a recording, or write notes about it."""
+        with _refused(409):
+            if wanted.notes is not None:
+                annotate(folder(), name, wanted.notes)
+            if wanted.name is not None and wanted.name != name:
+                rename(folder(), name, wanted.name)
+
+    @router.delete("/api/recordings/{name}", status_code=204, responses=CHANGE)
+    def remove(name: str) -> None:
+        """Delete a recording."""
+        with _refused(409):
+            delete(folder(), name)
+
+    @router.put("/api/recordings/{name}", status_code=204, responses=CHANGE)
+    async def upload(name: str, request: Request) -> None:
+        """Take a recording into the folder: the body is an MCAP file."""
+        parent = folder()
+        parent.mkdir(parents=True, exist_ok=True)
+        with _refused(409), TemporaryDirectory(dir=parent, prefix=".new-") as made:
+            file = Path(made) / "new.mcap"
+            await _receive(request, file)
+            await run_in_threadpool(add, parent, name, file)
+
+
+async def _receive(request: Request, path: Path) -> None:
+    try:
+        with path.open("wb") as file:
+            async for block in request.stream():
+                file.write(block)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
+
+
+@contextmanager
+def _refused(status: int) -> Iterator[None]:
+    try:
+        yield
+    except BrickPoseError as error:
+        raise HTTPException(status, str(error)) from error
 
 
 def _so_far(result: Listed) -> Response:

@@ -121,7 +121,12 @@ def add_replay(commands: Commands) -> None:
         "--out: write the trajectories as fast as it goes, without a dashboard. Metres, radians, "
         "seconds.",
     )
-    command.add_argument("file", type=Path, metavar="FILE", help="an .mcap file, or its folder")
+    command.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="an .mcap file, its folder, or its name if the page recorded it",
+    )
     command.add_argument(
         "--speed",
         type=float,

@@ -17,9 +17,12 @@ from app.lab.trajectories.reading import write_tum
 from app.lab.trajectories.trajectory import Trajectory
 from app.page.access_options import ACCESS_OPTIONS, announce, certificate_of, tokens_of
 from app.page.listening import listen
-from app.page.serving import serve
+from app.page.serving import serve, serve_on
+from app.recordings.files.recorded import RecordingError
+from app.recordings.library import NAME, listed
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.recordings.replay.requests import FASTEST, SLOWEST
+from app.settings.config import Config
 from robot.geometry import Array, Pose2
 from robot.settings import SettingError
 
@@ -33,7 +36,7 @@ def run(given: dict[str, Any]) -> int:
     Raises:
         RecordingError, SettingError, FieldError, SpecError, OSError: says what cannot be used.
     """
-    path: Path = given.pop("file")
+    path = recording_path(given.pop("file"))
     out: Path | None = given.pop("out", None)
     _check(given, out)
     access = {name: given.pop(name) for name in ACCESS_OPTIONS if name in given}
@@ -46,8 +49,30 @@ def run(given: dict[str, Any]) -> int:
         program = open_replay(path, options)
         say(f"{path.name} is {program.replay.duration_s:.1f} s long")
         ready = partial(announce, listening, tokens, "https" if certificate else "http")
-        serve(program, listening, tokens, certificate, ready)
+        port = listening.getsockname()[1]
+        following = serve(program, listening, tokens, certificate, ready)
+    if following is not None:
+        serve_on(following, port, tokens, certificate)
     return 0
+
+
+def recording_path(given: Path) -> Path:
+    """Return where a recording is: a path, or the name of one that the page recorded.
+
+    Raises:
+        RecordingError: it is neither; says where it was looked for.
+    """
+    folder = Config().recording.path()
+    if given.exists() or not NAME.fullmatch(given.name):
+        return given
+    for name in (given.name, given.name.removesuffix(".mcap").removesuffix("_0")):
+        if given.parent == Path() and (folder / name).is_dir():
+            return folder / name
+    known = ", ".join(item.name for item in listed(folder)[:5]) or "none yet"
+    raise RecordingError(
+        f"there is no recording {given}; looked in {given.absolute().parent} and, for what "
+        f"the page recorded, in {folder}, which has {known}"
+    )
 
 
 def _check(given: dict[str, Any], out: Path | None) -> None:

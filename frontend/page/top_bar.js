@@ -29,6 +29,13 @@ export class TopBar {
   #loop = find("stat-loop", HTMLElement);
   #delay = find("stat-delay", HTMLElement);
 
+  constructor() {
+    const bar = /** @type {HTMLElement} */ (document.querySelector(".bar"));
+    const root = document.documentElement.style;
+    // What opens below the bar stands below all of its rows.
+    new ResizeObserver(() => root.setProperty("--bar", `${bar.offsetHeight}px`)).observe(bar);
+  }
+
   /** @param {TelemetryMessage} telemetry @param {number | null} delay exposure to pixel [ms] */
   show(telemetry, delay) {
     const { robot, truth, particles } = telemetry;

@@ -10,6 +10,11 @@ import { axisScale } from "./scale.js";
  * @typedef {{colour: string, dash: number[], xs: number[], ys: number[]}} Series NaN leaves a
  *   gap
  */
+/**
+ * @typedef {Pick<CanvasRenderingContext2D, "strokeStyle" | "fillStyle" | "lineWidth" | "lineJoin" |
+ *   "font" | "textAlign" | "textBaseline" | "beginPath" | "moveTo" | "lineTo" | "rect" | "stroke" |
+ *   "fillRect" | "fillText" | "measureText" | "setLineDash" | "save" | "restore"> & {clip(): void}} Pen
+ */
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box */
 
 /**
@@ -28,19 +33,29 @@ import { axisScale } from "./scale.js";
  * @returns {Scale} of x, to find the value under a pointer
  */
 export function drawChart(surface, chart) {
-  const context = surface.begin();
+  const { width, height } = surface;
+  return drawInto(surface.begin(), chart, { top: 0, width, height });
+}
+
+/**
+ * Draw a line chart into a part of a picture.
+ * @param {Pen} context @param {Chart} chart
+ * @param {{top: number, width: number, height: number}} part [px]
+ * @returns {Scale} of x
+ */
+export function drawInto(context, chart, { top, width, height }) {
   context.font = palette.font;
   const line = palette.fontSize;
-  const ticks = axisScale(chart.y, 0, 1, surface.height / (line * 2.5)).ticks;
-  const gutter = Math.max(...ticks.map((tick) => context.measureText(brief(tick)).width)) + 14;
+  const ticks = axisScale(chart.y, 0, 1, height / (line * 2.5)).ticks;
+  const gutter = Math.max(30, ...ticks.map((tick) => context.measureText(brief(tick)).width)) + 14;
   const box = {
     left: gutter,
-    top: line * 1.5,
-    right: surface.width - 10,
-    bottom: surface.height - line * 2,
+    top: top + line * 1.5,
+    right: width - 10,
+    bottom: top + height - line * 2,
   };
   const x = axisScale(chart.x, box.left, box.right, (box.right - box.left) / (line * 6));
-  const y = axisScale(chart.y, box.bottom, box.top, surface.height / (line * 2.5));
+  const y = axisScale(chart.y, box.bottom, box.top, height / (line * 2.5));
   drawAxes(context, box, x, y, chart);
   drawGuides(context, box, x, y, chart);
   clip(context, box, () => chart.series.forEach((one) => drawSeries(context, x, y, one)));
@@ -48,7 +63,7 @@ export function drawChart(surface, chart) {
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
+ * @param {Pen} context
  * @param {Box} box
  * @param {Scale} x
  * @param {Scale} y
@@ -79,7 +94,7 @@ function drawAxes(context, box, x, y, chart) {
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
+ * @param {Pen} context
  * @param {Box} box
  * @param {Scale} x
  * @param {Scale} y
@@ -102,7 +117,7 @@ function drawGuides(context, box, x, y, { levels = [], marks = [], cursor = null
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
+ * @param {Pen} context
  * @param {Scale} x
  * @param {Scale} y
  * @param {Series} series
@@ -126,7 +141,7 @@ function drawSeries(context, x, y, { colour, dash, xs, ys }) {
   context.setLineDash([]);
 }
 
-/** @param {CanvasRenderingContext2D} context @param {Box} box @param {() => void} draw */
+/** @param {Pen} context @param {Box} box @param {() => void} draw */
 function clip(context, box, draw) {
   context.save();
   context.beginPath();
@@ -137,7 +152,7 @@ function clip(context, box, draw) {
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
+ * @param {Pen} context
  * @param {number} x0
  * @param {number} y0
  * @param {number} x1

@@ -1,141 +1,114 @@
 // @ts-check
 import { find, findButton, make, setText } from "../page/elements.js";
 import { plain } from "../page/format.js";
-import { palette } from "../page/palette.js";
+import { t } from "../page/language.js";
 import { Surface } from "../page/surface.js";
 import { Tabs } from "../page/tabs.js";
-import { drawChart } from "./chart.js";
-import { SPAN_S } from "./history.js";
-import { roundUp } from "./scale.js";
+import { ValueChooser } from "./chooser.js";
+import { PRESETS, QUANTITIES } from "./quantities.js";
+import { SavePlots } from "./saving.js";
+import { Span } from "./span.js";
+import { drawStack, lookOf } from "./stack.js";
 
 /** @typedef {import("../page/draw_loop.js").DrawLoop} DrawLoop */
-/** @typedef {import("../page/palette.js").ColourName} ColourName */
 /** @typedef {import("./history.js").History} History */
-/** @typedef {import("./history.js").Quantity} Quantity */
-/**
- * @typedef {{quantity: Quantity, name: string, unit: string, role: ColourName, dash: number[],
- *   digits: number, replayed?: boolean}} Line replayed: only shown in a replay
- */
 
-/** @type {Record<string, {label: string, floor: number, lines: Line[]}>} */
-const PLOTS = {
-  error: {
-    label: "mm",
-    floor: 10,
-    lines: [
-      {
-        quantity: "estimateError",
-        name: "estimate",
-        unit: "mm",
-        role: "estimate",
-        dash: [],
-        digits: 1,
-      },
-      {
-        quantity: "odometryError",
-        name: "odometry",
-        unit: "mm",
-        role: "odometry",
-        dash: [7, 4],
-        digits: 1,
-      },
-      {
-        quantity: "thenError",
-        name: "estimated then",
-        unit: "mm",
-        role: "then",
-        dash: [9, 3, 2, 3],
-        digits: 1,
-        replayed: true,
-      },
-    ],
-  },
-  particles: {
-    label: "particles",
-    floor: 100,
-    lines: [
-      { quantity: "effective", name: "effective", unit: "", role: "estimate", dash: [], digits: 0 },
-      { quantity: "count", name: "all", unit: "", role: "quiet", dash: [7, 4], digits: 0 },
-    ],
-  },
-  timing: {
-    label: "Hz and ms",
-    floor: 20,
-    lines: [
-      { quantity: "loop", name: "loop", unit: "Hz", role: "truth", dash: [], digits: 0 },
-      { quantity: "delay", name: "delay", unit: "ms", role: "odometry", dash: [7, 4], digits: 0 },
-    ],
-  },
-};
-/** The lowest value of a logarithmic axis [mm]. */
-const LOG_FLOOR = 0.1;
+const ZOOM = 1.25;
+/** A shorter drag is a click [CSS px]. */
+const SHORTEST = 4;
 
-/**
- * Plots of the last half minute, one group of numbers at a time; shows the values under the
- * pointer.
- */
+/** Plots of any values over any part of the run; shows the values under the pointer. */
 export class PlotsPanel {
   #legend = find("plots-legend", HTMLElement);
   #readout = find("plots-readout", HTMLElement);
   #text = find("plots-text", HTMLElement);
   #log = findButton("plots-log");
-  #shown = "error";
+  #choice = find("plots-span", HTMLSelectElement);
+  #span = new Span();
   #replayed = false;
-  /** @type {number | null} age whose values are shown [s], negative */
+  /** Names of the values that are shown. @type {string[]} */
+  #shown = PRESETS.error;
+  /** @type {number | null} stamp whose values are shown [s] */
   #cursor = null;
   /** @type {import("./scale.js").Scale | null} */
   #x = null;
+  /** Where the pointer was pressed and last seen [CSS px]. @type {{from: number, last: number} | null} */
+  #drag = null;
 
-  /** @param {DrawLoop} loop @param {History} history */
-  constructor(loop, history) {
+  /**
+   * @param {DrawLoop} loop @param {History} history
+   * @param {(stamp: number) => void} seek goes to a time of a replay
+   */
+  constructor(loop, history, seek) {
     this.history = history;
+    this.seek = seek;
     const canvas = find("plots-canvas", HTMLCanvasElement);
     this.surface = new Surface(canvas, () => this.refresh?.());
     const visible = () => this.surface.visible;
     this.refresh = loop.add(() => this.#paint(), { visible, hertz: 10 });
-    this.tabs = new Tabs(find("plots-tabs", HTMLElement), (name) => this.#choose(name));
-    this.tabs.select(this.#shown);
+    this.chooser = new ValueChooser((names) => this.#show(names));
+    this.tabs = new Tabs(find("plots-tabs", HTMLElement), (name) => this.#preset(name));
+    this.tabs.select("error");
     this.#log.onclick = () => this.#toggleLog();
-    canvas.addEventListener("pointermove", (event) => this.#point(this.surface.locate(event)[0]));
-    canvas.addEventListener("pointerleave", () => this.#read(null));
-    canvas.addEventListener("blur", () => this.#read(null));
-    canvas.addEventListener("keydown", (event) => this.#key(event));
+    this.#choice.onchange = () => this.#follow(Number(this.#choice.value));
+    new SavePlots(() => this.plot);
+    this.#wire(canvas);
   }
 
-  /** Without the truth there is no error to plot: show particles instead. @param {boolean} known */
+  /** What is drawn now, for any size. @returns {import("./stack.js").Plot} */
+  get plot() {
+    const names = this.#shown.filter((name) => this.#replayed || name !== "thenError");
+    return { history: this.history, names, span: this.#span, log: this.#isLog, cursor: this.#cursor };
+  }
+
+  /** Without the truth there is no error to plot: show how sure the estimate is. @param {boolean} known */
   setTruth(known) {
-    if (known !== (this.#shown === "error")) this.tabs.select(known ? "error" : "particles");
+    if (known !== this.#shown.includes("estimateError")) this.tabs.select(known ? "error" : "bound");
   }
 
   /** A replay also has the recorded estimate. @param {boolean} replayed */
   setReplay(replayed) {
     this.#replayed = replayed;
-    this.#choose(this.#shown);
+    this.#show(this.#shown);
   }
 
   /** Describe the plot in words for screen readers; called now and then. */
   describe() {
-    const sentences = this.#lines.map((line) => this.#sentence(line));
-    setText(this.#text, `Last ${SPAN_S} seconds. ${sentences.join(" ")}`);
-  }
-
-  get #lines() {
-    return PLOTS[this.#shown].lines.filter(({ replayed }) => this.#replayed || !replayed);
+    setText(this.#text, this.plot.names.map((name) => this.#sentence(name)).join(" "));
   }
 
   get #isLog() {
-    return this.#shown === "error" && this.#log.getAttribute("aria-pressed") === "true";
+    return this.#log.getAttribute("aria-pressed") === "true";
+  }
+
+  /** @param {HTMLCanvasElement} canvas */
+  #wire(canvas) {
+    canvas.addEventListener("pointerdown", (event) => this.#press(event));
+    canvas.addEventListener("pointermove", (event) => this.#move(event));
+    canvas.addEventListener("pointerup", () => this.#release());
+    canvas.addEventListener("pointerleave", () => this.#read(null));
+    canvas.addEventListener("blur", () => this.#read(null));
+    canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    canvas.addEventListener("dblclick", () => this.#follow(Number(this.#choice.value)));
+    canvas.addEventListener("keydown", (event) => this.#key(event));
   }
 
   /** @param {string} name */
-  #choose(name) {
-    this.#shown = name;
-    this.#log.hidden = name !== "error";
-    this.#legend.replaceChildren(
-      ...this.#lines.map(({ role, name: words }) =>
-        make("li", {}, make("span", { class: `swatch ${role}` }), `${words} `, make("b", {})),
-      ),
-    );
+  #preset(name) {
+    this.chooser?.choose(PRESETS[name]);
+    this.#show(PRESETS[name]);
+  }
+
+  /** @param {string[]} names */
+  #show(names) {
+    this.#shown = names;
+    const lines = this.plot.names.map((name, i) => {
+      const { colour, dash } = lookOf(name, i);
+      const swatch = make("span", { class: "swatch line", style: `color: ${colour}` });
+      swatch.dataset.dashed = String(dash.length > 0);
+      return make("li", {}, swatch, `${QUANTITIES[name].name} `, make("b", {}));
+    });
+    this.#legend.replaceChildren(...lines);
     this.refresh();
   }
 
@@ -144,68 +117,107 @@ export class PlotsPanel {
     this.refresh();
   }
 
+  /** Show the newest part of the run. @param {number} seconds 0 is all of it */
+  #follow(seconds) {
+    this.#span.follow(seconds || Infinity);
+    this.refresh();
+  }
+
   #paint() {
-    const xs = this.history.ages();
-    const series = this.#lines.map(({ quantity, role, dash }) => {
-      return { colour: palette[role], dash, xs, ys: this.history.values[quantity] };
-    });
-    const high = roundUp(
-      Math.max(PLOTS[this.#shown].floor, ...series.flatMap(({ ys }) => ys.filter(Number.isFinite))),
-    );
-    this.#x = drawChart(this.surface, {
-      x: { low: -SPAN_S, high: 0, label: "seconds" },
-      y: {
-        low: this.#isLog ? LOG_FLOOR : 0,
-        high,
-        label: PLOTS[this.#shown].label,
-        log: this.#isLog,
-      },
-      series,
-      cursor: this.#cursor,
-    });
+    const context = this.surface.begin();
+    this.#x = drawStack(context, this.plot, this.surface.width, this.surface.height);
     this.#write();
   }
 
   /** Write the values beside the names: the newest ones, or those under the pointer. */
   #write() {
     const { stamps, values } = this.history;
-    const at = this.#cursor === null ? stamps.length - 1 : this.history.nearest(this.#cursor);
-    this.#lines.forEach(({ quantity, unit, digits }, i) => {
-      const value = values[quantity][at];
+    const newest = stamps.at(-1) ?? 0;
+    const stamp = this.#cursor ?? this.#span.end ?? newest;
+    const at = this.history.nearest(stamp);
+    this.plot.names.forEach((name, i) => {
+      const { unit, digits } = QUANTITIES[name];
+      const value = values[name][at];
       const text = Number.isFinite(value) ? `${plain(value, digits)} ${unit}` : "–";
       setText(this.#legend.children[i].getElementsByTagName("b")[0], text);
     });
-    setText(
-      this.#readout,
-      this.#cursor === null ? "last 30 s" : `${plain(-this.#cursor, 1)} s ago`,
-    );
+    const ago = newest - stamp;
+    setText(this.#readout, ago < 0.05 ? "" : t("{seconds} s ago", { seconds: plain(ago, 1) }));
   }
 
-  /** @param {number} pixel */
-  #point(pixel) {
-    if (this.#x) this.#read(this.#x.value(pixel));
+  /** @param {PointerEvent} event */
+  #press(event) {
+    const [x] = this.surface.locate(event);
+    this.#drag = { from: x, last: x };
+    this.surface.canvas.setPointerCapture(event.pointerId);
   }
 
-  /** @param {number | null} age */
-  #read(age) {
-    this.#cursor = age === null ? null : Math.min(0, Math.max(-SPAN_S, age));
+  /** @param {PointerEvent} event */
+  #move(event) {
+    const [x] = this.surface.locate(event);
+    if (this.#x === null) return;
+    if (this.#drag && Math.abs(x - this.#drag.from) > SHORTEST) {
+      this.#span.pan(this.history.stamps, this.#x.value(this.#drag.last) - this.#x.value(x));
+    }
+    if (this.#drag) this.#drag.last = x;
+    this.#read(this.#x.value(x));
+  }
+
+  /** A click goes to that time of a replay. */
+  #release() {
+    const drag = this.#drag;
+    this.#drag = null;
+    if (drag && this.#x && this.#replayed && Math.abs(drag.last - drag.from) <= SHORTEST) {
+      this.seek(this.#x.value(drag.last));
+    }
+  }
+
+  /** @param {WheelEvent} event */
+  #wheel(event) {
+    event.preventDefault();
+    if (this.#x) this.#zoom(event.deltaY > 0 ? ZOOM : 1 / ZOOM, this.#x.value(this.surface.locate(event)[0]));
+  }
+
+  /** @param {number} factor @param {number} [stamp] */
+  #zoom(factor, stamp) {
+    const [, high] = this.#span.ends(this.history.stamps);
+    this.#span.zoom(this.history.stamps, factor, stamp ?? high);
+    this.refresh();
+  }
+
+  /** @param {number | null} stamp */
+  #read(stamp) {
+    this.#cursor = stamp;
     this.refresh();
   }
 
   /** @param {KeyboardEvent} event */
   #key(event) {
-    const step = { ArrowLeft: -0.5, ArrowRight: 0.5 }[event.key];
-    if (!step) return;
-    this.#read((this.#cursor ?? 0) + step);
+    const [low, high] = this.#span.ends(this.history.stamps);
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (step && event.shiftKey) this.#span.pan(this.history.stamps, (step * (high - low)) / 10);
+    else if (step) this.#read(Math.min(high, Math.max(low, (this.#cursor ?? high) + (step * (high - low)) / 60)));
+    else if (event.key === "+") this.#zoom(1 / ZOOM);
+    else if (event.key === "-") this.#zoom(ZOOM);
+    else if (event.key === "0") this.#follow(Number(this.#choice.value));
+    else return;
     event.preventDefault();
+    this.refresh();
   }
 
-  /** @param {Line} line */
-  #sentence({ quantity, name, unit, digits }) {
-    const known = this.history.values[quantity].filter(Number.isFinite);
-    if (known.length === 0) return `${name}: not known.`;
-    const [low, high, now] = [Math.min(...known), Math.max(...known), known[known.length - 1]];
-    const range = `${plain(low, digits)} to ${plain(high, digits)}`;
-    return `${name}: now ${plain(now, digits)} ${unit}, between ${range}.`;
+  /** @param {string} quantity */
+  #sentence(quantity) {
+    const { name, unit, digits } = QUANTITIES[quantity];
+    const [low, high] = this.#span.ends(this.history.stamps);
+    const part = this.history.values[quantity].slice(this.history.after(low), this.history.after(high) + 1);
+    const known = part.filter(Number.isFinite);
+    if (known.length === 0) return t("{name}: not known.", { name });
+    return t("{name}: now {now} {unit}, between {low} and {high}.", {
+      name,
+      unit,
+      now: plain(known[known.length - 1], digits),
+      low: plain(Math.min(...known), digits),
+      high: plain(Math.max(...known), digits),
+    });
   }
 }

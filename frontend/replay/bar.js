@@ -26,6 +26,7 @@ export class ReplayBar {
   /** Whether the replay played before the slider was held; null while nobody holds it. */
   /** @type {boolean | null} */
   #played = null;
+  #stamp = 0;
   #touched = -Infinity;
   #sent = -Infinity;
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -44,9 +45,11 @@ export class ReplayBar {
 
   /**
    * @param {ReplayMessage | null} replay
+   * @param {number} stamp the robot's clock then [s]
    * @returns {boolean} whether a replay has begun or ended
    */
-  show(replay) {
+  show(replay, stamp) {
+    this.#stamp = stamp;
     const changed = this.shown !== (replay !== null);
     this.shown = replay !== null;
     this.#now = replay;
@@ -57,6 +60,11 @@ export class ReplayBar {
   /** Play or pause. */
   toggle() {
     if (this.#now) this.#ask({ paused: !this.#now.paused });
+  }
+
+  /** Go to a time of the robot's clock. @param {number} stamp [s] */
+  seek(stamp) {
+    if (this.#now) this.#ask({ position_s: Math.max(0, this.#now.position_s + stamp - this.#stamp) });
   }
 
   /** @param {number} pictures forward, or back if negative */

@@ -15,6 +15,16 @@ export async function getJson(address) {
   return answer.json();
 }
 
+/**
+ * Ask for a change.
+ * @param {string} address @param {string} method @param {BodyInit} [body] a file, or JSON as text
+ */
+export async function send(address, method, body) {
+  const headers = typeof body === "string" ? { "Content-Type": "application/json" } : undefined;
+  const answer = await fetch(address, { method, body, headers });
+  if (!answer.ok) throw new HttpError(await reason(answer));
+}
+
 /** @param {Response} answer @returns {Promise<string>} FastAPI's own words, if there are any */
 async function reason(answer) {
   const text = await answer.text();

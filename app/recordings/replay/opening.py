@@ -96,6 +96,21 @@ class ReplayProgram(Program):
     """Its loop."""
     remarks: tuple[str, ...] = dataclasses.field(kw_only=True)
     """What is missing in the recording, or not as it was recorded."""
+    before: Config | None = None
+    """Settings of the program with a robot that opened it; None if it was started as a replay."""
+
+
+def replay_after(program: Program, path: Path) -> ReplayProgram:
+    """Make a program that replays a recording in place of another program, whose page opened it.
+
+    Raises:
+        RecordingError, SettingError, FieldError, SpecError: as ``open_replay``.
+    """
+    replay = open_replay(path, ReplayOptions(host=program.config.host, port=program.config.port))
+    before = program.before if isinstance(program, ReplayProgram) else program.config
+    # Its page lists the recordings of this computer, not those of the recorded one.
+    config = dataclasses.replace(replay.config, recording=program.config.recording)
+    return dataclasses.replace(replay, config=config, before=before)
 
 
 def open_replay(path: Path, options: ReplayOptions) -> ReplayProgram:
