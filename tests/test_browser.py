@@ -113,7 +113,7 @@ def test_typed_numbers_move_the_robot_and_undo_restores_the_pose(page, live):
 
 
 def test_a_parameter_is_changed_and_reset_brings_it_back(page, live):
-    number = page.get_by_role("spinbutton", name="max_particles").first
+    number = page.get_by_role("textbox", name="max_particles").first
     number.fill("700")
     with page.expect_response("**/api/parameters"):
         number.press("Enter")

@@ -70,3 +70,15 @@ def test_the_run_is_zoomed_and_kept_over_a_reload(page):
     page.select_option("#plots-span", "0")
     again = float(saved(page, "csv").read_text().splitlines()[1].split(",")[0])
     assert again == pytest.approx(first, abs=0.3)
+
+
+def test_a_typed_number_may_have_a_comma_and_is_never_read_as_another(page):
+    field = page.locator("#parameters input[inputmode=decimal]").first
+    field.fill("3,5")
+    field.press("Enter")
+    expect(page.locator("#parameters .parameter[data-changed=true] .name")).to_contain_text("sigma")
+    expect(field).to_have_value("3.5")
+    field.fill("1.000,5")
+    field.press("Enter")
+    expect(page.locator("#parameters")).to_contain_text("That is not a number.")
+    expect(field).to_have_value("3.5")

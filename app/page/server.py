@@ -20,6 +20,7 @@ from app.engine.engine_thread import EngineThread
 from app.engine.own_models.error_messages import running
 from app.engine.program import Program
 from app.engine.start_pose.keeping import PoseKeeper
+from app.languages.marking import phrase
 from app.messages.answers import (
     AccessMessage,
     FieldMessage,
@@ -230,13 +231,13 @@ def _health(
     if program.engine.failure is not None:
         return "failed", program.engine.failure
     if not thread.alive:
-        return "failed", "The engine does not run."
+        return "failed", phrase("The engine does not run.")
     if latest is None:
         return "degraded", "The robot has not answered yet."
     silent = time.monotonic() - latest.published
     if silent > STALE_S:
         where = running(thread.ident)
-        return "degraded", f"No tick for {silent:.1f} s." + (f" {where}" if where else "")
+        return "degraded", phrase(f"No tick for {silent:.1f} s.") + (f" {where}" if where else "")
     failures = [follower.failure for follower in followers if follower.failure]
     problems = [*latest.problems, *failures, *outlets.failures]
     if problems:

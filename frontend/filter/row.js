@@ -1,6 +1,7 @@
 // @ts-check
 import { t, translated } from "../page/language.js";
 import { make, setText } from "../page/elements.js";
+import { readNumber } from "../page/format.js";
 import { STEPS, SliderScale } from "./slider.js";
 import { readAs } from "./units.js";
 
@@ -124,10 +125,10 @@ export class ParameterRow {
     const range = { type: "range", min: "0", max: String(STEPS), step: "any" };
     const slider = /** @type {HTMLInputElement} */ (make("input", { ...range, ...this.#labels }));
     const field = /** @type {HTMLInputElement} */ (
-      make("input", { type: "number", step: "any", ...this.#labels })
+      make("input", { type: "text", inputmode: "decimal", autocomplete: "off", ...this.#labels })
     );
     slider.oninput = () => this.#change(scale.fromSlider(slider.valueAsNumber));
-    field.onchange = () => this.#typed(field.valueAsNumber / factor);
+    field.onchange = () => this.#typed(readNumber(field.value) / factor);
     this.element.append(slider, field, make("span", { class: "unit" }, unit));
     return (/** @type {Value} */ value) => {
       if (document.activeElement !== slider) slider.value = String(scale.toSlider(Number(value)));

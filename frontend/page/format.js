@@ -34,6 +34,17 @@ export function plain(value, digits = 0) {
   return shown.replace(".", point);
 }
 
+/**
+ * The number that somebody typed, with a decimal point or comma; NaN if it is none, or may be two.
+ * @param {string} text
+ */
+export function readNumber(text) {
+  const plainText = text.trim().replace("−", "-");
+  return /^[+-]?(\d+([.,]\d*)?|[.,]\d+)(e[+-]?\d+)?$/i.test(plainText)
+    ? Number(plainText.replace(",", "."))
+    : NaN;
+}
+
 /** About three figures, without an exponent. @param {number} value */
 export function brief(value) {
   if (value === 0 || !Number.isFinite(value)) return plain(value);
