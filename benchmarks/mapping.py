@@ -41,6 +41,8 @@ def measure() -> Result:
             drawer.begin()
             try:
                 with_map.append(_lap(program, pace))
+                while drawer.drawing is None or drawer.drawing.sketch is None:
+                    program.engine.step()  # on a busy machine the drawer may need longer
                 corrections.append(_correction(drawer))
             finally:
                 drawer.close()

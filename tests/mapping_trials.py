@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import math
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from calibrations import SPEC
 from engine_runs import EIGHT
-from mappings import Tour, errors_of, field_of, held, laid_on, mapped
+from mappings import Loop, Tour, errors_of, field_of, held, laid_on, mapped, square_of
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
@@ -35,30 +36,35 @@ SETTLED_S = 3.0
 
 def main() -> None:
     parser = argparse.ArgumentParser()
-    parser.add_argument("maps", nargs="+", metavar="MAP")
+    parser.add_argument("maps", nargs="*", metavar="MAP")
     parser.add_argument("--world", default="default", help="a condition, as of brickpose run")
     parser.add_argument("--calibrate", action="store_true", help="the robot along with the map")
     parser.add_argument(
         "--localize", action="store_true", help="another drive in the map, and in the true one"
     )
     parser.add_argument("--tour", action="store_true", help="over all of the field, not the eight")
+    parser.add_argument(
+        "--loop", type=float, metavar="SIDE", help="once around a square of tape of a side [m]"
+    )
     parser.add_argument("--laps", type=int, default=1, help="of the figure-eight")
     parser.add_argument("--seeds", type=int, nargs=2, default=(61000, 61024), metavar=("A", "END"))
     parser.add_argument("--figure", type=Path, help="draws each map's first robot and the truth")
     given = parser.parse_args()
+    if given.loop is not None:
+        given.maps.append(loop_map(given.loop))
     panels, means, within = {}, [], []
     seconds = math.ceil(given.laps * FigureEight().lap)
     for name in given.maps:
         taped = load_field(name, MAPS)
         rows, others = [], []
         for seed in range(*given.seeds):
-            tour = Tour(taped, given.laps) if given.tour else None
+            tour = route(taped, given)
             try:
                 drawn, poses = mapped(
                     name,
                     seed,
                     given.world,
-                    LONGEST_S if given.tour else seconds,
+                    LONGEST_S if tour is not None else seconds,
                     calibrate=given.calibrate,
                     steer=tour,
                 )
@@ -102,6 +108,20 @@ def main() -> None:
         print(f"95 % intervals hold {share:.1f} % of the true edges, in the frame of the start")
     if given.figure:
         draw(panels, given.figure)
+
+
+def loop_map(side: float) -> str:
+    """The file of a square of tape with a side [m]."""
+    path = Path(tempfile.mkdtemp()) / "loop.svg"
+    path.write_text(square_of(side))
+    return str(path)
+
+
+def route(taped: Field, given: argparse.Namespace) -> Tour | None:
+    """What steers the robot; None for the figure-eight."""
+    if given.loop is not None:
+        return Loop(given.loop)
+    return Tour(taped, given.laps) if given.tour else None
 
 
 def localized(taped: Field, field: Field, floor_from_field: Pose2, world: str, seed: int) -> float:

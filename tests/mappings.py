@@ -56,6 +56,27 @@ class Tour:
         return Twist2(v, min(max(-1.0, 2 * turn), 1.0))
 
 
+def square_of(side: float) -> str:
+    """A drawing of a square of tape with a side [m], for loops that are longer than in ``maps``."""
+    half, floor = 500 * side, 500 * side + 250
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{2 * floor}mm" height="{2 * floor}mm" '
+        f'viewBox="{-floor} {-floor} {2 * floor} {2 * floor}" '
+        f'data-start="{200 - half} {200 - half} 0"><title>Square</title>'
+        f'<rect x="{-half}" y="{-half}" width="{2 * half}" height="{2 * half}" fill="none" '
+        'stroke="#202225" stroke-width="50"/></svg>'
+    )
+
+
+class Loop(Tour):
+    """Drives along the tape of a square, 0.2 m inside it, and a metre farther than once around."""
+
+    def __init__(self, side: float) -> None:
+        far = side / 2 - 0.2
+        corners = [(far, -far), (far, far), (-far, far), (-far, -far), (1 - far, -far)]
+        self._points = corners
+
+
 def _lanes(low: float, high: float) -> Array:
     low, high = low + ASIDE, high - ASIDE
     return np.linspace(low, high, max(2, 1 + round((high - low) / LANE)))

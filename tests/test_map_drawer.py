@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import math
 import threading
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from drawn_maps import LAP_S, MappingBench
 from engine_runs import EIGHT, run
 
 from app.engine.build import build_on_map
+from app.engine.mapping import map_files
 from app.engine.mapping.map_drawer import NoMapError
 from app.messages.commands import DriveCommand
 from app.page.mapping import drawing_message, mapping_message
@@ -117,6 +119,20 @@ def test_a_folder_that_cannot_be_written_loses_nothing(mapped, tmp_path):
         mapped.drawer.save("kitchen", tmp_path / "file")
     assert mapped.drawer.drawing.state == "done"
     assert mapped.drawer.save("kitchen", tmp_path) == Path(tmp_path / "kitchen.svg")
+
+
+@pytest.mark.parametrize("step", ["save_map_yaml", "atomic_file"])
+def test_a_full_disk_loses_nothing(mapped, tmp_path, monkeypatch, step):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(map_files, step, full)
+        with pytest.raises(CommandError, match=r"cannot be written.*No space left"):
+            mapped.drawer.save("kitchen", tmp_path)
+    assert mapped.drawer.drawing.state == "done"
+    # The name is still free.
+    assert mapped.drawer.save("kitchen", tmp_path) == tmp_path / "kitchen.svg"
 
 
 def test_what_is_not_there_cannot_be_finished_saved_or_discarded(bench, tmp_path):

@@ -19,7 +19,7 @@ from robot.calibration.drive_log import DriveLog
 from robot.fields.svg_field import field_of_drawing
 from robot.geometry import Array, Pose2
 from robot.mapping.bare_floor import BIN, gaps
-from robot.mapping.crossings import BareFloor, Crossings
+from robot.mapping.crossings import MOST_BARE, BareFloor, Crossings
 from robot.mapping.cutting import pieces_of
 from robot.mapping.drawing import drawing
 from robot.mapping.ends import RaysOnFloor
@@ -253,6 +253,12 @@ def test_tape_where_rays_saw_bare_floor_contradicts_the_map() -> None:
     wrong = replace(drawn, bare=bare)
     assert not wrong.fits
     assert "saw bare floor there at" in " ".join(wrong.remarks)
+    # A single one, which few rays crossed, is told with its place.
+    few = replace(bare, share=0.9 * MOST_BARE)
+    assert not few.is_lost
+    one = replace(drawn, bare=few)
+    assert not one.fits
+    assert "its tape at (0.00, 0.15) m may not be there" in " ".join(one.remarks)
 
 
 @given(st.lists(st.floats(0.045, 0.12), min_size=3, max_size=9))

@@ -41,7 +41,12 @@ class BareFloor:
 
     @property
     def contradicts(self) -> bool:
-        """Whether the map is wrong: tape was drawn twice, or its path was lost."""
+        """Whether the map is wrong: its path was lost, or a stroke is not there."""
+        return self.is_lost or len(self.places) > 0
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether so many rays contradict it that tape was drawn twice, or its path was lost."""
         return self.share > MOST_BARE
 
     @classmethod

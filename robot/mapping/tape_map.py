@@ -126,10 +126,15 @@ class TapeMap:
                 f"the map does not fit: {100 * self.solution.share:.0f} % of the edges that were "
                 f"seen lie on it, {self.residual:.1f} times as far off as expected"
             )
-        if self.bare.contradicts:
+        if self.bare.is_lost:
             remarks.append(
                 f"{100 * self.bare.share:.0f} % of the rays across its tape saw bare floor there"
                 f"{_near(self.bare.places)}: the path was lost; drive so that tape stays in sight"
+            )
+        elif self.bare.contradicts:
+            remarks.append(
+                f"its tape{_near(self.bare.places)} may not be there: many rays across it saw bare "
+                "floor; drive past it once more, or delete it"
             )
         largest = float(1.96 * self.node_sd.max())
         if largest > UNSURE:
