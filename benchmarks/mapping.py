@@ -41,8 +41,7 @@ def measure() -> Result:
             drawer.begin()
             try:
                 with_map.append(_lap(program, pace))
-                while drawer.drawing is None or drawer.drawing.sketch is None:
-                    program.engine.step()  # on a busy machine the drawer may need longer
+                _until_drawn(program, drawer)
                 corrections.append(_correction(drawer))
             finally:
                 drawer.close()
@@ -73,6 +72,14 @@ def _lap(program: Program, pace: RealTime) -> tuple[float, float]:
         program.engine.step()
         times.append(time.thread_time() - began)
     return 1e3 * float(np.percentile(times, 99)), percentile_ms(pace, 99)
+
+
+def _until_drawn(program: Program, drawer: MapDrawer) -> None:
+    """Go on until something is drawn: on a busy machine that may take longer than a lap."""
+    while (drawing := drawer.drawing) is not None and drawing.state == "draw":
+        if drawing.sketch is not None:
+            return
+        program.engine.step()
 
 
 def _correction(drawer: MapDrawer) -> float:
