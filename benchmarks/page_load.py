@@ -91,11 +91,11 @@ def _growth(page: Page, session: CDPSession, seconds: float) -> None:
     begun = time.monotonic()
     while True:
         session.send("HeapProfiler.collectGarbage")
-        now = _metrics(session)
+        metrics = _metrics(session)
         minutes = (time.monotonic() - begun) / 60
         print(
-            f"after {minutes:.1f} min: heap {now['JSHeapUsedSize'] / 1e6:.2f} MB, "
-            f"{now['Nodes']:.0f} nodes, {now['JSEventListeners']:.0f} listeners",
+            f"after {minutes:.1f} min: heap {metrics['JSHeapUsedSize'] / 1e6:.2f} MB, "
+            f"{metrics['Nodes']:.0f} nodes, {metrics['JSEventListeners']:.0f} listeners",
             flush=True,
         )
         if time.monotonic() - begun >= seconds:
@@ -105,7 +105,7 @@ def _growth(page: Page, session: CDPSession, seconds: float) -> None:
 
 def _metrics(session: CDPSession) -> dict[str, float]:
     answer = session.send("Performance.getMetrics")
-    return {one["name"]: one["value"] for one in answer["metrics"]}
+    return {metric["name"]: metric["value"] for metric in answer["metrics"]}
 
 
 if __name__ == "__main__":
