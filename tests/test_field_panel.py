@@ -37,7 +37,7 @@ def test_sliders_make_the_robot_worse_and_all_is_mended_again(page, server):
     with server.live() as live:
         until(live, lambda now: now["robot"]["faults"] == {"light": 0.3})
         expect(page.locator("#stat-faults")).to_have_text("1 fault")
-        number = page.get_by_role("textbox", name="slip_sd")
+        number = page.get_by_role("textbox", name="Wheels slip")
         number.fill("0.3")
         number.press("Enter")
         worse = until(live, lambda now: "slip_sd" in now["robot"]["faults"])
