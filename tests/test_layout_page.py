@@ -26,6 +26,8 @@ def shared(browser, server):
 @pytest.fixture
 def page(shared):
     choose(shared, "drive")
+    # A banner moves all panels.
+    expect(shared.locator("#banner")).to_be_empty()
     return shared
 
 
