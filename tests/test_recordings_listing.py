@@ -1,6 +1,9 @@
 """Recordings are listed and handed out over HTTP, and nothing else is."""
 
+import errno
 import os
+import shutil
+from pathlib import Path
 
 import anyio
 import httpx
@@ -8,9 +11,10 @@ import pytest
 from fastapi import FastAPI
 from recordings import make
 
+from app.recordings import routes
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
-from app.recordings.library import find, listed
+from app.recordings.library import annotate, find, listed, rename
 from app.recordings.routes import recordings_router
 
 
@@ -29,12 +33,18 @@ def get(folder):
     app = FastAPI()
     app.include_router(recordings_router(lambda: folder))
 
-    async def ask(path):
+    async def ask(path, content=None):
         transport = httpx.ASGITransport(app)
+        method = "GET" if content is None else "PUT"
         async with httpx.AsyncClient(transport=transport, base_url="http://robot") as client:
-            return await client.get(path)
+            return await client.request(method, path, content=content)
 
-    return lambda path: anyio.run(ask, path)
+    return lambda *request: anyio.run(ask, *request)
+
+
+@pytest.fixture
+def put(get):
+    return get
 
 
 def test_all_are_listed_with_size_and_duration_newest_first(get, folder):
@@ -87,9 +97,53 @@ def test_before_the_first_there_are_none(tmp_path):
 @pytest.mark.parametrize(
     "text", ["", "[", "rosbag2_bagfile_information: 5", "x: {y: 1}", "a" * 2_000_000, "\x00"]
 )
-def test_without_metadata_of_use_the_duration_is_not_known(folder, text):
+def test_without_metadata_of_use_the_file_tells_the_duration(folder, text):
     (folder / "first" / "metadata.yaml").write_text(text)
-    assert find(folder, "first").duration_s is None
+    assert find(folder, "first").duration_s == pytest.approx(1.98)
     assert find(folder, "first").size_bytes > 0
     (folder / "first" / "metadata.yaml").unlink()
-    assert find(folder, "first").duration_s is None
+    assert find(folder, "first").duration_s == pytest.approx(1.98)
+
+
+@pytest.fixture
+def full(monkeypatch):
+    """A disk on which no file can be written any more."""
+
+    def write_text(*_: object, **__: object) -> int:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    return lambda: monkeypatch.setattr(Path, "write_text", write_text)
+
+
+def test_on_a_full_disk_a_recording_keeps_its_name_and_its_notes(folder, full):
+    annotate(folder, "first", "along the wall")
+    full()
+    with pytest.raises(RecordingError, match="No space left"):
+        annotate(folder, "first", "another")
+    with pytest.raises(RecordingError, match="No space left"):
+        rename(folder, "first", "other")
+    kept = find(folder, "first")
+    assert (kept.notes, kept.duration_s) == ("along the wall", pytest.approx(1.98))
+    assert {item.name for item in listed(folder)} == {"first", "second", "third"}
+
+
+def test_an_upload_is_whole_or_leaves_nothing(put, folder, monkeypatch):
+    content = (folder / "first" / "first_0.mcap").read_bytes()
+    before = sorted(folder.iterdir())
+    assert put("/api/recordings/new", b"no recording").status_code == 409
+    assert put("/api/recordings/first", content).status_code == 409
+    assert put("/api/recordings/..%2Fnew", content).status_code in (404, 409)
+    monkeypatch.setattr(routes, "KEPT_FREE", 1 << 62)
+    answer = put("/api/recordings/new", content)
+    assert (answer.status_code, "disk is full" in answer.text) == (409, True)
+    assert sorted(folder.iterdir()) == before
+    monkeypatch.undo()
+    assert put("/api/recordings/new", content).status_code == 204
+    assert find(folder, "new").duration_s == pytest.approx(1.98)
+
+
+def test_an_upload_to_a_folder_that_is_none_is_told_in_words(put, folder):
+    shutil.rmtree(folder)
+    folder.write_text("a file")
+    answer = put("/api/recordings/new", b"")
+    assert (answer.status_code, "nothing can be kept in" in answer.text) == (409, True)

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 from mcap.writer import MCAP0_MAGIC as MAGIC
 
+from app.files import atomic_file
 from app.messages.recordings import LONGEST_NOTES
 from app.recordings.files.mcap_reader import open_recording
 from app.recordings.files.recorded import RecordingError
@@ -125,7 +126,8 @@ def annotate(parent: Path, name: str, notes: str) -> None:
     path = find(parent, name).file.parent / NOTES_FILE
     try:
         if notes.strip():
-            path.write_text(notes, encoding="utf-8")
+            with atomic_file(path) as new:
+                new.write_text(notes, encoding="utf-8")
         else:
             path.unlink(missing_ok=True)
     except OSError as error:
@@ -136,22 +138,27 @@ def rename(parent: Path, name: str, new: str) -> None:
     """Give a finished recording another name: its folder, its file, and what tells of them.
 
     Raises:
-        RecordingError: a name is not valid or taken, or the recording is not finished.
+        RecordingError: a name is not valid or taken, the recording is not finished, or nothing can
+            be written there; it keeps its name then.
     """
     folder = _finished(parent, name).file.parent
-    if not NAME.fullmatch(new):
-        raise RecordingError(f"{new!r} is no name; valid are 200 letters, digits, ., - and _")
-    if (parent / new).exists():
-        raise RecordingError(f"there is a recording {new} already; choose another name")
+    _require_free(parent, new)
+    before, after = folder / f"{name}_0.mcap", folder / f"{new}_0.mcap"
+    metadata = folder / METADATA_FILE
     try:
-        (folder / f"{name}_0.mcap").rename(folder / f"{new}_0.mcap")
-        metadata = folder / METADATA_FILE
-        if metadata.is_file():
-            text = metadata.read_text(encoding="utf-8")
-            metadata.write_text(text.replace(f"{name}_0.mcap", f"{new}_0.mcap"), encoding="utf-8")
-        folder.rename(parent / new)
-    except OSError as error:
-        raise RecordingError(f"{folder} cannot be renamed: {error.strerror}") from error
+        text = metadata.read_text(encoding="utf-8") if metadata.is_file() else None
+        before.rename(after)
+        try:
+            if text is not None:
+                with atomic_file(metadata) as changed:
+                    changed.write_text(text.replace(before.name, after.name), encoding="utf-8")
+            folder.rename(parent / new)
+        except OSError:
+            after.rename(before)  # a folder and a file of different names are no recording
+            raise
+    except (OSError, ValueError) as error:  # ValueError: the metadata are no UTF-8
+        why = getattr(error, "strerror", None) or error
+        raise RecordingError(f"{folder} cannot be renamed: {why}") from error
 
 
 def delete(parent: Path, name: str) -> None:
@@ -172,14 +179,21 @@ def add(parent: Path, name: str, file: Path) -> None:
 
     Raises:
         RecordingError: it is none, or its name is not valid or taken.
+        OSError: it cannot be moved.
     """
+    _require_free(parent, name)
+    open_recording(file)
+    whole = file.parent / name
+    whole.mkdir()
+    file.rename(whole / f"{name}_0.mcap")
+    whole.rename(parent / name)
+
+
+def _require_free(parent: Path, name: str) -> None:
     if not NAME.fullmatch(name):
         raise RecordingError(f"{name!r} is no name; valid are 200 letters, digits, ., - and _")
     if (parent / name).exists():
         raise RecordingError(f"there is a recording {name} already; choose another name")
-    open_recording(file)
-    (parent / name).mkdir()
-    file.rename(parent / name / f"{name}_0.mcap")
 
 
 def _finished(parent: Path, name: str) -> Listed:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import base64
+import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import BinaryIO
 
 from fastapi import APIRouter, HTTPException, Request, Response
 from fastapi.responses import FileResponse, StreamingResponse
@@ -35,6 +37,8 @@ PICTURE = content("image/jpeg") | refusal(404, "no such recording, or no picture
 CHANGE = refusal(409, "no such recording, a name that is taken, or a file that is none")
 BLOCK = 1 << 20
 """Block size for reading a file that is still being written [bytes]."""
+KEPT_FREE = 64 << 20
+"""Uploads leave this much of the disk [bytes] to a running recording, the pose file and maps."""
 
 
 def recordings_router(folder: Callable[[], Path]) -> APIRouter:
@@ -100,20 +104,31 @@ def _add_changes(router: APIRouter, folder: Callable[[], Path]) -> None:
     async def upload(name: str, request: Request) -> None:
         """Take a recording into the folder: the body is an MCAP file."""
         parent = folder()
-        parent.mkdir(parents=True, exist_ok=True)
-        with _refused(409), TemporaryDirectory(dir=parent, prefix=".new-") as made:
-            file = Path(made) / "new.mcap"
-            await _receive(request, file)
-            await run_in_threadpool(add, parent, name, file)
+        with _refused(409):
+            try:
+                parent.mkdir(parents=True, exist_ok=True)
+                with TemporaryDirectory(dir=parent, prefix=".new-") as made:
+                    file = Path(made) / "new.mcap"
+                    await _receive(request, file)
+                    await run_in_threadpool(add, parent, name, file)
+            except OSError as error:
+                why = error.strerror or error
+                raise RecordingError(f"nothing can be kept in {parent}: {why}") from error
 
 
 async def _receive(request: Request, path: Path) -> None:
-    try:
-        with path.open("wb") as file:
-            async for block in request.stream():
-                file.write(block)
-    except OSError as error:
-        raise RecordingError(f"{path} cannot be written: {error.strerror}") from error
+    with path.open("wb") as file:
+        async for block in request.stream():
+            # A slow disk must not hold up telemetry and commands.
+            await run_in_threadpool(_write, file, block)
+
+
+def _write(file: BinaryIO, block: bytes) -> None:
+    if shutil.disk_usage(Path(file.name).parent).free < KEPT_FREE + len(block):
+        raise RecordingError(
+            f"the disk is full, but for {KEPT_FREE >> 20} MB that the program keeps for itself"
+        )
+    file.write(block)
 
 
 @contextmanager
