@@ -104,9 +104,7 @@ def build_program(
     return Program(engine, robot, field, config, path, own.choice)
 
 
-def build_on_map(
-    program: Program, name: str, place: Hypothesis, *, stopped: bool = False
-) -> Program:
+def build_on_map(program: Program, name: str, place: Hypothesis) -> Program:
     """Build a program on another map, with the robot of one that has ended but handed it over.
 
     The robot's calibration and the filter's parameters go on as they are.
@@ -115,7 +113,6 @@ def build_on_map(
         program: the one that has ended.
         name: of the map, as ``Config.map``.
         place: where the robot is in it.
-        stopped: whether a stop holds that was given before.
 
     Raises:
         FieldError: there is no such map, or the robot is off it.
@@ -135,12 +132,10 @@ def build_on_map(
     engine = build_engine(config, robot, field, scanner, own, begin, parameters)
     if controls.spec is not robot.spec:
         engine.commands.put(calibration_command(Profile.of(controls.spec)))
-    return Program(engine, robot, field, config, path, own.choice, stopped=stopped)
+    return Program(engine, robot, field, config, path, own.choice)
 
 
-def build_on_field(
-    program: Program, name: str, wait: Callable[[float], None] = no_wait, *, stopped: bool = False
-) -> Program:
+def build_on_field(program: Program, name: str, wait: Callable[[float], None] = no_wait) -> Program:
     """Build a program on another field, after one that has ended but handed its robot over.
 
     A simulated robot stands at the start of the new field, with its faults; a real one has to be
@@ -150,7 +145,6 @@ def build_on_field(
         program: the one that has ended.
         name: of the field, as ``Config.map``.
         wait: of a simulated robot, as in ``build_program``.
-        stopped: whether a stop holds that was given before.
 
     Raises:
         FieldError: there is no such field.
@@ -158,10 +152,8 @@ def build_on_field(
     robot, parameters = program.robot, program.engine.controls.localization.parameters
     if not isinstance(robot, SimulatedRobot):
         start = load_field(name, MAPS).start
-        return build_on_map(
-            program, name, Hypothesis(1.0, start, parameters.filter.initial_covariance),
-            stopped=stopped,
-        )  # fmt: skip
+        place = Hypothesis(1.0, start, parameters.filter.initial_covariance)
+        return build_on_map(program, name, place)
     faults = robot.settings
     robot.close()
     begins = replace(program.config.start_pose, restore_pose=False, set_initial_pose=False)
@@ -172,7 +164,7 @@ def build_on_field(
     values = changed_values(parameters, program.config.localization)
     if values:
         following.engine.commands.put(SetParametersCommand(type="set_parameters", values=values))
-    return replace(following, stopped=stopped)
+    return following
 
 
 def robot_spec(config: Config) -> RobotSpec:

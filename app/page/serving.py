@@ -7,6 +7,7 @@ import socket
 import sys
 from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 
 import uvicorn
@@ -26,6 +27,7 @@ from app.page.log_limit import limit_logs
 from app.page.outlets import Outlets
 from app.page.server import create_app
 from app.page.tokens import Tokens
+from robot.errors import CommandError
 from robot.localization.estimate import Hypothesis
 from sim.real_time import RealTime
 
@@ -84,15 +86,24 @@ class Server:
 
     def _change_map(self, name: str, place: Hypothesis | None) -> None:
         """Go on in another map soon; from a thread of the event loop's."""
-        self._engine.handed_over = True
-        self._go_on(lambda: _successor(self._program, name, place, stopped=self.stopped))
+        following = partial(_successor, self._program, name, place)
+        from_thread.run_sync(partial(self._end_soon, following, hand_over=True))
 
     def _go_on(self, following: Callable[[], Program]) -> None:
         """Go on with another program soon; from a thread of the event loop's."""
-        self.successor = following
-        from_thread.run_sync(self._stop_soon)
+        from_thread.run_sync(partial(self._end_soon, following, hand_over=False))
 
-    def _stop_soon(self) -> None:
+    def _end_soon(self, following: Callable[[], Program], *, hand_over: bool) -> None:
+        """End this program soon; in the event loop, so that of two clients one is the first.
+
+        Raises:
+            CommandError: it ends already; a second one could take the robot with nobody to close
+                it.
+        """
+        if self.successor is not None:
+            raise CommandError("the program goes on with something else already; wait a second")
+        self.successor = following
+        self._engine.handed_over = hand_over
         # The page's command has to be answered before.
         asyncio.get_running_loop().call_later(ANSWERED_S, self.stop)
 
@@ -137,7 +148,7 @@ def serve(
             announce()
             server.run(listening)
             if server.successor is not None and not asked():
-                following = server.successor()
+                following = replace(server.successor(), stopped=server.stopped)
     finally:
         if following is None:
             # The engine has closed the robot already, unless it never started or handed it over.
@@ -145,10 +156,10 @@ def serve(
     return following
 
 
-def _successor(program: Program, name: str, place: Hypothesis | None, *, stopped: bool) -> Program:
+def _successor(program: Program, name: str, place: Hypothesis | None) -> Program:
     if place is None:
-        return build_on_field(program, name, RealTime(), stopped=stopped)
-    return build_on_map(program, name, place, stopped=stopped)
+        return build_on_field(program, name, RealTime())
+    return build_on_map(program, name, place)
 
 
 def serve_on(

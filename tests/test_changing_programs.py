@@ -1,0 +1,86 @@
+"""From a robot to a recording, to another field and back: a stop holds; one change at a time."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from serving import Server, ask, serving, telemetry, until
+from websockets.exceptions import WebSocketException
+
+from app.engine.build import build_program
+from app.engine.program import Program
+from app.page import outlets as page_outlets
+from app.page.outlets import Outlets
+from app.recordings.library import listed
+from app.recordings.replay.opening import ReplayProgram, replay_after
+from app.settings.config import Config
+from robot.interface import RobotError
+
+BACK_S = 30.0
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("recordings")
+
+
+@pytest.fixture(scope="module")
+def server(folder) -> Iterator[Server]:
+    config = folder / "settings.toml"
+    config.write_text(f"[recording]\nfolder = {json.dumps(str(folder))}\n", encoding="utf-8")
+    with serving("--robot", "kinematic", "--map", "stub", "--config", str(config)) as running:
+        with running.live() as live:
+            ask(live, type="record", on=True)
+            until(live, lambda now: now["recording"] and now["recording"]["duration_s"] > 1)
+            ask(live, type="record", on=False)
+            until(live, lambda now: not now["recording"]["running"])
+        yield running
+
+
+def after(server: Server, condition) -> dict:
+    """Telemetry of the program that follows, as soon as a condition holds."""
+    end = time.monotonic() + BACK_S
+    while time.monotonic() < end:
+        with suppress(OSError, WebSocketException), server.live() as live:
+            now = telemetry(live)
+            if condition(now):
+                return now
+    raise TimeoutError
+
+
+def test_a_stop_holds_while_a_recording_is_open_and_behind_it(server, folder) -> None:
+    with server.live() as live:
+        assert ask(live, type="stop")["type"] == "ack"
+        [recorded] = listed(folder)
+        assert ask(live, type="open_recording", name=recorded.name)["type"] == "ack"
+        again = ask(live, type="use_field", name="square")
+        assert "goes on with something else already" in again["message"]
+    assert after(server, lambda now: now["replay"] is not None)["driver"]["stopped"]
+    with server.live() as live:
+        assert ask(live, type="close_recording")["type"] == "ack"
+    assert after(server, lambda now: now["replay"] is None)["driver"]["stopped"]
+
+
+def test_who_cannot_go_back_to_the_robot_stays_in_the_recording(
+    server, folder, monkeypatch
+) -> None:
+    def unplugged(*_: object) -> None:
+        raise RobotError("the Build HAT does not answer")
+
+    before = build_program(Config(robot="kinematic", map="stub"))
+    replay = replay_after(before, listed(folder)[0].file.parent)
+    made: list[Callable[[], Program]] = []
+    monkeypatch.setattr(page_outlets, "build_program", unplugged)
+    Outlets.close_recording(SimpleNamespace(_program=replay, _go_on=made.append))  # type: ignore[arg-type]
+    following = made[0]()
+    assert isinstance(following, ReplayProgram)
+    assert following.before == before.config
+    [noted] = [item.message for item in following.engine.controls.problems.record]
+    assert noted == "There is no way back to the robot yet: the Build HAT does not answer"
+    before.robot.close()
