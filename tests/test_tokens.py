@@ -185,6 +185,8 @@ def test_without_a_token_a_browser_gets_a_form_and_a_program_a_sentence(client: 
     page = client.get("/", Accept="text/html,*/*")
     assert (page.status_code, page.headers["content-type"]) == (401, "text/html; charset=utf-8")
     assert 'name="token"' in page.text
+    assert 'name="token"' in client.get("/learn/3", Accept="text/html,*/*").text
+    assert 'name="token"' not in client.get("/api/lessons/3", Accept="text/html,*/*").text
     sentence = client.get("/")
     assert sentence.status_code == 401
     assert sentence.headers["www-authenticate"].startswith("Bearer")
@@ -195,6 +197,9 @@ def test_the_watch_token_reads_only(client: Client) -> None:
     answer = client.get("/?token=watch-me", "POST")
     assert (answer.status_code, answer.text) == (403, "This token only watches.")
     assert client.get("/?token=drive-me", "POST").status_code == 200
+    for method in ("PUT", "PATCH", "DELETE"):
+        answer = client.get("/api/recordings/first?token=watch-me", method)
+        assert (answer.status_code, answer.text) == (403, "This token only watches.")
 
 
 # --- sockets

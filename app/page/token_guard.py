@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterator
 
@@ -19,7 +20,7 @@ from app.settings.config import FRONTEND
 
 SUBPROTOCOL = "brickpose.token."
 """A websocket's subprotocol of this beginning brings a token: browsers cannot set its headers."""
-PAGES = ("/", "/lens", "/learn")
+PAGES = re.compile(r"/|/lens|/learn(/\d+)?")
 """Where people without a token are asked for it."""
 READING = frozenset(["GET", "HEAD", "OPTIONS"])
 NO_TOKEN = (
@@ -136,7 +137,7 @@ def _cookie(request: HTTPConnection, token: str) -> str:
 
 def _no_token(request: HTTPConnection) -> Response:
     headers = {"WWW-Authenticate": 'Bearer realm="BrickPose"', "Cache-Control": "no-store"}
-    if request.url.path in PAGES and "text/html" in request.headers.get("accept", ""):
+    if PAGES.fullmatch(request.url.path) and "text/html" in request.headers.get("accept", ""):
         return page(FRONTEND / "token.html", request, 401, headers)
     return PlainTextResponse(NO_TOKEN, 401, headers)
 
