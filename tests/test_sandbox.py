@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import socket
 import sys
@@ -13,7 +14,8 @@ from course.solutions import ARRAYS
 
 from app.course.grading import grade
 from app.course.lesson import lesson_of
-from app.course.sandbox.student_process import StudentError, StudentProcess
+from app.course.sandbox import wire
+from app.course.sandbox.student_process import StudentError, StudentProcess, _served
 
 ARRAY = np.arange(3.0)
 linux = pytest.mark.skipif(sys.platform != "linux", reason="fences of Linux's kernel")
@@ -93,6 +95,26 @@ def test_results_with_evil_methods_become_words():
         "class E:\n    def __eq__(self, o): raise self\n    __str__ = __repr__ = None\nreturn E()"
     )
     assert "no array of numbers" in answer(body).result
+
+
+@pytest.mark.parametrize(
+    ("forged", "words"),
+    [({"call": "f"}, "not offered"), ({"error": 1}, "no result"), ({"result": {"parts": 1}}, "no")],
+)
+def test_messages_that_the_code_forges_are_refused(forged, words):
+    body = f"""import os
+message = {wire.LENGTH.pack(len(json.dumps(forged))) + json.dumps(forged).encode()!r}
+for fd in range(3, 20):
+    try: os.write(fd, message)
+    except OSError: pass"""
+    with pytest.raises(StudentError, match=words):
+        answer(body)
+
+
+@pytest.mark.parametrize("message", [{"call": "near"}, {"call": "near", "arguments": (3, 0)}])
+def test_an_offered_function_may_be_asked_anything(message):
+    with pytest.raises(StudentError, match="what it cannot use"):
+        _served(message, {"near": lambda first, second: first // second})
 
 
 def test_tokens_and_folders_of_the_user_stay_unknown(monkeypatch):

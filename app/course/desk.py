@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -40,12 +41,11 @@ class CheckDesk:
         """Send a page how a lesson stands, now and after each save, until it leaves."""
         await socket.accept()
         language = language_of(socket)
-        try:
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._until_gone, socket, tasks.cancel_scope)
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self._until_gone, socket, tasks.cancel_scope)
+            with suppress(WebSocketDisconnect):  # outside, it would be one error of a group
                 await self._follow(socket, number, language)
-        except WebSocketDisconnect:
-            pass
+            tasks.cancel_scope.cancel()
 
     async def _until_gone(self, socket: WebSocket, scope: anyio.CancelScope) -> None:
         try:
@@ -67,15 +67,9 @@ class CheckDesk:
     async def result(self, number: int, language: Catalogue) -> Mapping[str, Any]:
         """Return how a lesson of the file stands, as the page shows it."""
         try:
-            source = await to_thread.run_sync(read_source, self.file)
+            result = await self._graded(number)
         except SettingError as error:
             return {"type": "problem", "message": language.translated(str(error))}
-        async with self._turn:
-            result = self._results.get((source, number))
-            if result is None:
-                lesson = lesson_of(number, self.folder)
-                result = await to_thread.run_sync(grade, source, self.file.name, lesson)
-                self._keep(source, number, result)
         return {
             "type": "result",
             "file": self.file.name,
@@ -83,6 +77,16 @@ class CheckDesk:
             "begun": result.started,
             "findings": [finding.to_json(language) for finding in result.findings],
         }
+
+    async def _graded(self, number: int) -> Result:
+        source = await to_thread.run_sync(read_source, self.file)
+        async with self._turn:
+            result = self._results.get((source, number))
+            if result is None:
+                lesson = lesson_of(number, self.folder)
+                result = await to_thread.run_sync(grade, source, self.file.name, lesson)
+                self._keep(source, number, result)
+        return result
 
     def _keep(self, source: str, number: int, result: Result) -> None:
         if len(self._results) >= MOST_KEPT:

@@ -45,7 +45,7 @@ class Lesson:
         """What ``checks.py`` brings.
 
         Raises:
-            SettingError: there is no such file, or it has no ``CHECKS``.
+            SettingError: there is no such file, it fails, or it has no ``CHECKS``.
         """
         path = self.folder / "checks.py"
         spec = importlib.util.spec_from_file_location(f"lesson_{self.number}_checks", path)
@@ -53,7 +53,10 @@ class Lesson:
             raise SettingError(f"the lesson {self.folder} has no checks.py")
         module = importlib.util.module_from_spec(spec)
         sys.modules[module.__name__] = module
-        spec.loader.exec_module(module)
+        try:
+            spec.loader.exec_module(module)
+        except Exception as error:  # a teacher's file may raise any
+            raise SettingError(f"{path} fails: {type(error).__name__}: {error}") from error
         checks = getattr(module, "CHECKS", None)
         if not isinstance(checks, Checks):
             raise SettingError(f"{path} has no CHECKS; see docs/course.md")

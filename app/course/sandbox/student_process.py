@@ -36,6 +36,9 @@ LOOK_S = 0.25
 MOST_CALLS = 20_000
 """Most calls of offered functions in one call."""
 
+CANNOT_USE = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, MemoryError)
+"""What an offered function may raise, as the student's code chooses what it is given."""
+
 
 class StudentError(BrickPoseError, RuntimeError):
     """A student's code gives no result; the message says why.
@@ -120,7 +123,7 @@ class StudentProcess:
         self._selector.register(self._process.stdout, selectors.EVENT_READ)
         try:
             self._send({"path": self.path, "source": self.source})
-            self.names = tuple(map(str, self._message(START_S)["names"]))
+            self.names = _names(self._message(START_S))
         except BaseException:
             self.__exit__(None, None, None)
             raise
@@ -210,14 +213,23 @@ class StudentProcess:
         return result
 
     def _ended(self) -> str:
-        with suppress(subprocess.TimeoutExpired):
+        with suppress(subprocess.TimeoutExpired, ValueError):  # some signals have no name
             code = self._process.wait(1.0)
             if code < 0:
                 return f"crashed: {signal.Signals(-code).name}"
         return "ended Python, instead of returning a result"
 
 
+def _names(message: Mapping[str, Any]) -> tuple[str, ...]:
+    names = message.get("names")
+    if not isinstance(names, tuple):
+        raise StudentError("gives what is no result", fatal=True)
+    return tuple(map(str, names))
+
+
 def _error(error: Any) -> tuple[str, int | None]:
+    if not isinstance(error, dict):
+        return "gives what is no result", None
     words, line = error.get("words"), error.get("line")
     return str(words), line if isinstance(line, int) else None
 
@@ -240,7 +252,7 @@ def _served(answer: Mapping[str, Any], offered: Mapping[str, Callable[..., Any]]
         raise StudentError(f"calls {answer['call']!r}, which is not offered", fatal=True)
     try:
         return function(*answer["arguments"])
-    except (TypeError, ValueError, IndexError, AttributeError) as error:
+    except CANNOT_USE as error:
         raise StudentError(
             f"gives {answer['call']} what it cannot use: {error}", fatal=True
         ) from error
