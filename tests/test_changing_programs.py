@@ -14,12 +14,15 @@ from serving import Server, ask, serving, telemetry, until
 from websockets.exceptions import WebSocketException
 
 from app.engine.build import build_program
+from app.engine.commands import check
 from app.engine.program import Program
+from app.messages.commands import CloseRecordingCommand, StopCommand
 from app.page import outlets as page_outlets
 from app.page.outlets import Outlets
 from app.recordings.library import listed
 from app.recordings.replay.opening import ReplayProgram, replay_after
 from app.settings.config import Config
+from robot.errors import CommandError
 from robot.interface import RobotError
 
 BACK_S = 30.0
@@ -65,6 +68,27 @@ def test_a_stop_holds_while_a_recording_is_open_and_behind_it(server, folder) ->
     with server.live() as live:
         assert ask(live, type="close_recording")["type"] == "ack"
     assert after(server, lambda now: now["replay"] is None)["driver"]["stopped"]
+
+
+def test_a_map_that_is_drawn_is_not_lost_by_a_change(server, folder) -> None:
+    with server.live() as live:
+        assert ask(live, type="start_map")["type"] == "ack"
+        for command in (
+            {"type": "open_recording", "name": listed(folder)[0].name},
+            {"type": "use_field", "name": "square"},
+        ):
+            assert "a map is drawn" in ask(live, **command)["message"]
+        assert ask(live, type="discard_map")["type"] == "ack"
+
+
+def test_from_a_recording_that_was_deleted_meanwhile_there_is_a_way_back(folder, server) -> None:
+    before = build_program(Config(robot="kinematic", map="stub"))
+    replay = replay_after(before, listed(folder)[0].file.parent)
+    replay.engine.fail("The replay stopped: its file is gone")
+    with pytest.raises(CommandError, match="its file is gone"):
+        check(StopCommand(type="stop"), replay)
+    check(CloseRecordingCommand(type="close_recording"), replay)
+    before.robot.close()
 
 
 def test_who_cannot_go_back_to_the_robot_stays_in_the_recording(

@@ -111,14 +111,15 @@ class Rule:
 def check(command: Command, program: Program) -> None:
     """Refuse a command that this field, this robot or these parameters do not allow.
 
-    A command is also refused if the engine has failed or too many commands wait.
+    A command is also refused if the engine has failed or too many commands wait; but from a replay
+    that has failed there is a way back to the robot.
 
     Raises:
         CommandError: the command is refused; the message says why.
     """
     engine, rule = program.engine, RULES[type(command)]
     if not isinstance(command, PingCommand):
-        if engine.failure is not None:
+        if engine.failure is not None and not isinstance(command, CloseRecordingCommand):
             raise CommandError(engine.failure)
         if len(engine.commands) >= MOST_WAITING and not isinstance(command, StopCommand):
             raise CommandError(

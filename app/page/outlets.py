@@ -201,11 +201,12 @@ class Outlets:
         """Go on with another field.
 
         Raises:
-            CommandError: there is no such field, or another client drives.
+            CommandError: there is no such field, another client drives, or a map is drawn.
         """
         if self._change_map is None:
             raise CommandError("this program cannot load another field; start it anew")
         self.drivers.require_free(driver)
+        self.mapping.require_idle()
         name = field_named(command.name, self._maps)
         try:
             load_field(name, MAPS)
@@ -217,11 +218,12 @@ class Outlets:
         """Go on with a recording in place of the robot.
 
         Raises:
-            BrickPoseError: it cannot be replayed, or another client drives.
+            BrickPoseError: it cannot be replayed, another client drives, or a map is drawn.
         """
         if self._go_on is None:
             raise CommandError("this program cannot open a recording; brickpose replay does")
         self.drivers.require_free(driver)
+        self.mapping.require_idle()
         item = find(self._program.config.recording.path(), name)
         following = replay_after(self._program, item.file.parent)
         self._go_on(lambda: following)

@@ -145,6 +145,15 @@ class MapDrawer:
         """
         self._done()
 
+    def require_idle(self) -> None:
+        """Refuse what would lose a map that is drawn now.
+
+        Raises:
+            CommandError: one is drawn.
+        """
+        if self._follower.running:
+            raise CommandError("a map is drawn; finish or discard it first")
+
     def delete_stroke(self, number: int, version: int) -> None:
         """Delete a stroke from the finished map.
 
