@@ -21,6 +21,7 @@ from robot.calibration.profile import load_profile
 from robot.description.spec import RobotSpec
 from robot.fields.field import Field
 from robot.fields.field_loading import load_field
+from robot.fields.map_files import read_map_yaml
 from robot.localization.estimate import Hypothesis
 from robot.settings import SettingError
 from robot.toml_file import parse_toml
@@ -71,7 +72,7 @@ class RecordedParts:
             return cls(
                 Config() if SETTINGS in damaged else _config(reader),
                 _robot(folder, names),
-                load_field(str(folder / map_file), MAPS) if map_file in names else None,
+                _field(folder / map_file) if map_file in names else None,
                 SETTINGS in reader.attachments and SETTINGS not in damaged,
                 facts.get("from_start") == "true",
                 tuple(n.removeprefix(MODELS) for n in reader.attachments if n.startswith(MODELS)),
@@ -105,6 +106,17 @@ def _unpacked(reader: RecordingReader, folder: Path, damaged: Collection[str]) -
 def _names_file(name: str) -> bool:
     """Whether a foreign name can be that of a file, and does not lead out of its folder."""
     return name != ".." and name.isprintable() and len(name.encode()) <= LONGEST_NAME
+
+
+def _field(path: Path) -> Field:
+    if path.suffix.lower() in (".yaml", ".yml"):
+        picture = read_map_yaml(path).text("image")
+        # A recording may come from anybody: it must not show pictures of this computer.
+        if Path(picture).name != picture:
+            raise RecordingError(
+                f"the recording's map is the picture {picture!r}; valid is one beside {path.name}"
+            )
+    return load_field(str(path), MAPS)
 
 
 def _robot(folder: Path, names: Collection[str]) -> RobotSpec:
