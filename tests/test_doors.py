@@ -49,6 +49,27 @@ def test_no_page_is_told_to_a_stranger(server, path) -> None:
     assert httpx.get(f"{server.url}{path}?token=guess-1").status_code == REFUSED
 
 
+def test_each_address_of_the_interface_asks_for_a_token_and_changes_for_those_who_drive(server):
+    """Also those that somebody adds: the program's own description names them."""
+    drives, watches = ({"Authorization": f"Bearer {word}-me"} for word in ("drive", "watch"))
+    paths = httpx.get(f"{server.url}/openapi.json", headers=drives).json()["paths"]
+    changing = [(path, way) for path, ways in paths.items() for way in ways if way != "get"]
+    assert {way for _, way in changing} >= {"put", "patch", "delete"}
+    for path, ways in paths.items():
+        for way in ways:
+            assert httpx.request(way, server.url + path).status_code == REFUSED
+    for path, way in changing:
+        answer = httpx.request(way, server.url + path, headers=watches)
+        assert (answer.status_code, answer.text) == (403, "This token only watches.")
+
+
+def test_a_page_of_another_site_changes_no_recording(server):
+    headers = {"Authorization": "Bearer drive-me", "Origin": "http://elsewhere.example"}
+    for way in ("put", "patch", "delete"):
+        answer = httpx.request(way, f"{server.url}/api/recordings/first", headers=headers)
+        assert (answer.status_code, "may not talk to" in answer.text) == (403, True)
+
+
 @pytest.mark.parametrize("path", SOCKETS)
 def test_no_socket_is_opened_to_a_stranger(server, path) -> None:
     with pytest.raises(InvalidStatus) as refused, socket_at(server, path):

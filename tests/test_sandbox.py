@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import socket
+import subprocess
 import sys
 
 import numpy as np
@@ -16,6 +17,7 @@ from app.course.grading import grade
 from app.course.lesson import lesson_of
 from app.course.sandbox import wire
 from app.course.sandbox.student_process import StudentError, StudentProcess, _served
+from app.settings.config import ROOT
 
 ARRAY = np.arange(3.0)
 linux = pytest.mark.skipif(sys.platform != "linux", reason="fences of Linux's kernel")
@@ -115,6 +117,20 @@ for fd in range(3, 20):
 def test_an_offered_function_may_be_asked_anything(message):
     with pytest.raises(StudentError, match="what it cannot use"):
         _served(message, {"near": lambda first, second: first // second})
+
+
+def test_a_folder_whose_name_only_begins_like_a_readable_one_is_not_read(tmp_path):
+    # In a process of its own: what watches a process watches it for good.
+    program = f"""
+import os
+from pathlib import Path
+from app.course.sandbox.audit import Watch
+watch = Watch([Path({str(tmp_path / "lib")!r})], kernel=False)
+for name, allowed in (("lib", True), ("lib/a", True), ("library/a", False)):
+    words = watch._refusal("open", (os.path.join({str(tmp_path)!r}, name), "r", os.O_RDONLY))
+    assert (words is None) == allowed, name
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=ROOT)
 
 
 def test_tokens_and_folders_of_the_user_stay_unknown(monkeypatch):

@@ -45,7 +45,7 @@ class Watch:
         """
         self.attempt: str | None = None
         """What the code tried first, in words; None while it has tried nothing."""
-        self._readable = tuple(str(path) for path in readable)
+        self._readable = tuple(f"{path}{os.sep}" for path in readable)
         self._kernel = kernel
         sys.addaudithook(self._hook())
 
@@ -79,4 +79,4 @@ class Watch:
         if isinstance(flags, int) and flags & WRITING:
             return FILES
         place = os.path.realpath(os.fsdecode(path))  # type: ignore[arg-type]
-        return None if place.startswith(self._readable) else READS + place
+        return None if f"{place}{os.sep}".startswith(self._readable) else READS + place
