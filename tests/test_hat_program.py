@@ -70,6 +70,7 @@ def test_without_pybullet_it_runs_on_a_board_that_goes_and_comes_back(tmp_path, 
                 "battery_v": pytest.approx(8.0, abs=0.1),
                 "can_be_placed": False,
                 "calibrated": None,
+                "faults": {},
             }
         picture = httpx.get(f"{server.url}/camera.jpg")
         assert picture.headers["content-type"] == "image/jpeg"
@@ -96,7 +97,7 @@ def test_the_page_says_which_port_and_shows_nothing_of_a_truth_that_nobody_knows
 ):
     for page in opened(browser, server, width=1000, height=700, view=False):
         expect(page.locator("#robot-dot")).to_have_attribute("data-well", "true")
-        expect(page.get_by_role("tab", name="particles")).to_have_attribute("aria-selected", "true")
+        expect(page.get_by_role("tab", name="bound")).to_have_attribute("aria-selected", "true")
         for part in page.locator("[data-needs-truth]").all():
             expect(part).to_be_hidden()
         hat.ask("unplug B")

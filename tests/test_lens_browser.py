@@ -140,25 +140,25 @@ def test_whoever_only_watches_is_told(browser) -> None:
         expect(page.locator("#banner")).to_contain_text("no connection")
 
 
-LINE_AHEAD = """() => {
+GRID_LINES = """() => {
   const canvas = document.querySelector("#camera-canvas");
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const near = (i, value) => Math.abs(data[i] - value) < 24;
   let count = 0;
   for (let i = 0; i < data.length; i += 4) {
-    count += near(i, 0xb0) && near(i + 1, 0x10) && near(i + 2, 0x6b);
+    count += near(i, 0x00) && near(i + 1, 0x70) && near(i + 2, 0x7f);
   }
   return count;
 }"""
-"""How many pixels of the camera's picture have the colour of the line straight ahead."""
+"""How many pixels of the camera's picture have the colour of the grid."""
 
 
 def test_the_floors_grid_is_drawn_over_the_picture(browser) -> None:
     with board_robot() as (_, address), page_at(browser, address, "/") as page:
         page.wait_for_function("window.brickpose?.connected && window.brickpose.delays.length")
         page.locator("#camera-rays").click()
-        page.wait_for_function(f"({LINE_AHEAD})() === 0")
+        page.wait_for_function(f"({GRID_LINES})() === 0")
         page.get_by_role("button", name="floor grid").click()
-        page.wait_for_function(f"({LINE_AHEAD})() > 20")
+        page.wait_for_function(f"({GRID_LINES})() > 20")
         page.get_by_role("button", name="floor grid").click()
-        page.wait_for_function(f"({LINE_AHEAD})() === 0")
+        page.wait_for_function(f"({GRID_LINES})() === 0")

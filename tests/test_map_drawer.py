@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from drawn_maps import LAP_S, MappingBench
+from drawn_maps import LAP_S, LONGEST_S, MappingBench
 from engine_runs import EIGHT, run
 
 from app.engine.build import build_on_map
@@ -161,13 +161,13 @@ def test_a_map_is_saved_while_it_is_drawn_and_drawn_on(bench, tmp_path):
     before = bench.drawer.drawing
     saving = threading.Thread(target=bench.drawer.save, args=("half", tmp_path))
     saving.start()
-    while saving.is_alive():
-        bench.drive(0.1)
+    bench.drive(0.5)
+    saving.join(LONGEST_S)
     assert load_field(str(tmp_path / "half.svg"), MAPS).tape_width == pytest.approx(0.05)
     assert bench.drawer.drawing.state == "draw"
-    bench.drive(9.0)
-    while bench.drawer.drawing.version <= before.version + 3:
-        bench.drive(0.1)
+    for _ in range(9):
+        bench.catch_up(bench.drive(1.0))
+    assert bench.drawer.drawing.version > before.version + 3
     assert len(bench.drawer.drawing.sketch.path) > len(before.sketch.path)
     bench.finish()
     assert len(bench.drawer.drawing.result.tidy.strokes) == 4

@@ -23,6 +23,7 @@ READERS = {
     "app/lab/mapping/command.py",
     "app/settings/profiles.py",
     "app/page/outlets.py",  # the names of recordings
+    "app/recordings/library.py",  # the age of a file that is written
     "app/recordings/remote.py",
     "app/ros2/incoming.py",  # the name of a map that has none
     "app/ros2/source.py",  # ROS time

@@ -18,9 +18,9 @@ REFERENCE: frozenset[str] = frozenset()
 class FormError(BrickPoseError, ValueError):
     """A result has the wrong form; ``words`` says which one is wanted."""
 
-    def __init__(self, words: Words) -> None:
-        super().__init__(words.say())
-        self.words = words
+    def __init__(self, text: str, **values: object) -> None:
+        self.words = Words(text, values)
+        super().__init__(self.words.say())
 
 
 Ask = Callable[..., Answer]

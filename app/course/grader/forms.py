@@ -20,9 +20,9 @@ def array_of(value: Any, shape: tuple[int, ...], *, finite: bool = True) -> Arra
         FormError: it is none.
     """
     if value is None:
-        raise FormError(Words("The function gives None. Is its return missing?"))
+        raise FormError("The function gives None. Is its return missing?")
     if isinstance(value, str):
-        raise FormError(Words("The function gives a {what}.", {"what": value}))
+        raise FormError("The function gives a {what}.", what=value)
     try:
         result = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -31,9 +31,7 @@ def array_of(value: Any, shape: tuple[int, ...], *, finite: bool = True) -> Arra
         raise _wanted(shape, str(result.shape))
     if finite and not np.isfinite(result).all():
         wrong = result[~np.isfinite(result)].flat[0]
-        raise FormError(
-            Words("The function gives {wrong} where a number is due.", {"wrong": wrong})
-        )
+        raise FormError("The function gives {wrong} where a number is due.", wrong=wrong)
     return result
 
 
@@ -46,13 +44,13 @@ def pair_of(value: Any) -> tuple[Any, Any]:
     if isinstance(value, np.ndarray) and value.ndim and len(value) == 2:
         return value[0], value[1]
     if not isinstance(value, tuple) or len(value) != 2:
-        raise FormError(Words("The function has to give two things: return first, second."))
+        raise FormError("The function has to give two things: return first, second.")
     return value[0], value[1]
 
 
 def _wanted(shape: tuple[int, ...], given: str) -> FormError:
     text = "The function gives the shape {given}; {wanted} is due."
-    return FormError(Words(text, {"given": given, "wanted": str(shape)}))
+    return FormError(text, given=given, wanted=str(shape))
 
 
 def pose_features(pose: Array) -> Array:

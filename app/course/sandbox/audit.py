@@ -10,6 +10,8 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from robot.errors import BrickPoseError
+
 WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
 OWN = ("app", "robot", "sim", "benchmarks")
 """Packages that hold the answers."""
@@ -29,7 +31,7 @@ EVENTS = {
 """What each event means, to tell the student."""
 
 
-class RefusedError(PermissionError):
+class RefusedError(BrickPoseError, PermissionError):
     """The code tried something that no lesson needs."""
 
 

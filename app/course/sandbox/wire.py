@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from robot.errors import BrickPoseError
+
 LONGEST = 16 * 1024 * 1024
 """Longer messages are refused [bytes]."""
 LENGTH = struct.Struct("<I")
@@ -21,7 +23,7 @@ DEEPEST = 6
 """Values are nested no deeper than this."""
 
 
-class WireError(ValueError):
+class WireError(BrickPoseError, ValueError):
     """A message is not one of ours."""
 
 

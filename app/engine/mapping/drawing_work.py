@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from concurrent.futures import Future
+from concurrent.futures import BrokenExecutor, Future
 from functools import partial
 
 from app.engine.drive_follower import FollowedTicks
@@ -152,7 +152,10 @@ class DrawingWork:
 
 
 def _pass_on(wanted: Future[TapeMap], job: Future[Whole]) -> None:
-    error = job.exception()
+    error = _discarded() if job.cancelled() else job.exception()
+    if isinstance(error, BrokenExecutor):
+        # The process was ended while it worked.
+        error = _discarded()
     if error is None:
         wanted.set_result(job.result().drawn)
     else:
@@ -161,5 +164,9 @@ def _pass_on(wanted: Future[TapeMap], job: Future[Whole]) -> None:
 
 def _given_up() -> Future[Whole]:
     given_up: Future[Whole] = Future()
-    given_up.set_exception(FollowingError("the map was discarded"))
+    given_up.set_exception(_discarded())
     return given_up
+
+
+def _discarded() -> FollowingError:
+    return FollowingError("the map was discarded")

@@ -118,7 +118,7 @@ def _memory(after: Sequence[object]) -> SimpleNamespace:
             slow, fast = getattr(value, "slow", None), getattr(value, "fast", None)
             if isinstance(slow, int | float) and isinstance(fast, int | float):
                 return SimpleNamespace(slow=float(slow), fast=float(fast))
-    raise FormError(Words("memory.slow and memory.fast have to stay numbers."))
+    raise FormError("memory.slow and memory.fast have to stay numbers.")
 
 
 def features(outcome: Outcome) -> Array:
