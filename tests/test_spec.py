@@ -202,6 +202,7 @@ BROKEN = {
     "a direction of 2": (replaced('"direction">1<', '"direction">2<'), "valid are 1 and -1"),
     "no direction": (replaced('<param name="direction">1</param>', ""), "direction.* is missing"),
     "no camera": (without("<sensor", "</sensor>"), "no camera"),
+    "a lens elsewhere": (replaced(">pi_camera.yaml<", ">../pi_camera.yaml<"), "beside the desc"),
     "no camera frame": (replaced(">camera_optical_frame<", ">camera<"), "'camera' is no link"),
     "a camera that looks up": (
         replaced('0.132" rpy="0 0.6108652381980153 0"', '0.132" rpy="0 -0.6 0"'), "looks up"

@@ -78,7 +78,7 @@ class RobotSpec:
         return cls(
             name=root.get("name", "robot"),
             joints=joints,
-            lens=Lens.from_yaml(folder / text_of(sensor, "camera_info", "the camera")),
+            lens=Lens.from_yaml(folder / _lens_name(sensor)),
             robot_from_camera=_camera_pose(model, text_of(sensor, "frame", "the camera")),
             outline=_outline(root, model),
             urdf=urdf,
@@ -195,6 +195,14 @@ def _camera_sensor(root: ElementTree.Element) -> ElementTree.Element:
         "no camera: <ros2_control> needs a <sensor> with <param>s frame (the link of the optical "
         "frame) and camera_info (the lens file)"
     )
+
+
+def _lens_name(sensor: ElementTree.Element) -> str:
+    """Return the name of the lens file: no path, as a recording's URDF comes from anybody."""
+    name = text_of(sensor, "camera_info", "the camera")
+    if Path(name).name != name:
+        raise SpecError(f"camera_info is {name!r}; valid is a file beside the description")
+    return name
 
 
 def _camera_pose(model: RobotModel, frame: str) -> Array:
