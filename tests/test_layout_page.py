@@ -165,6 +165,15 @@ def test_the_layout_is_kept_and_shared_by_a_link_or_a_file(browser, server, page
         assert "#" not in guest.url
 
 
+@pytest.mark.parametrize("text", ["%", '{"kind": "brickpose-layout-1", "tree": {"split": "row", '
+                         '"shares": [1e308, 1e308], "parts": ["map", "drive"]}}'])  # fmt: skip
+def test_a_link_that_is_no_layout_is_told_and_the_page_works(browser, server, text):
+    for page in opened(browser, server, width=1280, height=720, view=False):
+        page.evaluate("link => { location.hash = link; location.reload(); }", f"#layout={text}")
+        expect(page.locator("#toasts")).to_contain_text("This")
+        expect(page.locator("#map")).to_be_visible()
+
+
 def test_a_file_that_is_no_layout_is_refused_in_words(page, tmp_path):
     file = tmp_path / "bad.json"
     file.write_text('{"kind": "brickpose-layout-1", "tree": "kitchen"}')

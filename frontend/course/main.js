@@ -61,9 +61,15 @@ function show(lesson) {
   });
 }
 
-/** Put the robot where the link says, as a finding's does. */
+let placed = false;
+
+/** Put the robot where the link says, as a finding's does; once, and not for other sites unasked. */
 function placeRobot() {
   const asked = new URLSearchParams(location.search);
+  if (placed || !(asked.has("x") || asked.has("guess_x"))) return;
+  placed = true;
+  const own = document.referrer.startsWith(`${location.origin}/`);
+  if (!own && !confirm(t("Put the robot where this link says?"))) return;
   /** @param {string} name */
   const value = (name) => Number(asked.get(name) ?? 0);
   if (asked.has("x")) {

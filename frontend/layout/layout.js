@@ -155,7 +155,7 @@ export class Layout {
   /** Show the layout of the page's link. */
   #follow() {
     if (!location.hash.startsWith(LINK)) return;
-    this.open(decodeURIComponent(location.hash.slice(LINK.length)));
+    this.open(unescaped(location.hash.slice(LINK.length)));
     // From now on the layout is this browser's own.
     history.replaceState(null, "", location.pathname + location.search);
   }
@@ -176,5 +176,14 @@ export class Layout {
     } catch {
       return null;
     }
+  }
+}
+
+/** A link's text; as it is, where it is cut off. @param {string} text */
+function unescaped(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
   }
 }

@@ -35,6 +35,8 @@ export const COMPACT = column(
 /** A file or link says that it is a layout, and of which kind. */
 const KIND = "brickpose-layout-1";
 const DEEPEST = 8;
+/** Larger shares have no sum. */
+const LARGEST = 1e6;
 
 /** @param {Tree} tree @returns {string} */
 export const written = (tree) => JSON.stringify({ kind: KIND, tree: rounded(tree) });
@@ -71,7 +73,7 @@ function checked(tree, known, depth) {
   const wrong = new Error(t("This layout is damaged: a split needs parts and a share for each."));
   if ((split !== "row" && split !== "column") || depth > DEEPEST) throw wrong;
   if (!Array.isArray(parts) || !Array.isArray(shares) || parts.length < 2) throw wrong;
-  const valid = shares.every((share) => Number.isFinite(share) && share > 0);
+  const valid = shares.every((share) => Number.isFinite(share) && share > 0 && share <= LARGEST);
   if (!valid || shares.length !== parts.length) throw wrong;
   return { split, shares, parts: parts.map((part) => checked(part, known, depth + 1)) };
 }
