@@ -63,6 +63,11 @@ def drive_until(socket: ClientConnection, v: float, condition) -> dict:
 def ask(socket: ClientConnection, **command) -> dict:
     """Send a command and wait for its answer."""
     socket.send(json.dumps(command))
+    return answer(socket)
+
+
+def answer(socket: ClientConnection) -> dict:
+    """Wait for the answer to a command."""
     while True:
         message = json.loads(socket.recv(timeout=ANSWER_S))
         if message["type"] in ("ack", "error"):

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from serving import Server, ask, serving, telemetry, until
+from serving import Server, answer, ask, serving, telemetry, until
 from websockets.exceptions import WebSocketException
 
 from app.engine.build import build_program
@@ -61,8 +61,11 @@ def test_a_stop_holds_while_a_recording_is_open_and_behind_it(server, folder) ->
     with server.live() as live:
         assert ask(live, type="stop")["type"] == "ack"
         [recorded] = listed(folder)
-        assert ask(live, type="open_recording", name=recorded.name)["type"] == "ack"
-        again = ask(live, type="use_field", name="square")
+        # Both are on their way before the program ends.
+        live.send(json.dumps({"type": "open_recording", "name": recorded.name}))
+        live.send(json.dumps({"type": "use_field", "name": "square"}))
+        assert answer(live)["type"] == "ack"
+        again = answer(live)
         assert "goes on with something else already" in again["message"]
     assert after(server, lambda now: now["replay"] is not None)["driver"]["stopped"]
     with server.live() as live:
