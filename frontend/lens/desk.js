@@ -38,10 +38,13 @@ export class Desk {
     else this.#socket?.close();
   }
 
-  /** @param {LensRequest} request */
+  /** What is asked before the page is connected is sent once it is. @param {LensRequest} request */
   send(request) {
     this.complain("");
-    if (this.#socket?.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(request));
+    const socket = this.#socket;
+    const send = () => socket?.send(JSON.stringify(request));
+    if (socket?.readyState === WebSocket.OPEN) send();
+    else if (socket?.readyState === WebSocket.CONNECTING) socket.addEventListener("open", send);
     else this.complain(t("There is no connection to the robot."));
   }
 
