@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from app.engine.build import build_program
 from app.engine.program import Program
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result
 from robot.localization.parameters import FilterParameters, LocalizationParameters

@@ -9,7 +9,7 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result
 from benchmarks.served_simulation import percentile_ms

@@ -11,7 +11,8 @@ from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
 from app.lab.evaluation.runs import time_to_converge
-from app.messages.commands import FigureEightCommand, SetPoseCommand
+from app.messages.commands import SetPoseCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from benchmarks.result import Result
 from robot.geometry import Pose2

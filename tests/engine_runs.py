@@ -3,7 +3,7 @@
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.messages.commands import DriveCommand, FigureEightCommand
+from app.messages.driving_commands import DriveCommand, FigureEightCommand
 from app.settings.config import Config
 from sim.simulated import PERIOD
 

@@ -12,7 +12,7 @@ from replays import go, to_the_end
 
 from app.engine.calibration_commands import calibration_command
 from app.engine.commands import check
-from app.messages.commands import CalibrateCommand, UndoCalibrationCommand
+from app.messages.driving_commands import CalibrateCommand, UndoCalibrationCommand
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import PRIORS, ROBOT

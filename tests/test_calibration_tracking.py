@@ -8,7 +8,8 @@ import pytest
 from calibrations import SPEC, SQUARE
 
 from app.engine.build import build_program
-from app.messages.commands import FigureEightCommand, SetCalibrationCommand
+from app.messages.commands import SetCalibrationCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config, with_settings
 from app.settings.groups import CalibrationSettings

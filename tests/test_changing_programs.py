@@ -16,7 +16,8 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from app.engine.build import build_program
 from app.engine.commands import check
 from app.engine.program import Program
-from app.messages.commands import CloseRecordingCommand, StopCommand
+from app.messages.commands import CloseRecordingCommand
+from app.messages.driving_commands import StopCommand
 from app.page import outlets as page_outlets
 from app.page.outlets import Outlets
 from app.recordings.library import listed

@@ -7,7 +7,7 @@ from app.engine.build import build_program
 from app.engine.checkpoint import LARGE, CheckpointError, CheckpointWriter
 from app.engine.localization import Localization
 from app.engine.parameter_changes import changed
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from robot.localization.parameters import LocalizationParameters
 

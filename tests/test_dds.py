@@ -9,7 +9,8 @@ from dds_rig import BATTERY_V, PLAIN, STAMPED, decoded, rig_and_peer, stamped, t
 from mcap_ros2._dynamic import generate_dynamic
 from ros_messages import topic
 
-from app.messages.commands import DriveCommand, SetPoseCommand, StopCommand
+from app.messages.commands import SetPoseCommand
+from app.messages.driving_commands import DriveCommand, StopCommand
 from app.ros2.encoding import motion, sensors
 from app.ros2.encoding.frames import header, pose_with_covariance
 from app.ros2.message_types import new, to_cdr, type_hash

@@ -15,7 +15,7 @@ from dds_rig import STAMPED, own_domain, rig_and_peer, stamped
 from pseudo_terminals import FDS
 from ros_messages import topic
 
-from app.messages.commands import DriveCommand
+from app.messages.driving_commands import DriveCommand
 from app.ros2.dds import child as child_module
 from app.ros2.dds import route as route_module
 from app.ros2.dds.child import Child, ChildError

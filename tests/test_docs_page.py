@@ -5,7 +5,7 @@ import re
 import pytest
 from fastapi import FastAPI
 
-from app.messages.commands import CommandMessage
+from app.messages.message import CommandMessage
 from app.messages.telemetry import TelemetryMessage
 from app.page.docs_page import docs_page
 

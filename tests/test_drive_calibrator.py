@@ -15,7 +15,8 @@ from app.engine.drive_calibrator import FEWEST_S, DriveCalibrator
 from app.engine.driving import GAP_S
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.messages.commands import CalibrateCommand, SetCalibrationCommand, StopCommand
+from app.messages.commands import SetCalibrationCommand
+from app.messages.driving_commands import CalibrateCommand, StopCommand
 from app.page.calibration import calibration_message, drive_message
 from app.settings.profiles import before, own_profile
 from robot.calibration.profile import Profile, load_profile

@@ -10,14 +10,8 @@ from hypothesis import strategies as st
 
 from app.engine.drivers import SILENCE, Driver, Drivers
 from app.engine.mailboxes.backlog import Backlog
-from app.messages.commands import (
-    Command,
-    DriveCommand,
-    FigureEightCommand,
-    ScatterCommand,
-    StopCommand,
-    TakeCommand,
-)
+from app.messages.commands import Command, ScatterCommand
+from app.messages.driving_commands import DriveCommand, FigureEightCommand, StopCommand, TakeCommand
 from robot.errors import CommandError
 
 DRIVE = DriveCommand(type="drive", v=0.1, omega=0.0)

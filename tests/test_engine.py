@@ -18,8 +18,8 @@ from app.messages.commands import (
     PingCommand,
     SetCalibrationCommand,
     ShowCommand,
-    StopCommand,
 )
+from app.messages.driving_commands import StopCommand
 from app.settings.config import Config
 from robot.calibration.profile import Profile
 from robot.calibration.unknowns import NAMES, ROBOT

@@ -15,9 +15,9 @@ from app.messages.commands import (
     ScatterCommand,
     SetParametersCommand,
     SetPoseCommand,
-    StopCommand,
     UpdateCommand,
 )
+from app.messages.driving_commands import StopCommand
 from app.settings.config import Config
 from benchmarks.recovery import SEEDS, recover
 from robot.geometry import Pose2

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from app.engine.build import build_program
-from app.messages.commands import DriveCommand
+from app.messages.driving_commands import DriveCommand
 from app.settings.config import Config
 from benchmarks.hat.bricks import Bricks
 from robot.cameras.camera import CameraSourceSettings

@@ -17,7 +17,8 @@ from app.lab.evaluation.results import METHODS, condition_table, spread
 from app.lab.evaluation.runs import Run, follow, settled, time_to_converge
 from app.lab.trajectories.reading import read_trajectory
 from app.lab.workers import LocalWorkers
-from app.messages.commands import FigureEightCommand, SetPoseCommand
+from app.messages.commands import SetPoseCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from robot.settings import SettingError
 from sim.floor_camera import CameraSettings

@@ -11,7 +11,8 @@ from engine_runs import run
 
 from app.engine.drivers import Driver
 from app.engine.mapping.drawing_work import EXPLORED, NOTHING_SEEN
-from app.messages.commands import DriveCommand, ExploreCommand, StopCommand
+from app.messages.driving_commands import DriveCommand, StopCommand
+from app.messages.map_commands import ExploreCommand
 from app.page.mapping import drawing_message
 from robot.errors import CommandError
 

@@ -8,7 +8,7 @@ from app.engine.build import build_program
 from app.lab.evaluation.integrity.claims import Claims, follow_claims
 from app.lab.evaluation.integrity.drives import carried_drive, lap_drive
 from app.lab.evaluation.integrity.measures import longest, misleading, right
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.conditions import apply_condition
 from app.settings.config import Config
 from robot.localization.estimate import State

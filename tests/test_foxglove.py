@@ -16,7 +16,8 @@ from websockets.sync.client import connect
 
 from app.engine.build import build_program
 from app.engine.drivers import Drivers
-from app.messages.commands import DriveCommand, ScatterCommand
+from app.messages.commands import ScatterCommand
+from app.messages.driving_commands import DriveCommand
 from app.page.listening import listen
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.protocol import SUBPROTOCOLS

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.engine.drivers import Driver, Drivers
-from app.messages.commands import DriveCommand, ScatterCommand, SetPoseCommand, UpdateCommand
+from app.messages.commands import ScatterCommand, SetPoseCommand, UpdateCommand
+from app.messages.driving_commands import DriveCommand
 from app.ros2.encoding.frames import pose_with_covariance, turned, vector
 from app.ros2.encoding.frames import time as ros_time
 from app.ros2.inbox import Inbox

@@ -15,7 +15,8 @@ from app.course.lesson import LESSONS, lesson_of, lessons, starting_file
 from app.course.lesson_text import parsed, rendered
 from app.engine.build import build_program
 from app.languages.catalogue import languages
-from app.messages.commands import FigureEightCommand, parse
+from app.messages.commands import parse
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 from robot.settings import SettingError
 from sim.simulated import PERIOD

@@ -16,7 +16,7 @@ from engine_runs import EIGHT, run
 from app.engine.build import build_on_map
 from app.engine.mapping import map_files
 from app.engine.mapping.map_drawer import NoMapError
-from app.messages.commands import DriveCommand
+from app.messages.driving_commands import DriveCommand
 from app.page.mapping import drawing_message, mapping_message
 from app.settings.config import MAPS
 from robot.errors import CommandError

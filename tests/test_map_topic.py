@@ -19,7 +19,7 @@ from rosbridge_sessions import ByHand, Client
 from app.engine.drivers import Driver
 from app.engine.mapping.drawing_work import STEP_S
 from app.engine.snapshot import Snapshot
-from app.messages.commands import DeleteStrokeCommand
+from app.messages.map_commands import DeleteStrokeCommand
 from app.ros2.foxglove.offer import Offer
 from app.ros2.foxglove.session import Session as FoxgloveSession
 from app.ros2.publisher import Pace

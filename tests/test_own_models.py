@@ -9,13 +9,8 @@ from own_programs import FLAT, run
 
 from app.engine.commands import check
 from app.engine.own_models import own_models
-from app.messages.commands import (
-    DriveCommand,
-    ResetCommand,
-    ScatterCommand,
-    SetParametersCommand,
-    StopCommand,
-)
+from app.messages.commands import ResetCommand, ScatterCommand, SetParametersCommand
+from app.messages.driving_commands import DriveCommand, StopCommand
 from robot.errors import CommandError
 from robot.scanning.line_scanner import LineScanner
 

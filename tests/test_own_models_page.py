@@ -7,7 +7,7 @@ import pytest
 
 from app.engine.build import build_program
 from app.engine.own_models.model_file import ModelFile, build, load
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import ROOT, Config
 from sim.simulated import PERIOD
 

@@ -10,7 +10,7 @@ from cbor2 import CBORTag
 from engine_runs import kinematic, run
 from rosbridge_sessions import Client, bridge_of, deliver
 
-from app.messages.commands import StopCommand
+from app.messages.driving_commands import StopCommand
 from app.ros2.message_types import from_cdr
 from app.settings.groups import Ros2Settings
 

@@ -13,7 +13,8 @@ from app.engine.build import build_program
 from app.engine.start_pose.keeping import PoseKeeper, saved_pose
 from app.engine.start_pose.pose_file import PoseFileError, pose_path, read, write
 from app.engine.start_pose.start import start
-from app.messages.commands import DriveCommand, PauseCommand, ResetCommand, SetParticlesCommand
+from app.messages.commands import PauseCommand, ResetCommand, SetParticlesCommand
+from app.messages.driving_commands import DriveCommand
 from app.options import config_from
 from app.settings.config import Config, load_config
 from app.settings.groups import InitialPose, StartPoseSettings

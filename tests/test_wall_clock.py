@@ -9,7 +9,7 @@ from engine_runs import EIGHT, drive, kinematic, run
 from recordings import begin, recorder_of
 
 from app.engine.drivers import Driver, Drivers
-from app.messages.commands import DriveCommand
+from app.messages.driving_commands import DriveCommand
 from app.recordings.files.mcap_reader import open_recording
 from app.settings.config import ROOT
 from sim.simulated import PERIOD

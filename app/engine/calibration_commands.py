@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.messages.commands import CalibrateCommand, SetCalibrationCommand
+from app.messages.commands import SetCalibrationCommand
+from app.messages.driving_commands import CalibrateCommand
 from robot.calibration.profile import Profile, check_values
 from robot.calibration.unknowns import NAMES, ROBOT
 from robot.description.spec import RobotSpec

@@ -20,7 +20,7 @@ from app.engine.drive_follower import DriveFollower, FollowedTicks
 from app.engine.followed_drive import result_of, ticks_of
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.messages.commands import StopCommand
+from app.messages.driving_commands import StopCommand
 from app.settings.profiles import undo, write_calibration, written_file
 from app.worker_process import WorkerProcess
 from robot.calibration.adjustment import CalibrationError

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from app.engine.commands import RULES
 from app.engine.mailboxes.backlog import Backlog
 from app.engine.program import Program
-from app.messages.commands import Command, StopCommand, TakeCommand
+from app.messages.commands import Command
+from app.messages.driving_commands import StopCommand, TakeCommand
 from robot.errors import CommandError
 
 SILENCE = 1.0

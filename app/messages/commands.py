@@ -4,177 +4,15 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import AwareDatetime, Field, TypeAdapter, ValidationError
 
-from app.messages.message import Layer, Message, Metres, Radians
+from app.messages.driving_commands import DrivingCommand
+from app.messages.map_commands import MapCommand
+from app.messages.message import CommandMessage, Layer, Message, Metres, Radians
 from robot.errors import CommandError
-
-LONGEST_ID = 200
-"""Longest id of a command [characters]; the answer repeats it."""
 
 MOST_POSES = 20_000
 """Most poses from which a filter can be started."""
-
-
-def _short(name: int | str | None) -> int | str | None:
-    if isinstance(name, str) and len(name) > LONGEST_ID:
-        raise ValueError(f"an id has at most {LONGEST_ID} characters")
-    return name
-
-
-class CommandMessage(Message):
-    """Base of all commands; a number must be a number, not a text or a truth value."""
-
-    model_config = ConfigDict(strict=True)
-
-    id: Annotated[int | str | None, AfterValidator(_short)] = None
-    """Repeated in the answer."""
-
-
-class DriveCommand(CommandMessage):
-    """Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them."""
-
-    type: Literal["drive"]
-    v: Annotated[float, Field(ge=-10, le=10)]
-    omega: Annotated[float, Field(ge=-100, le=100)]
-
-
-class StopCommand(CommandMessage):
-    """Stand still at once, whatever drives."""
-
-    type: Literal["stop"]
-
-
-class FigureEightCommand(CommandMessage):
-    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
-
-    type: Literal["figure_eight"]
-    start: bool = False
-    """Whether to begin only where it fits: it is refused if the robot would leave the field."""
-    speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
-    """Along the circles [m/s]; null is as set. It may change on the way."""
-
-
-class CalibrateCommand(CommandMessage):
-    """Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed.
-
-    At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
-    """
-
-    type: Literal["calibrate"]
-    start: bool = False
-    """Whether to begin; without it the command only renews a drive that has begun."""
-
-
-class FinishCalibrationCommand(CommandMessage):
-    """End the calibration's drive, and calibrate the robot by what it has seen so far."""
-
-    type: Literal["finish_calibration"]
-
-
-class UndoCalibrationCommand(CommandMessage):
-    """Go back to the calibration before the last one by driving; a second undo takes that back."""
-
-    type: Literal["undo_calibration"]
-
-
-class StartMapCommand(CommandMessage):
-    """Draw a map of the floor from now on, however the robot is driven."""
-
-    type: Literal["start_map"]
-    discard: bool = False
-    """Whether a map that is drawn already is forgotten; else it is kept, and none begins."""
-    paused: bool = False
-    """Whether no pictures are taken into it until ``pause_map`` says so."""
-
-
-class PauseMapCommand(CommandMessage):
-    """Take no pictures into the map that is drawn, or take them again.
-
-    The wheels tell the robot's way meanwhile.
-    """
-
-    type: Literal["pause_map"]
-    paused: bool | None = None
-    """Null is the other way than now."""
-
-
-class ExploreCommand(CommandMessage):
-    """Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed.
-
-    It ends by itself, back at its start, when all of the floor between the tape was seen.
-    """
-
-    type: Literal["explore"]
-    start: bool = False
-    """Whether to begin; without it the command only renews a drive that has begun."""
-
-
-class FinishMapCommand(CommandMessage):
-    """End the drive of the map; all of it is adjusted then."""
-
-    type: Literal["finish_map"]
-
-
-class DeleteStrokeCommand(CommandMessage):
-    """Delete a stroke of tape from the finished map, before it is saved."""
-
-    type: Literal["delete_stroke"]
-    stroke: Annotated[int, Field(ge=0, le=100_000)]
-    """Its number, from 0 on, in ``/api/mapping``."""
-    version: int
-    """Of that drawing: in another one, the stroke may have another number."""
-
-
-class MoveEndCommand(CommandMessage):
-    """Move an end of a stroke of the finished map, before it is saved."""
-
-    type: Literal["move_end"]
-    stroke: Annotated[int, Field(ge=0, le=100_000)]
-    """Its number, from 0 on, in ``/api/mapping``."""
-    last: bool
-    """Whether it is the end of its last point, or that of its first."""
-    x: Metres
-    y: Metres
-    """In the new map."""
-    version: int
-    """Of that drawing."""
-
-
-class JoinStrokesCommand(CommandMessage):
-    """Join two strokes of the finished map where their ends are nearest, before it is saved."""
-
-    type: Literal["join_strokes"]
-    stroke: Annotated[int, Field(ge=0, le=100_000)]
-    other: Annotated[int, Field(ge=0, le=100_000)]
-    """Their numbers, from 0 on, in ``/api/mapping``."""
-    version: int
-    """Of that drawing."""
-
-
-class DiscardMapCommand(CommandMessage):
-    """Forget the map that is drawn, or was."""
-
-    type: Literal["discard_map"]
-
-
-class SaveMapCommand(CommandMessage):
-    """Save the map under a new name; the dashboard's maps have a folder.
-
-    While it is drawn, it is saved as it is, and drawn on.
-    """
-
-    type: Literal["save_map"]
-    name: Annotated[str, Field(max_length=200)]
-    use: bool = False
-    """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
-    recording ends."""
-
-
-class TakeCommand(CommandMessage):
-    """Take the drive from whoever has it, and end a stop that holds."""
-
-    type: Literal["take"]
 
 
 class SetPoseCommand(CommandMessage):
@@ -342,22 +180,8 @@ class PingCommand(CommandMessage):
 
 
 Command = Annotated[
-    DriveCommand
-    | StopCommand
-    | TakeCommand
-    | FigureEightCommand
-    | CalibrateCommand
-    | FinishCalibrationCommand
-    | UndoCalibrationCommand
-    | StartMapCommand
-    | ExploreCommand
-    | PauseMapCommand
-    | FinishMapCommand
-    | DeleteStrokeCommand
-    | MoveEndCommand
-    | JoinStrokesCommand
-    | DiscardMapCommand
-    | SaveMapCommand
+    DrivingCommand
+    | MapCommand
     | SetPoseCommand
     | SetParticlesCommand
     | ScatterCommand

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+LONGEST_ID = 200
+"""Longest id of a command [characters]; the answer repeats it."""
+
 
 Layer = Literal["particles", "headings", "rays", "covariance", "paths", "truth", "camera"]
 Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
@@ -17,3 +21,18 @@ class Message(BaseModel):
     model_config = ConfigDict(
         extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True
     )
+
+
+def _short(name: int | str | None) -> int | str | None:
+    if isinstance(name, str) and len(name) > LONGEST_ID:
+        raise ValueError(f"an id has at most {LONGEST_ID} characters")
+    return name
+
+
+class CommandMessage(Message):
+    """Base of all commands; a number must be a number, not a text or a truth value."""
+
+    model_config = ConfigDict(strict=True)
+
+    id: Annotated[int | str | None, AfterValidator(_short)] = None
+    """Repeated in the answer."""

@@ -15,23 +15,27 @@ from app.engine.mapping.map_drawer import MapDrawer
 from app.engine.program import Program
 from app.languages.marking import phrase
 from app.messages.commands import (
-    CalibrateCommand,
     CloseRecordingCommand,
     Command,
+    OpenRecordingCommand,
+    RecordCommand,
+    UseFieldCommand,
+)
+from app.messages.driving_commands import (
+    CalibrateCommand,
+    FinishCalibrationCommand,
+    UndoCalibrationCommand,
+)
+from app.messages.map_commands import (
     DeleteStrokeCommand,
     DiscardMapCommand,
     ExploreCommand,
-    FinishCalibrationCommand,
     FinishMapCommand,
     JoinStrokesCommand,
     MoveEndCommand,
-    OpenRecordingCommand,
     PauseMapCommand,
-    RecordCommand,
     SaveMapCommand,
     StartMapCommand,
-    UndoCalibrationCommand,
-    UseFieldCommand,
 )
 from app.recordings.contents import contents_of
 from app.recordings.library import find

@@ -11,16 +11,9 @@ from typing import Any
 import numpy as np
 
 from app.engine.mapping.map_drawer import NoMapError
-from app.messages.commands import (
-    Command,
-    DriveCommand,
-    PauseMapCommand,
-    SaveMapCommand,
-    ScatterCommand,
-    SetPoseCommand,
-    StartMapCommand,
-    UpdateCommand,
-)
+from app.messages.commands import Command, ScatterCommand, SetPoseCommand, UpdateCommand
+from app.messages.driving_commands import DriveCommand
+from app.messages.map_commands import PauseMapCommand, SaveMapCommand, StartMapCommand
 from app.ros2.encoding.frames import SECOND_NS, heading_of
 from app.ros2.message_types import Message, MessageError
 from app.ros2.source import TopicSource

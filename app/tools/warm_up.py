@@ -11,13 +11,8 @@ from typing import Any
 from app.engine.build import build_program
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.messages.commands import (
-    Command,
-    FigureEightCommand,
-    ScatterCommand,
-    SetParametersCommand,
-    SetPoseCommand,
-)
+from app.messages.commands import Command, ScatterCommand, SetParametersCommand, SetPoseCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import Config
 
 SEARCH_TICKS = 150

@@ -15,7 +15,7 @@ from pathlib import Path
 from app.engine.build import build_program
 from app.engine.engine_thread import EngineThread
 from app.engine.program import Program
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.recordings.contents import contents_of
 from app.recordings.recorder import Recorder
 from app.ros2.publisher import TopicPublisher

@@ -20,7 +20,7 @@ import numpy as np
 from app.engine.build import build_program
 from app.engine.drivers import Drivers
 from app.engine.engine_thread import EngineThread
-from app.messages.commands import DriveCommand, FigureEightCommand
+from app.messages.driving_commands import DriveCommand, FigureEightCommand
 from app.ros2.dds.protocol import dds_topic
 from app.ros2.dds.route import DdsRoute
 from app.ros2.encoding.frames import vector

@@ -18,7 +18,7 @@ import numpy as np
 
 from app.engine.build import build_program, build_simulated
 from app.engine.program import Program
-from app.messages.commands import FigureEightCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.page.listening import listen
 from app.page.serving import Server
 from app.settings.config import MAPS, ROOT, Config

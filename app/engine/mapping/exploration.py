@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.engine.program import Program
 from app.engine.snapshot import Snapshot
-from app.messages.commands import StopCommand
+from app.messages.driving_commands import StopCommand
 from robot.geometry import Pose2
 from robot.mapping.exploring import Explorer
 from robot.mapping.sketch import Sketch

@@ -19,7 +19,8 @@ from app.files import atomic_file
 from app.lab.calibrate.calibrated_robot import CalibratedRobot
 from app.lab.calibrate.drive_report import drive_report
 from app.lab.unknown_lines import unknown_lines
-from app.messages.commands import DriveCommand, PauseCommand
+from app.messages.commands import PauseCommand
+from app.messages.driving_commands import DriveCommand
 from app.options import config_from
 from app.recordings.replay.opening import ReplayOptions, open_replay
 from app.settings.config import Config

@@ -16,7 +16,8 @@ from app.engine.localization import Localization
 from app.engine.problems import Problems
 from app.engine.snapshot import Snapshot
 from app.lab.replay_robot import ReplayRobot
-from app.messages.commands import FigureEightCommand, PauseCommand
+from app.messages.commands import PauseCommand
+from app.messages.driving_commands import FigureEightCommand
 from app.settings.config import MAPS, Config
 from app.settings.groups import StartPoseSettings
 from robot.description.spec import RobotSpec

@@ -7,7 +7,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
-from app.engine.commands import RULES, Repeat
+from app.engine.commands import RULES
+from app.engine.rule import Repeat
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from robot.errors import CommandError
 from robot.fields.field import Field

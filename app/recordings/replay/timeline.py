@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from app.engine.checkpoint import Checkpoint, CheckpointError, CheckpointWriter
-from app.engine.commands import RULES, Repeat
+from app.engine.commands import RULES
 from app.engine.engine import Engine
+from app.engine.rule import Repeat
 from app.engine.snapshot import Snapshot
 from app.messages.commands import Command, ResetCommand, SetParametersCommand
 from app.recordings.replay.position import ReadPosition

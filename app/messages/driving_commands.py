@@ -1,0 +1,73 @@
+"""Commands to drive, to stop, and to drive for a calibration."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from app.messages.message import CommandMessage
+
+
+class DriveCommand(CommandMessage):
+    """Drive; holds for 0.3 s unless renewed. Velocities beyond the limits are reduced to them."""
+
+    type: Literal["drive"]
+    v: Annotated[float, Field(ge=-10, le=10)]
+    omega: Annotated[float, Field(ge=-100, le=100)]
+
+
+class StopCommand(CommandMessage):
+    """Stand still at once, whatever drives."""
+
+    type: Literal["stop"]
+
+
+class FigureEightCommand(CommandMessage):
+    """Drive the open-loop figure-eight; holds for 0.3 s like drive, and continues if renewed."""
+
+    type: Literal["figure_eight"]
+    start: bool = False
+    """Whether to begin only where it fits: it is refused if the robot would leave the field."""
+    speed: Annotated[float, Field(ge=0.01, le=2)] | None = None
+    """Along the circles [m/s]; null is as set. It may change on the way."""
+
+
+class CalibrateCommand(CommandMessage):
+    """Drive to calibrate the robot, for a minute; holds for 0.3 s, and continues if renewed.
+
+    At its end the robot is calibrated by what it saw; ``stop`` leaves it as it was.
+    """
+
+    type: Literal["calibrate"]
+    start: bool = False
+    """Whether to begin; without it the command only renews a drive that has begun."""
+
+
+class FinishCalibrationCommand(CommandMessage):
+    """End the calibration's drive, and calibrate the robot by what it has seen so far."""
+
+    type: Literal["finish_calibration"]
+
+
+class UndoCalibrationCommand(CommandMessage):
+    """Go back to the calibration before the last one by driving; a second undo takes that back."""
+
+    type: Literal["undo_calibration"]
+
+
+class TakeCommand(CommandMessage):
+    """Take the drive from whoever has it, and end a stop that holds."""
+
+    type: Literal["take"]
+
+
+DrivingCommand = (
+    DriveCommand
+    | StopCommand
+    | TakeCommand
+    | FigureEightCommand
+    | CalibrateCommand
+    | FinishCalibrationCommand
+    | UndoCalibrationCommand
+)

@@ -1,0 +1,115 @@
+"""Commands to draw a map of the floor by driving, to mend it, and to save it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from app.messages.message import CommandMessage, Metres
+
+
+class StartMapCommand(CommandMessage):
+    """Draw a map of the floor from now on, however the robot is driven."""
+
+    type: Literal["start_map"]
+    discard: bool = False
+    """Whether a map that is drawn already is forgotten; else it is kept, and none begins."""
+    paused: bool = False
+    """Whether no pictures are taken into it until ``pause_map`` says so."""
+
+
+class PauseMapCommand(CommandMessage):
+    """Take no pictures into the map that is drawn, or take them again.
+
+    The wheels tell the robot's way meanwhile.
+    """
+
+    type: Literal["pause_map"]
+    paused: bool | None = None
+    """Null is the other way than now."""
+
+
+class ExploreCommand(CommandMessage):
+    """Drive to see the tape that the map lacks; holds for 0.3 s, and continues if renewed.
+
+    It ends by itself, back at its start, when all of the floor between the tape was seen.
+    """
+
+    type: Literal["explore"]
+    start: bool = False
+    """Whether to begin; without it the command only renews a drive that has begun."""
+
+
+class FinishMapCommand(CommandMessage):
+    """End the drive of the map; all of it is adjusted then."""
+
+    type: Literal["finish_map"]
+
+
+class DeleteStrokeCommand(CommandMessage):
+    """Delete a stroke of tape from the finished map, before it is saved."""
+
+    type: Literal["delete_stroke"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    """Its number, from 0 on, in ``/api/mapping``."""
+    version: int
+    """Of that drawing: in another one, the stroke may have another number."""
+
+
+class MoveEndCommand(CommandMessage):
+    """Move an end of a stroke of the finished map, before it is saved."""
+
+    type: Literal["move_end"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    """Its number, from 0 on, in ``/api/mapping``."""
+    last: bool
+    """Whether it is the end of its last point, or that of its first."""
+    x: Metres
+    y: Metres
+    """In the new map."""
+    version: int
+    """Of that drawing."""
+
+
+class JoinStrokesCommand(CommandMessage):
+    """Join two strokes of the finished map where their ends are nearest, before it is saved."""
+
+    type: Literal["join_strokes"]
+    stroke: Annotated[int, Field(ge=0, le=100_000)]
+    other: Annotated[int, Field(ge=0, le=100_000)]
+    """Their numbers, from 0 on, in ``/api/mapping``."""
+    version: int
+    """Of that drawing."""
+
+
+class DiscardMapCommand(CommandMessage):
+    """Forget the map that is drawn, or was."""
+
+    type: Literal["discard_map"]
+
+
+class SaveMapCommand(CommandMessage):
+    """Save the map under a new name; the dashboard's maps have a folder.
+
+    While it is drawn, it is saved as it is, and drawn on.
+    """
+
+    type: Literal["save_map"]
+    name: Annotated[str, Field(max_length=200)]
+    use: bool = False
+    """Whether to go on in the new map at once, if it is finished. The robot stands meanwhile, and a
+    recording ends."""
+
+
+MapCommand = (
+    StartMapCommand
+    | ExploreCommand
+    | PauseMapCommand
+    | FinishMapCommand
+    | DeleteStrokeCommand
+    | MoveEndCommand
+    | JoinStrokesCommand
+    | DiscardMapCommand
+    | SaveMapCommand
+)
