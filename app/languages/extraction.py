@@ -14,9 +14,10 @@ Text = str | tuple[str, str]
 """A text, or its singular and plural."""
 
 TELLING = (
-    "app/engine", "app/messages/commands.py", "app/page", "app/recordings",
-    "robot/calibration", "robot/cameras", "robot/fields", "robot/hat", "robot/interface.py",
-    "robot/localization", "robot/mapping", "robot/settings.py", "robot/toml_file.py",
+    "app/engine", "app/messages/commands.py", "app/messages/message.py", "app/page",
+    "app/recordings", "robot/calibration", "robot/cameras", "robot/fields", "robot/hat",
+    "robot/interface.py", "robot/localization", "robot/mapping", "robot/settings.py",
+    "robot/toml_file.py",
 )  # fmt: skip
 """Where errors come from that the page shows: their messages are texts."""
 SPEAKING = (
